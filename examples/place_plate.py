@@ -17,9 +17,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import palpate
-from palpate.mesh_io import object_of_mesh, read_mesh, suitable_spacing
-from palpate.mesh_write import write_mesh
-from palpate.surface import Mesh
+from palpate import Mesh, object_of_mesh, read_mesh, suitable_spacing, write_mesh
 
 PLATE = np.array([12.0, 1.5, 24.0])
 """Edges of the plate along x, y, z [mm]."""

@@ -39,7 +39,8 @@ def crates(*arrows: tuple[str, str], kind: str | None = None) -> dict[str, Any]:
         ("palpate-haptics", "palpate-device"),
         ("palpate-device", "palpate-haptics"),
         ("palpate-haptics", "palpate-engine"),
-        ("palpate-engine", "palpate-py"),
+        ("palpate-engine", "palpate-bench"),
+        ("palpate-bench", "palpate-py"),
         ("palpate-benches", "palpate-engine"),
         ("palpate-engine", "palpate-benches"),
     ],
@@ -55,6 +56,8 @@ def test_arrows_down_are_allowed() -> None:
         ("palpate-haptics", "palpate-volume"),
         ("palpate-engine", "palpate-device"),
         ("palpate-py", "palpate-engine"),
+        ("palpate-py", "palpate-bench"),
+        ("palpate-bench", "palpate-engine"),
         ("palpate-benches", "palpate-haptics"),
     ]
     assert wrong_arrows(crates(*down)) == []
@@ -65,31 +68,88 @@ def test_a_crate_without_a_floor_is_found() -> None:
     assert any("palpate-new" in sentence for sentence in wrong_arrows(metadata))
 
 
-def test_a_python_module_that_imports_a_higher_layer_is_found(tmp_path: Path) -> None:
+def python_arrows(folder: Path, module: str, line: str) -> str:
+    """Returns what the linter says of a copy of the package where a module has another import."""
     package = shutil.copytree(
         ROOT / "python" / "palpate",
-        tmp_path / "palpate",
+        folder / "palpate",
         ignore=shutil.ignore_patterns("*.so", "viewer", "__pycache__"),
     )
-    shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    with (package / "volume.py").open("a") as module:
-        module.write("\nfrom palpate import cli\n")
-
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    with (package / module).open("a") as planted:
+        planted.write(f"\n{line}\n")
     checked = subprocess.run(
         [TOOLS / "lint-imports", "--no-cache"],
         check=False,
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder)},
         capture_output=True,
         text=True,
     )
     assert checked.returncode == 1, checked.stdout + checked.stderr
-    assert "palpate.volume -> palpate.cli" in checked.stdout
+    return checked.stdout
+
+
+@pytest.mark.parametrize(
+    ("module", "line", "arrow"),
+    [
+        (
+            "volumes/volume.py",
+            "from palpate.cli import main",
+            "palpate.volumes.volume -> palpate.cli",
+        ),
+        (
+            "segmentation/request.py",
+            "from palpate.cli.scenes import scene_of",
+            "palpate.segmentation.request -> palpate.cli.scenes",
+        ),
+        (
+            "recipes/run.py",
+            "from palpate.cli.surface_run import export_surface",
+            "palpate.recipes.run -> palpate.cli.surface_run",
+        ),
+        (
+            "segmentation/operations.py",
+            "from palpate.protocol import ShapeKind",
+            "palpate.segmentation.operations -> palpate.protocol",
+        ),
+        (
+            "protocol/segments.py",
+            "from palpate.session.session import Session",
+            "palpate.protocol.segments -> palpate.session.session",
+        ),
+        (
+            "cli/export_run.py",
+            "from palpate.server.segments import ShownSegments",
+            "palpate.cli.export_run -> palpate.server.segments",
+        ),
+        (
+            "io/reading.py",
+            "def late() -> None:\n    from palpate.registration import register",
+            "palpate.io.reading -> palpate.registration",
+        ),
+    ],
+)
+def test_a_python_module_that_imports_a_higher_layer_is_found(
+    tmp_path: Path, module: str, line: str, arrow: str
+) -> None:
+    assert arrow in python_arrows(tmp_path, module, line)
+
+
+def test_a_circle_within_a_python_package_is_found(tmp_path: Path) -> None:
+    line = "from palpate.volumes.scene import Scene"
+    found = python_arrows(tmp_path, "volumes/volume.py", line)
+    assert "No circles within packages BROKEN" in found
+
+
+def test_a_python_package_without_a_layer_is_found(tmp_path: Path) -> None:
+    found = python_arrows(tmp_path, "unplaced.py", '"""A module that has no place."""')
+    assert "unplaced" in found
 
 
 def test_a_module_that_imports_the_binding_itself_is_found() -> None:
     checked = subprocess.run(
-        [TOOLS / "ruff", "check", "--stdin-filename", "python/palpate/server.py", "-"],
+        [TOOLS / "ruff", "check", "--stdin-filename", "python/palpate/server/app.py", "-"],
         check=False,
         cwd=ROOT,
         input='"""A module."""\n\nfrom palpate import _core\n\n__all__ = ["_core"]\n',
@@ -100,24 +160,65 @@ def test_a_module_that_imports_the_binding_itself_is_found() -> None:
     assert "`palpate._core` is banned" in checked.stdout
 
 
-@pytest.mark.parametrize(
-    ("file", "line"),
-    [
-        ("core/new.ts", 'import * as three from "three"; export const it = three;'),
-        ("core/new.ts", 'import { it } from "../gl/picture"; export const that = it;'),
-        ("gl/new.ts", 'import { it } from "../ui/session.svelte"; export const that = it;'),
-    ],
-)
-def test_a_viewer_module_that_imports_upward_is_found(file: str, line: str) -> None:
+def eslint(file: str, line: str) -> subprocess.CompletedProcess[str]:
+    """Lints one line as if it stood in a file of the viewer's sources."""
     node = shutil.which("node")
     assert node is not None
-    checked = subprocess.run(
-        [node, "node_modules/eslint/bin/eslint.js", "--stdin", "--stdin-filename", f"src/{file}"],
+    program = "node_modules/eslint/bin/eslint.js"
+    text = f'<script lang="ts">\n{line}\n</script>\n' if file.endswith(".svelte") else f"{line}\n"
+    return subprocess.run(
+        [node, program, "--stdin", "--stdin-filename", f"src/{file}"],
         check=False,
         cwd=ROOT / "viewer",
-        input=f"{line}\n",
+        input=text,
         capture_output=True,
         text=True,
     )
+
+
+@pytest.mark.parametrize(
+    ("file", "target"),
+    [
+        pytest.param("core/view/new.ts", "../../gl/picture/picture", id="core to gl"),
+        pytest.param("gl/picture/new.ts", "../../ui/state/session.svelte", id="gl to ui"),
+        pytest.param("live/new.ts", "../gl/picture/picture", id="live to gl"),
+        pytest.param("ui/state/new.ts", "../widgets/settled", id="state to widget"),
+        pytest.param("ui/theme/new.ts", "../widgets/settled", id="theme to widget"),
+        pytest.param(
+            "ui/widgets/New.svelte", "../features/marks/mark_control.svelte", id="widget to feature"
+        ),
+        pytest.param("ui/widgets/New.svelte", "../app/actions", id="widget to app"),
+        pytest.param(
+            "ui/features/marks/new.ts", "../slices/slice_control.svelte", id="feature to feature"
+        ),
+        pytest.param(
+            "ui/features/marks/New.svelte",
+            "../slices/slice_control.svelte",
+            id="feature to feature in svelte",
+        ),
+        pytest.param("ui/features/marks/new.ts", "../../app/stage.svelte", id="feature to app"),
+        pytest.param("ui/new/new.ts", "../state/remembered", id="a folder that is no room"),
+    ],
+)
+def test_a_viewer_module_that_imports_upward_is_found(file: str, target: str) -> None:
+    checked = eslint(file, f'import {{ it }} from "{target}"; export const that = it;')
+    assert checked.returncode == 1, checked.stdout + checked.stderr
+    assert "palpate/arrows" in checked.stdout
+
+
+@pytest.mark.parametrize(
+    ("file", "target"),
+    [
+        ("ui/features/marks/new.ts", "../../state/session.svelte"),
+        ("ui/app/new.ts", "../features/marks/mark_control.svelte"),
+    ],
+)
+def test_a_viewer_module_may_import_downward(file: str, target: str) -> None:
+    checked = eslint(file, f'import {{ it }} from "{target}"; export const that = it;')
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+
+
+def test_the_viewers_core_imports_no_library_of_graphics() -> None:
+    checked = eslint("core/view/new.ts", 'import * as three from "three"; export const it = three;')
     assert checked.returncode == 1, checked.stdout + checked.stderr
     assert "no-restricted-imports" in checked.stdout

@@ -15,8 +15,8 @@ import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
 from numpy.typing import ArrayLike
-from palpate.mesh_write import write_mesh
-from palpate.surface import Mesh
+from palpate.volumes.mesh_write import write_mesh
+from palpate.volumes.surface import Mesh
 
 pytestmark = pytest.mark.browser
 

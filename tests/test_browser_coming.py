@@ -9,13 +9,13 @@ from threading import Event, Thread
 
 import pytest
 from browser import ROOT, browser
-from palpate.opening import opening
-from palpate.progress import Progress
-from palpate.server import bind, make_app, make_server
-from palpate.server_coming import Coming
-from palpate.server_open_scan import OpenScan
-from palpate.server_security import Access
-from palpate.server_workbench import Workbench
+from palpate.base.progress import Progress
+from palpate.saved.opening import opening
+from palpate.server.app import bind, make_app, make_server
+from palpate.server.loading_scan import Coming
+from palpate.server.open_scan import OpenScan
+from palpate.server.security import Access
+from palpate.server.workbench import Workbench
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 

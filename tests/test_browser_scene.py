@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import ROOT, TOOL, Browser, browser, palpate
-from palpate.io import read
-from palpate.labels import read_labels
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 

@@ -18,7 +18,7 @@ import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
 from palpate import Scene, Session, SessionOptions
-from palpate.scan_hash import scan_hash
+from palpate.volumes.scan_hash import scan_hash
 
 pytestmark = pytest.mark.browser
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from browser import ROOT, Browser, Command, browser, free_port, palpate
 from numpy.typing import NDArray
-from palpate.recording import Recording
+from palpate.session.recording import Recording
 
 pytestmark = pytest.mark.browser
 

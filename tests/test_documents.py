@@ -31,6 +31,19 @@ def test_links_lead_somewhere(document: Path) -> None:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=name)
+def test_links_lead_to_headings_that_exist(document: Path) -> None:
+    links = re.findall(r"\]\(([^):\s]*)#([^)\s]+)\)", document.read_text(encoding="utf-8"))
+    pages = [(document.parent / page if page else document, anchor) for page, anchor in links]
+    assert [anchor for page, anchor in pages if anchor not in anchors(page)] == []
+
+
+def anchors(page: Path) -> set[str]:
+    """Returns the anchors of the headings of a page, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in headings}
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name)
 def test_files_of_the_repository_that_are_named_exist(document: Path) -> None:
     text = document.read_text(encoding="utf-8")
     path = r"[\w./{},*-]+"
@@ -49,7 +62,11 @@ def unfolded(form: str) -> list[str]:
     return [path for part in inside.split(",") for path in unfolded(before + part + after)]
 
 
-INDICES = {"docs": ("*.md", "algorithms/*.md"), "docs/decisions": ("*.md",)}
+READERS = ("use", "reference", "understand", "extend", "figures")
+INDICES = {
+    "docs": ("*.md", *(f"{folder}/*.md" for folder in READERS)),
+    "docs/decisions": ("*.md",),
+}
 
 
 @pytest.mark.parametrize("index", INDICES)
@@ -71,8 +88,8 @@ def test_every_thread_is_listed() -> None:
 
 
 def test_tests_named_for_the_promises_of_touch_exist() -> None:
-    text = (ROOT / "docs" / "algorithms" / "touch.md").read_text(encoding="utf-8")
-    promises = text.partition("## What is promised")[2].partition("## ")[0]
+    text = (ROOT / "docs" / "understand" / "touch.md").read_text(encoding="utf-8")
+    promises = text.partition("## Guarantees")[2].partition("## ")[0]
     # names of tests are sentences: three words at least
     named = re.findall(r"`((?:[a-z0-9]+_){2,}[a-z0-9]+)`", promises)
     sources = [file.read_text(encoding="utf-8") for file in ROOT.glob("crates/*/tests/*.rs")]
@@ -81,7 +98,7 @@ def test_tests_named_for_the_promises_of_touch_exist() -> None:
 
 
 def test_tests_named_in_the_thesis_map_exist() -> None:
-    text = (ROOT / "docs" / "thesis-map.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "understand" / "thesis-map.md").read_text(encoding="utf-8")
     proofs = re.findall(r"`([\w/]+\.(?:rs|py))`: ((?:`\w+`(?:, )?)+)", text)
     assert len(proofs) > 10, "the map names no tests: has its form changed?"
     for file, tests in proofs:
@@ -90,8 +107,9 @@ def test_tests_named_in_the_thesis_map_exist() -> None:
             assert re.search(rf"\b(?:fn|def) {test}\b", source), f"no {test} in {file}"
 
 
-def test_the_python_example_of_the_readme_runs(tmp_path: Path) -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["README.md", "docs/use/python.md"])
+def test_the_python_example_of_a_page_runs(page: str, tmp_path: Path) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert blocks
     for block in blocks:
@@ -108,7 +126,7 @@ EXAMPLES = {
 
 @pytest.mark.parametrize(("page", "file"), EXAMPLES.items(), ids=list(EXAMPLES))
 def test_examples_on_a_page_are_the_files_they_name(page: str, file: str) -> None:
-    text = (ROOT / "docs" / "algorithms" / page).read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "extend" / page).read_text(encoding="utf-8")
     source = (ROOT / file).read_text(encoding="utf-8")
     assert f"`{file}`" in text
     assert re.findall(r"```rust\n(.*?)```", text, re.DOTALL) == [source]

@@ -11,11 +11,13 @@ Lengths mm, times s, forces N, stiffness N/mm; points (x, y, z) in LPS, arrays [
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from palpate._aliases import alias_modules
+from palpate.base.lazy_exports import lazy_exports
+
 if TYPE_CHECKING:
-    from palpate.errors import (
+    from palpate.base.errors import (
         DicomWebError,
         EmptySegmentError,
         MeshFormatError,
@@ -25,24 +27,33 @@ if TYPE_CHECKING:
         SeriesChoiceError,
         VolumeFormatError,
     )
-    from palpate.export import export_scene
-    from palpate.gap import Gap
-    from palpate.io import read
-    from palpate.io_dicomweb import fetch_series, remote_series
-    from palpate.io_dicomweb_address import WebAddress
-    from palpate.labels import Label, Labels, read_labels
-    from palpate.painted_cut import PaintedCut
-    from palpate.phantom_scan import Phantom, phantom
-    from palpate.recording import Recording, Replay
-    from palpate.registration import Registration, register
-    from palpate.registration_options import RegistrationError, SearchOptions
-    from palpate.scene import Scene
-    from palpate.scripted_path import ScriptedPath
-    from palpate.segment import Segment
-    from palpate.session import Session, SessionOptions
-    from palpate.surface import Surface
-    from palpate.touch_settings import TouchSettings
-    from palpate.volume import Volume
+    from palpate.export.export import export_scene
+    from palpate.io.dicomweb.address import WebAddress
+    from palpate.io.dicomweb.series import fetch_series, remote_series
+    from palpate.io.reading import read
+    from palpate.labels.labels import Label, Labels, read_labels
+    from palpate.registration.options import RegistrationError, SearchOptions
+    from palpate.registration.registration import Registration, register
+    from palpate.session.gap import Gap
+    from palpate.session.painted_cut import PaintedCut
+    from palpate.session.recording import Recording, Replay
+    from palpate.session.scripted_path import ScriptedPath
+    from palpate.session.session import Session, SessionOptions
+    from palpate.session.touch_settings import TouchSettings
+    from palpate.volumes.material import Material, material_presets
+    from palpate.volumes.mesh_read import (
+        MeshFile,
+        object_of_mesh,
+        read_mesh,
+        segment_of_mesh,
+        suitable_spacing,
+    )
+    from palpate.volumes.mesh_write import write_mesh
+    from palpate.volumes.phantom import Phantom, phantom
+    from palpate.volumes.scene import Scene
+    from palpate.volumes.segment import Segment
+    from palpate.volumes.surface import Mesh, Surface
+    from palpate.volumes.volume import Volume
 
 __all__ = [
     "DicomWebError",
@@ -50,6 +61,9 @@ __all__ = [
     "Gap",
     "Label",
     "Labels",
+    "Material",
+    "Mesh",
+    "MeshFile",
     "MeshFormatError",
     "OptionError",
     "PaintedCut",
@@ -74,54 +88,66 @@ __all__ = [
     "WebAddress",
     "export_scene",
     "fetch_series",
+    "material_presets",
+    "object_of_mesh",
     "phantom",
     "read",
     "read_labels",
+    "read_mesh",
     "register",
     "remote_series",
+    "segment_of_mesh",
+    "suitable_spacing",
+    "write_mesh",
 ]
 
-_HOMES = {
-    "DicomWebError": "errors",
-    "EmptySegmentError": "errors",
-    "MeshFormatError": "errors",
-    "OptionError": "errors",
-    "PalpateError": "errors",
-    "RecordingFormatError": "errors",
-    "SeriesChoiceError": "errors",
-    "VolumeFormatError": "errors",
-    "export_scene": "export",
-    "Gap": "gap",
-    "read": "io",
-    "fetch_series": "io_dicomweb",
-    "remote_series": "io_dicomweb",
-    "WebAddress": "io_dicomweb_address",
-    "Label": "labels",
-    "Labels": "labels",
-    "read_labels": "labels",
-    "PaintedCut": "painted_cut",
-    "Phantom": "phantom_scan",
-    "phantom": "phantom_scan",
-    "Scene": "scene",
-    "ScriptedPath": "scripted_path",
-    "Registration": "registration",
-    "register": "registration",
-    "RegistrationError": "registration_options",
-    "SearchOptions": "registration_options",
-    "Segment": "segment",
-    "Recording": "recording",
-    "Replay": "recording",
-    "Session": "session",
-    "SessionOptions": "session",
-    "Surface": "surface",
-    "TouchSettings": "touch_settings",
-    "Volume": "volume",
-}
-"""Module of each public name: imported when first asked for, so that the package starts fast."""
+__getattr__ = lazy_exports(
+    __name__,
+    {
+        "DicomWebError": "base.errors",
+        "EmptySegmentError": "base.errors",
+        "Gap": "session.gap",
+        "Label": "labels.labels",
+        "Labels": "labels.labels",
+        "Material": "volumes.material",
+        "Mesh": "volumes.surface",
+        "MeshFile": "volumes.mesh_read",
+        "MeshFormatError": "base.errors",
+        "OptionError": "base.errors",
+        "PaintedCut": "session.painted_cut",
+        "PalpateError": "base.errors",
+        "Phantom": "volumes.phantom",
+        "Recording": "session.recording",
+        "RecordingFormatError": "base.errors",
+        "Registration": "registration.registration",
+        "RegistrationError": "registration.options",
+        "Replay": "session.recording",
+        "Scene": "volumes.scene",
+        "ScriptedPath": "session.scripted_path",
+        "SearchOptions": "registration.options",
+        "Segment": "volumes.segment",
+        "SeriesChoiceError": "base.errors",
+        "Session": "session.session",
+        "SessionOptions": "session.session",
+        "Surface": "volumes.surface",
+        "TouchSettings": "session.touch_settings",
+        "Volume": "volumes.volume",
+        "VolumeFormatError": "base.errors",
+        "WebAddress": "io.dicomweb.address",
+        "export_scene": "export.export",
+        "fetch_series": "io.dicomweb.series",
+        "material_presets": "volumes.material",
+        "object_of_mesh": "volumes.mesh_read",
+        "phantom": "volumes.phantom",
+        "read": "io.reading",
+        "read_labels": "labels.labels",
+        "read_mesh": "volumes.mesh_read",
+        "register": "registration.registration",
+        "remote_series": "io.dicomweb.series",
+        "segment_of_mesh": "volumes.mesh_read",
+        "suitable_spacing": "volumes.mesh_read",
+        "write_mesh": "volumes.mesh_write",
+    },
+)
 
-
-def __getattr__(name: str) -> object:
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{home}"), name)
+alias_modules()

@@ -613,7 +613,7 @@ def bench_passivity(
     """
 
 def needle_tissues() -> list[tuple[str, _Tissue]]:
-    """Tissues by name, each by the figures of ``palpate.needle.Tissue`` in their order."""
+    """Tissues by name, each by the figures of ``palpate.session.needle.Tissue`` in their order."""
 
 def drive_needle(
     volume: Volume, layers: list[tuple[Segment, _Tissue | None]], drive: _Drive

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from palpate.reconstruction import WATER
-from palpate.scanner import Beam, Scanner
+from palpate.reconstruction.reconstruction import WATER
+from palpate.reconstruction.scanner import Beam, Scanner
 
 __all__ = ["SHAPE", "SIZE", "VOXEL", "flat", "projected", "scanner_of", "truth"]
 

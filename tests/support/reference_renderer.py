@@ -1,6 +1,6 @@
 """A volume renderer on the CPU, in NumPy: what pictures of the page are held against.
 
-It follows ``docs/algorithms/picture.md``: the formulas of light are the shaders' too, code and
+It follows ``docs/understand/picture.md``: the formulas of light are the shaders' too, code and
 sampling are its own. Where they take the mean of the transfer function between two samples, leap,
 quarter steps and end early, this one takes samples eight times as dense as the voxels, the transfer
 function of each, and goes on to the end. Where one place of a ray decides, which may lie between

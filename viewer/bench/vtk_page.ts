@@ -13,20 +13,20 @@ import vtkRenderWindowInteractor from "@kitware/vtk.js/Rendering/Core/RenderWind
 import vtkVolume from "@kitware/vtk.js/Rendering/Core/Volume";
 import vtkVolumeMapper from "@kitware/vtk.js/Rendering/Core/VolumeMapper";
 import vtkOpenGLRenderWindow from "@kitware/vtk.js/Rendering/OpenGL/RenderWindow";
-import { sample } from "../src/core/transfer_function";
-import type { TimedPicture, TimedWish } from "../src/gl/timed_picture";
-import type { BenchScene } from "../src/ui/bench_door";
+import { sample } from "../src/core/appearance/transfer_function";
+import type { TimedPicture, TimedWish } from "../src/gl/picture/timed_picture";
+import type { BenchScene } from "../src/ui/app/bench_hooks";
 
 export type VtkMode = "composite" | "shaded" | "mip";
 
-export interface VtkDoor {
+export interface VtkHooks {
   readonly open: (scene: BenchScene) => void;
   readonly draw: (mode: VtkMode, wish: TimedWish) => TimedPicture;
 }
 
 declare global {
   interface Window {
-    vtkDoor?: VtkDoor;
+    vtkDoor?: VtkHooks;
   }
 }
 

@@ -2,8 +2,8 @@
  * Starts the page.
  */
 import { mount } from "svelte";
-import App from "./ui/App.svelte";
-import "./ui/theme.css";
+import App from "./ui/app/App.svelte";
+import "./ui/theme/theme.css";
 
 const host = document.getElementById("app");
 if (host === null) {

@@ -1,6 +1,6 @@
 //! A model of deformation in a few lines: each voxel is a spring of its own.
 //!
-//! Frame: patient [mm]. `docs/algorithms/adding-a-model.md` shows this file.
+//! Frame: patient [mm]. `docs/extend/adding-a-model.md` shows this file.
 
 use glam::{DMat3, DVec3};
 use palpate_deform::model::{DeformationModel, ModelAnswer, ModelInput, ToolContact, ToolState};

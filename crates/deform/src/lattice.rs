@@ -8,7 +8,7 @@
 //!
 //! Frame of this module: the lattice's own, mm along the axes of the grid; node (i, j, k) of
 //! the box rests at (i, j, k) · spacing. Source: thesis errata, sections 3, 6 and 7;
-//! `docs/algorithms/deformation.md` has the whole method.
+//! `docs/understand/deformation.md` has the whole method.
 
 #![allow(
     clippy::needless_range_loop,

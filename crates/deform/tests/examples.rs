@@ -1,4 +1,4 @@
-//! The example of `docs/algorithms/adding-a-model.md` does what the page says.
+//! The example of `docs/extend/adding-a-model.md` does what the page says.
 
 mod model_support;
 #[path = "../examples/simple_model.rs"]

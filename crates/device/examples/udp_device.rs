@@ -1,7 +1,7 @@
 //! A device in a few lines: it tells over UDP where it is, and is told the force there.
 //!
 //! Its own frame is x right, y up, z away from the person, in metres; a datagram is "x y z".
-//! `docs/algorithms/adding-a-device.md` shows this file.
+//! `docs/extend/adding-a-device.md` shows this file.
 
 use std::net::UdpSocket;
 

@@ -1,4 +1,4 @@
-//! The example of `docs/algorithms/adding-a-device.md` does what the page says.
+//! The example of `docs/extend/adding-a-device.md` does what the page says.
 
 #[path = "../examples/udp_device.rs"]
 mod udp_device;

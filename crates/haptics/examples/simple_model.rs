@@ -1,6 +1,6 @@
 //! A contact model in a few lines: a hard stop, without sliding.
 //!
-//! Frame: the world's grid. `docs/algorithms/adding-a-contact-model.md` shows this file.
+//! Frame: the world's grid. `docs/extend/adding-a-contact-model.md` shows this file.
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::contact::{Contact, ContactModel};

@@ -9,7 +9,7 @@
 //! Walls are digital planes: "thin" ones are the thinnest that no path from face to face crosses
 //! (thickness max |n|), "thick" ones the thinnest that no path over edges and corners crosses
 //! either (thickness |n₁| + |n₂| + |n₃|). Grids of cubes; lengths in voxels; all random numbers
-//! have seeds. `docs/algorithms/touch.md` shows the figures. Takes some 10 seconds:
+//! have seeds. `docs/understand/touch.md` shows the figures. Takes some 10 seconds:
 //!
 //!     cargo run --release -p palpate-haptics --example thesis_claims
 //!

@@ -1,4 +1,4 @@
-//! The example of `docs/algorithms/adding-a-contact-model.md` does what the page says.
+//! The example of `docs/extend/adding-a-contact-model.md` does what the page says.
 
 #[path = "../examples/simple_model.rs"]
 mod simple_model;

@@ -1,7 +1,7 @@
 //! Surfaces of segments: triangles that follow the voxels, patch by patch.
 //!
 //! Depends on `palpate-volume` only and knows nothing of pictures, threads or files. Lengths are
-//! mm along the patient's axes (LPS); frames are those of `docs/conventions.md`.
+//! mm along the patient's axes (LPS); frames are those of `docs/understand/conventions.md`.
 
 mod block;
 pub mod cell_table;

@@ -2,7 +2,7 @@
 //! the exact traversal on which every contact model rests.
 //!
 //! Depends on no other crate of this project and knows nothing of devices, forces,
-//! threads or files. Lengths are mm; frames are those of `docs/conventions.md`: voxel
+//! threads or files. Lengths are mm; frames are those of `docs/understand/conventions.md`: voxel
 //! (i, j, k) of the grid frame covers [i, i+1) on each axis; x is fastest in memory.
 
 pub mod bit_brick;

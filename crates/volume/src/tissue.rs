@@ -1,7 +1,7 @@
 //! How tissue resists a needle: what a segment is made of for the needle law.
 //!
 //! Units: mm, N, s. The figures of the presets are of the order that is measured with needles of
-//! 0.7 to 1.3 mm; `docs/algorithms/needle.md` says which are measured and which are assumed.
+//! 0.7 to 1.3 mm; `docs/understand/needle.md` says which are measured and which are assumed.
 //! Sources: Okamura, Simone, O'Leary, "Force modeling for needle insertion into soft tissue",
 //! IEEE Trans. Biomed. Eng. 51 (2004); van Gerwen, Dankelman, van den Dobbelsteen, "Needle-tissue
 //! interaction forces: a survey of experimental data", Med. Eng. Phys. 34 (2012).

@@ -12,7 +12,9 @@ import statistics
 from dataclasses import dataclass
 
 from palpate import _core
-from palpate.bench.goals_matter import (
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.bench.goals.soft_tissue import (
     BORDER,
     COST,
     COST_SIZES,
@@ -26,8 +28,6 @@ from palpate.bench.goals_matter import (
 )
 from palpate.bench.lammps_pairs import LammpsCrystal
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
 
 __all__ = ["CANNOT", "Effort", "measure"]
 

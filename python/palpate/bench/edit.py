@@ -24,12 +24,12 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
 from palpate.bench.goals import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED, GOALS
 from palpate.bench.haptics_data import CTHEAD, data_file
 from palpate.bench.page import Page, chromium, opened, served
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
 
 __all__ = ["erased", "figures_of", "measure", "pressed", "rows_of"]
 

@@ -12,8 +12,8 @@ from importlib import import_module
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.errors import OptionError
 from palpate.bench.goals import FLYING
-from palpate.errors import OptionError
 
 __all__ = ["FlyingEdges"]
 

@@ -13,7 +13,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from palpate import _core
-from palpate.bench.goals_matter import (
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.bench.goals.soft_tissue import (
     MODELS,
     NO_MODEL,
     SESSION_GROUNDS,
@@ -23,11 +25,9 @@ from palpate.bench.goals_matter import (
 )
 from palpate.bench.haptics_data import CTHEAD, CTHEAD_BONE, LIDC, MissingDataError, data_file
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.io import read
-from palpate.phantom_scan import phantom
-from palpate.progress import Progress, silent
-from palpate.segment import Segment
+from palpate.io.reading import read
+from palpate.volumes.phantom import phantom
+from palpate.volumes.segment import Segment
 
 __all__ = ["Pace", "figures", "measure"]
 

@@ -27,15 +27,15 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import OptionError, PalpateError
-from palpate.io import read
-from palpate.io_browse import browsed, previews
-from palpate.io_dicom_series import is_dicom
-from palpate.io_file import FORMATS
-from palpate.labels import read_labels
-from palpate.mesh_io import read_mesh
-from palpate.progress import Progress, silent
-from palpate.simpleitk import simpleitk
+from palpate.base.errors import OptionError, PalpateError
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import simpleitk
+from palpate.io.browse import browsed, previews
+from palpate.io.dicom.series import is_dicom
+from palpate.io.image_file import FORMATS
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
+from palpate.volumes.mesh_read import read_mesh
 
 __all__ = ["Found", "Limits", "Sample", "damaged", "measure", "samples_in", "tried"]
 

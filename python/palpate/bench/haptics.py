@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import Any, cast
 
 from palpate import _core
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
 from palpate.bench.goals import (
     EMBEDDED,
     EMBEDDED_ROWS,
@@ -44,10 +46,8 @@ from palpate.bench.haptics_data import (
     ground_of,
 )
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.io import read
-from palpate.progress import Progress, silent
-from palpate.segment import Segment
+from palpate.io.reading import read
+from palpate.volumes.segment import Segment
 
 __all__ = [
     "Effort",

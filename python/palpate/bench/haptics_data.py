@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate import _core
+from palpate.base.simpleitk import simpleitk
 from palpate.bench.goals import CHEST, HEAD, LARGE, MANY, TORSO, TRUNK
-from palpate.io import read
-from palpate.segment import Segment
-from palpate.simpleitk import simpleitk
-from palpate.volume import Volume
+from palpate.io.reading import read
+from palpate.volumes.segment import Segment
+from palpate.volumes.volume import Volume
 
 __all__ = [
     "CTHEAD",

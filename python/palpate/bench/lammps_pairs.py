@@ -17,7 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import OptionError
+from palpate.base.errors import OptionError
 
 __all__ = ["LammpsCrystal", "LammpsFigures"]
 

@@ -10,7 +10,7 @@ from importlib import import_module
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import OptionError
+from palpate.base.errors import OptionError
 
 __all__ = ["LinearFem"]
 

@@ -19,14 +19,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.goals_registration import METRICS, MODALITY_ROWS, STARTS, modality_case
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import image_on, simpleitk
+from palpate.bench.goals.registration import METRICS, MODALITY_ROWS, STARTS, modality_case
 from palpate.bench.report import Row, row_of
-from palpate.io import read
-from palpate.progress import Progress, silent
-from palpate.registration import register
-from palpate.registration_options import Kind, Metric, RegistrationError, SearchOptions
-from palpate.simpleitk import image_on, simpleitk
-from palpate.volume import Volume, VolumeTraits
+from palpate.io.reading import read
+from palpate.registration.options import Kind, Metric, RegistrationError, SearchOptions
+from palpate.registration.registration import register
+from palpate.volumes.volume import Volume, VolumeTraits
 
 __all__ = ["Apart", "Pair", "apart_from", "coarser", "head_of", "like_mr", "measure_modalities"]
 

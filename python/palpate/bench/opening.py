@@ -19,15 +19,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import simpleitk
 from palpate.bench.first_picture import used_until_picture
-from palpate.bench.goals_open import OPEN_CASE, OPEN_ROWS
+from palpate.bench.goals.opening import OPEN_CASE, OPEN_ROWS
 from palpate.bench.haptics_data import LIDC, data_file
 from palpate.bench.page import chromium, opened, served
 from palpate.bench.report import Row, rows_told
-from palpate.io import read
-from palpate.progress import Progress, silent
-from palpate.simpleitk import simpleitk
-from palpate.volume import Volume
+from palpate.io.reading import read
+from palpate.volumes.volume import Volume
 
 if TYPE_CHECKING:
     from pydicom.dataset import FileDataset

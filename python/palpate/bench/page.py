@@ -20,8 +20,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO, Any
 
+from palpate.base.errors import OptionError
 from palpate.bench.processor_time import spent
-from palpate.errors import OptionError
 
 __all__ = ["Page", "chromium", "opened", "served"]
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from palpate import _core
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
 from palpate.bench.goals import DEFAULT_STIFFNESS, FLAT_WALL, GOALS, RATES_KHZ, WALLS
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
-from palpate.segment import Segment
+from palpate.volumes.segment import Segment
 
 __all__ = ["DEVICES", "measure", "print_table", "rub"]
 

@@ -11,6 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from palpate.base.errors import OptionError
 from palpate.bench.goals import (
     BODIES,
     GRIDS,
@@ -19,9 +20,8 @@ from palpate.bench.goals import (
     Touch,
     quality_case,
 )
-from palpate.bench.goals_matter import TRUTH_LEVELS, TRUTH_MODELS, truth_case
+from palpate.bench.goals.soft_tissue import TRUTH_LEVELS, TRUTH_MODELS, truth_case
 from palpate.bench.report import Row
-from palpate.errors import OptionError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

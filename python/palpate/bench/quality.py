@@ -16,10 +16,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from palpate import _core
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
 from palpate.bench.goals import GOALS, TOUCHES, Touch
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
 
 __all__ = ["all_cases", "feel", "measure", "print_tables"]
 

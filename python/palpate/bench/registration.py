@@ -17,16 +17,16 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.goals_registration import ELASTIX_CASE, LUNG_ROWS, registered_case
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.bench.goals.registration import ELASTIX_CASE, LUNG_ROWS, registered_case
 from palpate.bench.haptics_data import CTHEAD, data_file
 from palpate.bench.modalities import head_of, measure_modalities
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.io import read
-from palpate.progress import Progress, silent
-from palpate.registration import register
-from palpate.registration_options import KINDS
-from palpate.volume import Volume
+from palpate.io.reading import read
+from palpate.registration.options import KINDS
+from palpate.registration.registration import register
+from palpate.volumes.volume import Volume
 
 __all__ = ["landmarks_of", "measure", "rows_of"]
 

@@ -25,9 +25,11 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
 from palpate.bench.edit import erased
 from palpate.bench.first_picture import first_picture
-from palpate.bench.goals_render import (
+from palpate.bench.goals.render import (
     EDIT_CASE,
     MODES,
     OPENED_CASE,
@@ -41,8 +43,6 @@ from palpate.bench.goals_render import (
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
 from palpate.bench.report import Row, rows_told
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
 
 __all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
 

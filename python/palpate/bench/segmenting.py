@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.goals_segment import SEGMENT_ROWS
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import simpleitk
+from palpate.bench.goals.segmenting import SEGMENT_ROWS
 from palpate.bench.haptics_data import AMOS, LIDC, LIDC_LABELS, data_file
 from palpate.bench.report import Row, row_of
-from palpate.io import read
-from palpate.labels import read_labels
-from palpate.progress import Progress, silent
-from palpate.scene import Scene
-from palpate.segmentation import grown
-from palpate.session import Session
-from palpate.simpleitk import simpleitk
-from palpate.volume import Volume
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
+from palpate.segmentation.operations import grown
+from palpate.session.session import Session
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 
 __all__ = ["drawn_out", "measure", "rows_of", "surface_seconds"]
 

@@ -22,13 +22,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
 from palpate.bench.goals import BUSY, GIVING, GOALS, LOADS, RATES, servo_case
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.phantom_scan import Phantom, phantom
-from palpate.progress import Progress, silent
-from palpate.scene import Scene
-from palpate.session import Session, SessionOptions
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.phantom import Phantom, phantom
+from palpate.volumes.scene import Scene
 
 __all__ = ["Lateness", "measure", "rows_of", "told"]
 

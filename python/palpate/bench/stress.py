@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any, Self, cast
 
 from palpate import _core
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
 from palpate.bench.goals import GOALS
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
-from palpate.segment import Segment
+from palpate.volumes.segment import Segment
 
 __all__ = ["Found", "Plan", "again", "measure", "rows_of", "write_case"]
 

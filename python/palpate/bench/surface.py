@@ -16,6 +16,7 @@ from functools import partial
 import numpy as np
 
 from palpate import _core
+from palpate.base.progress import Progress, silent
 from palpate.bench.flying_edges import FlyingEdges
 from palpate.bench.goals import (
     CHEST,
@@ -30,9 +31,8 @@ from palpate.bench.goals import (
 )
 from palpate.bench.haptics_data import CTHEAD, CTHEAD_BONE, LIDC, MissingDataError, data_file
 from palpate.bench.report import Row, row_of
-from palpate.io import read
-from palpate.progress import Progress, silent
-from palpate.segment import Segment
+from palpate.io.reading import read
+from palpate.volumes.segment import Segment
 
 __all__ = ["Bone", "bone_of", "drill", "measure", "spheres", "whole_surface"]
 

@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate import _core
-from palpate.bench.goals_matter import TRUTH_CUBE_ROWS, TRUTH_LEVELS, TRUTH_MODELS, truth_case
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.bench.goals.soft_tissue import TRUTH_CUBE_ROWS, TRUTH_LEVELS, TRUTH_MODELS, truth_case
 from palpate.bench.haptics_data import data_file
 from palpate.bench.linear_fem import LinearFem
 from palpate.bench.report import Row, row_of
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
 
 __all__ = ["Cube", "beads_of", "errors_of", "lattice_displacements", "measure"]
 

@@ -1,7 +1,7 @@
 /**
  * Messages between engine and page, and the check of what arrives.
  *
- * Generated from `python/palpate/protocol*.py` by `python -m palpate.protocol_typescript`;
+ * Generated from `python/palpate/protocol/` by `python -m palpate.protocol.typescript`;
  * change it there. Each message is one msgpack map with a `type`. Points and vectors are
  * (x, y, z) in the scene frame, LPS [mm]; forces [N]; stiffness [N/mm]; times [s].
  */

@@ -1,10 +1,10 @@
 /**
  * Asks the engine for scans: work that tells how far it is, and files that are brought to it.
  */
-import type { LaidOut } from "../core/bare";
-import { Lines, type About, type GivenFile, type JobLine } from "../core/library";
-import type { ReconstructionGrid, ReconstructionRequest } from "../core/reconstruction";
-import type { Vec3 } from "../core/vector";
+import type { LaidOut } from "../core/library/headerless";
+import { Lines, type About, type GivenFile, type JobLine } from "../core/library/library";
+import type { ReconstructionGrid, ReconstructionRequest } from "../core/library/reconstruction";
+import type { Vec3 } from "../core/geometry/vector";
 import { apiAddress } from "./connection";
 
 /** How many files are on their way at once. */

@@ -3,7 +3,7 @@
  *
  * While it is let in, the page learns a key, and keeps it in memory only. Later engine and page show
  * each other that they know it by HMAC of numbers that are used once: what answers on the port
- * meanwhile, if it is another program, learns nothing. See `python/palpate/server_resume.py`.
+ * meanwhile, if it is another program, learns nothing. See `python/palpate/server/resume.py`.
  */
 const numberBytes = 32;
 

@@ -1,8 +1,8 @@
 /**
  * Downloads voxels and prepares them for the picture, off the page's thread.
  */
-import { ArrivingScan, StandIn, type Planes } from "../core/arriving_scan";
-import { labelledBricks } from "../core/bricks";
+import { LoadingScan, StandIn, type Planes } from "../core/scan/loading_scan";
+import { labelledBricks } from "../core/scan/bricks";
 import type { LabelsRequest, ValuesRequest, VolumeAnswer, VolumeRequest } from "./volume_messages";
 
 /** Between two looks at how quickly a scan arrives [ms]. */
@@ -52,7 +52,7 @@ async function bringLabels({ url, dimensions }: LabelsRequest): Promise<void> {
 }
 
 async function bringValues({ url, dimensions, step, meanwhile }: ValuesRequest): Promise<void> {
-  const scan = new ArrivingScan(dimensions);
+  const scan = new LoadingScan(dimensions);
   const standIn = meanwhile && new StandIn(meanwhile.coarse, dimensions, step, meanwhile.parts);
   if (standIn !== null) {
     void fillIn(scan, standIn, dimensions[2], meanwhile?.soon ?? 0);
@@ -67,7 +67,7 @@ async function bringValues({ url, dimensions, step, meanwhile }: ValuesRequest):
 }
 
 /** Hands on what stands in for planes that are not there soon. */
-async function fillIn(scan: ArrivingScan, standIn: StandIn, depth: number, soon: number): Promise<void> {
+async function fillIn(scan: LoadingScan, standIn: StandIn, depth: number, soon: number): Promise<void> {
   const begun = performance.now();
   const left = (): number => ((performance.now() - begun) * (depth - scan.arrived)) / scan.arrived;
   do {
@@ -81,7 +81,7 @@ async function fillIn(scan: ArrivingScan, standIn: StandIn, depth: number, soon:
   tellArrival(scan, standIn);
 }
 
-function tellArrival(scan: ArrivingScan, standIn: StandIn | null): void {
+function tellArrival(scan: LoadingScan, standIn: StandIn | null): void {
   const arrival = standIn?.next(scan) ?? null;
   if (arrival !== null) {
     tell({ kind: "arrival", arrival });

@@ -1,10 +1,10 @@
 /**
  * The scan's voxels by HTTP, with progress.
  */
-import type { Arrival, Planes } from "../core/arriving_scan";
-import type { BrickRanges } from "../core/bricks";
-import { storedDimensions, type ScanFrame, type ScanVolume } from "../core/scan_volume";
-import type { LabelVolume } from "../core/voxel_change";
+import type { Arrival, Planes } from "../core/scan/loading_scan";
+import type { BrickRanges } from "../core/scan/bricks";
+import { storedDimensions, type ScanFrame, type ScanVolume } from "../core/scan/scan_volume";
+import type { LabelVolume } from "../core/scan/voxel_change";
 import { apiAddress } from "./connection";
 import { takeWorker } from "./early_workers";
 import type { ShownParts, ValuesRequest, VolumeAnswer, VolumeRequest } from "./volume_messages";

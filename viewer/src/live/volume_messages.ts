@@ -1,11 +1,11 @@
 /**
  * What page and volume worker say to each other.
  */
-import type { Arrival, Planes } from "../core/arriving_scan";
-import type { BrickRanges } from "../core/bricks";
-import type { CoarseScan } from "../core/planes_between";
-import type { Vec3 } from "../core/vector";
-import type { LabelVolume } from "../core/voxel_change";
+import type { Arrival, Planes } from "../core/scan/loading_scan";
+import type { BrickRanges } from "../core/scan/bricks";
+import type { CoarseScan } from "../core/scan/plane_interpolation";
+import type { Vec3 } from "../core/geometry/vector";
+import type { LabelVolume } from "../core/scan/voxel_change";
 
 /** The segment of each voxel. */
 export interface LabelsRequest {

@@ -1,10 +1,10 @@
 /**
  * Runs in the browser: a scan that is drawn coarsely, then as far as it has arrived, then whole.
  */
-import { brickRanges, coveringRanges } from "../../src/core/bricks";
-import { PlanesBetween } from "../../src/core/planes_between";
-import { firstQuality } from "../../src/core/quality";
-import type { ShownSlice } from "../../src/gl/slices";
+import { brickRanges, coveringRanges } from "../../src/core/scan/bricks";
+import { PlaneInterpolation } from "../../src/core/scan/plane_interpolation";
+import { firstQuality } from "../../src/core/view/quality";
+import type { ShownSlice } from "../../src/gl/picture/slices";
 import { edge, fieldOf, lookOf, outlineOf, viewOf, voxels, type MarchTest } from "./scenes_page";
 import { finished, pictureOf, pixelsOf } from "./screen_page";
 
@@ -45,7 +45,7 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
     linkProgram.call(gl, program);
   };
 
-  const behind = new PlanesBetween(coarse, own.dimensions, 1).make(arrived, voxels);
+  const behind = new PlaneInterpolation(coarse, own.dimensions, 1).make(arrived, voxels);
   const volume = { ...own, values: Uint16Array.from(own.values) };
   volume.values.set(behind, arrived * voxels ** 2);
   // what stands in for values and is not covered by theirs is covered all the same

@@ -3,12 +3,12 @@
  * Scans of 48³ mm whose ball has its middle at 24 mm and a radius of 14 mm; pictures of 96², no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { keptSpan, planesOf, type Clip, type Plane } from "../../src/core/clip";
-import { frameOf } from "../../src/core/scan_volume";
-import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/vector";
-import { linearFromSrgb } from "../../src/core/colour";
-import { keyLight } from "../../src/gl/key_light";
-import { scanOf } from "../core/volumes";
+import { keptSpan, planesOf, type Clip, type Plane } from "../../src/core/view/clip";
+import { frameOf } from "../../src/core/scan/scan_volume";
+import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/geometry/vector";
+import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { keyLight } from "../../src/gl/march/key_light";
+import { scanOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchResult, MarchTest } from "./scenes_page";
 import type { ScreenTest } from "./screen_page";

@@ -1,10 +1,10 @@
 /**
- * Matter that stands beside its voxels, in a real browser: a ball of a scan of 48³ voxels, seen from
+ * Displaced tissue, in a real browser: a ball of a scan of 48³ voxels, seen from
  * before on 96² pixels, and surfaces of triangles.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { extentOf, lookFrom, project } from "../../src/core/camera";
-import type { Vec3 } from "../../src/core/vector";
+import { extentOf, lookFrom, project } from "../../src/core/geometry/camera";
+import type { Vec3 } from "../../src/core/geometry/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchTest } from "./scenes_page";
 import type { DisplacedTest, ScreenTest, SurfaceTest } from "./screen_page";

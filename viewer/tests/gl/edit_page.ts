@@ -1,12 +1,12 @@
 /**
  * Runs in the browser: edits a picture, and tells what was sent to the GPU.
  */
-import { brickRanges, labelledBricks } from "../../src/core/bricks";
-import { lookFrom } from "../../src/core/camera";
+import { brickRanges, labelledBricks } from "../../src/core/scan/bricks";
+import { lookFrom } from "../../src/core/geometry/camera";
 import type { Changed, Segment, SegmentSurface } from "../../src/core/protocol";
-import type { Vec3 } from "../../src/core/vector";
-import { ShownEdits } from "../../src/ui/shown_edits.svelte";
-import { segment } from "../core/volumes";
+import type { Vec3 } from "../../src/core/geometry/vector";
+import { ShownEdits } from "../../src/ui/features/scan/shown_edits.svelte";
+import { segment } from "../support/volumes";
 import { fieldOf, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
 import { finished, pictureOf } from "./screen_page";
 

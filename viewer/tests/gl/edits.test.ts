@@ -2,8 +2,8 @@
  * Edits in a real browser: what they send to the GPU, and that they are shown whole or not at all.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import type { Vec3 } from "../../src/core/vector";
-import { ballSurface } from "../core/ball_surface";
+import type { Vec3 } from "../../src/core/geometry/vector";
+import { ballSurface } from "../support/ball_surface";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { EditResult, EditTest } from "./edit_page";
 import type { MarchTest } from "./scenes_page";

@@ -3,9 +3,9 @@
  */
 import type * as THREE from "three";
 import { expect, test } from "vitest";
-import { frameOf } from "../../src/core/scan_volume";
-import { FieldTexture } from "../../src/gl/field_texture";
-import { scanOf } from "../core/volumes";
+import { frameOf } from "../../src/core/scan/scan_volume";
+import { FieldTexture } from "../../src/gl/textures/field_texture";
+import { scanOf } from "../support/volumes";
 
 /** Planes that were sent, as from and up to, but without. */
 function watched(): { readonly renderer: THREE.WebGLRenderer; readonly sent: [number, number][] } {

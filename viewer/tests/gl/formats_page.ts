@@ -2,13 +2,13 @@
  * Runs in the browser: what shaders read of a scan that holds each of the 65 536 stored values once.
  */
 import * as THREE from "three";
-import { FieldTexture, fieldFormatFor, type FieldFormat } from "../../src/gl/field_texture";
-import { FullscreenPass } from "../../src/gl/fullscreen_pass";
-import { gpuSupport } from "../../src/gl/gpu_support";
-import { RayMarcher } from "../../src/gl/ray_marcher";
-import displaced from "../../src/gl/shaders/displaced.glsl?raw";
-import field from "../../src/gl/shaders/field.glsl?raw";
-import { scanOf, volumeOf } from "../core/volumes";
+import { FieldTexture, fieldFormatFor, type FieldFormat } from "../../src/gl/textures/field_texture";
+import { FullscreenPass } from "../../src/gl/base/fullscreen_pass";
+import { gpuSupport } from "../../src/gl/base/gpu_support";
+import { RayMarcher } from "../../src/gl/march/ray_marcher";
+import displaced from "../../src/gl/shaders/scan/displacements.glsl?raw";
+import field from "../../src/gl/shaders/scan/field.glsl?raw";
+import { scanOf, volumeOf } from "../support/volumes";
 
 const edge = 256;
 

@@ -3,8 +3,8 @@
  * behind a slab, half of the sky before a wall. Scans of 48³ voxels of 1 mm, cells of 1.5 mm.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import type { Vec3 } from "../../src/core/vector";
-import type { Box } from "../../src/core/voxel_change";
+import type { Vec3 } from "../../src/core/geometry/vector";
+import type { Box } from "../../src/core/scan/voxel_change";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { LightResult, LightTest } from "./light_page";
 

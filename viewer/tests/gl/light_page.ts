@@ -2,18 +2,18 @@
  * Runs in the browser: works out the light of small scans and hands the cells back.
  */
 import * as THREE from "three";
-import { brickRanges } from "../../src/core/bricks";
-import { extentOf, lookFrom } from "../../src/core/camera";
-import type { Plane } from "../../src/core/clip";
-import { firstLighting, type Lighting } from "../../src/core/look";
-import { shadedOptics, type Blend } from "../../src/core/optics";
-import { biasedOf } from "../../src/core/stored_values";
-import type { Vec3 } from "../../src/core/vector";
-import { forEachCell, updateBricks, type Box } from "../../src/core/voxel_change";
-import { FieldTexture } from "../../src/gl/field_texture";
-import { keyLight } from "../../src/gl/key_light";
-import { RayMarcher } from "../../src/gl/ray_marcher";
-import { scanOf, volumeOf } from "../core/volumes";
+import { brickRanges } from "../../src/core/scan/bricks";
+import { extentOf, lookFrom } from "../../src/core/geometry/camera";
+import type { Plane } from "../../src/core/view/clip";
+import { firstLighting, type Lighting } from "../../src/core/appearance/appearance";
+import { shadedOptics, type Blend } from "../../src/core/appearance/optics";
+import { biasedOf } from "../../src/core/scan/stored_values";
+import type { Vec3 } from "../../src/core/geometry/vector";
+import { forEachCell, updateBricks, type Box } from "../../src/core/scan/voxel_change";
+import { FieldTexture } from "../../src/gl/textures/field_texture";
+import { keyLight } from "../../src/gl/march/key_light";
+import { RayMarcher } from "../../src/gl/march/ray_marcher";
+import { scanOf, volumeOf } from "../support/volumes";
 
 /** Dense matter in boxes of a scan of 48³ voxels of 1 mm, air around. */
 export interface LightTest {

@@ -1,5 +1,5 @@
 /** A field without symmetry, for pages and tests alike. */
-import { distance, type Vec3 } from "../../src/core/vector";
+import { distance, type Vec3 } from "../../src/core/geometry/vector";
 
 /** Something without symmetry: waves of several lengths in a ball that fades into air [HU]. */
 export function marble([x, y, z]: Vec3): number {

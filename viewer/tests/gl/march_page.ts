@@ -2,13 +2,13 @@
  * Runs in the browser: draws small scans with the real ray caster and hands the pixels back.
  */
 import * as THREE from "three";
-import { labelledBricks } from "../../src/core/bricks";
-import type { Vec3 } from "../../src/core/vector";
-import { FieldTexture } from "../../src/gl/field_texture";
-import { byteTexture, labelColours } from "../../src/gl/lookup_textures";
-import { PictureTarget } from "../../src/gl/picture_target";
-import { RayMarcher } from "../../src/gl/ray_marcher";
-import { segment } from "../core/volumes";
+import { labelledBricks } from "../../src/core/scan/bricks";
+import type { Vec3 } from "../../src/core/geometry/vector";
+import { FieldTexture } from "../../src/gl/textures/field_texture";
+import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures";
+import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { RayMarcher } from "../../src/gl/march/ray_marcher";
+import { segment } from "../support/volumes";
 import { bricksOf, edge, fieldOf, labelsInBox, labelsOfBall, lookOf, outlineOf, viewOf, voxels, type MarchResult, type MarchTest } from "./scenes_page";
 
 export function march(test: MarchTest): MarchResult {

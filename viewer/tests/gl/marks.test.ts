@@ -3,9 +3,9 @@
  * tissue or a surface, as wide on the screen far as near, and rings stand at their points. 96² pixels, no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { extentOf, inProjection, lookFrom, project } from "../../src/core/camera";
-import { eyeCamera, eyesOf, firstStereo } from "../../src/core/stereo";
-import type { Vec3 } from "../../src/core/vector";
+import { extentOf, inProjection, lookFrom, project } from "../../src/core/geometry/camera";
+import { eyeCamera, eyesOf, firstStereo } from "../../src/core/view/stereo";
+import type { Vec3 } from "../../src/core/geometry/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchTest } from "./scenes_page";
 import type { ScreenTest } from "./screen_page";

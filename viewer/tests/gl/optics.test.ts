@@ -3,16 +3,16 @@
  * same rays on the CPU. Scans of 48³, pictures of 96², no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { linearFromSrgb } from "../../src/core/colour";
-import { biasedAt } from "../../src/core/field";
-import { flatShare, type Lighting } from "../../src/core/look";
-import { blends, greyOf, shadedOptics, type GreyBlend } from "../../src/core/optics";
-import { frameOf, type ScanVolume } from "../../src/core/scan_volume";
-import { physical } from "../../src/core/stored_values";
-import type { WindowLevel } from "../../src/core/window_level";
-import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/vector";
-import { keyLight } from "../../src/gl/key_light";
-import { scanOf, volumeOf } from "../core/volumes";
+import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { biasedAt } from "../../src/core/scan/field";
+import { flatShare, type Lighting } from "../../src/core/appearance/appearance";
+import { blends, greyOf, shadedOptics, type GreyBlend } from "../../src/core/appearance/optics";
+import { frameOf, type ScanVolume } from "../../src/core/scan/scan_volume";
+import { physical } from "../../src/core/scan/stored_values";
+import type { WindowLevel } from "../../src/core/appearance/window_level";
+import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/geometry/vector";
+import { keyLight } from "../../src/gl/march/key_light";
+import { scanOf, volumeOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import { marble } from "./marble";
 import type { MarchResult, MarchTest } from "./scenes_page";

@@ -3,10 +3,10 @@
  * 48³ mm whose ball has its middle at 24 mm and a radius of 14 mm; pictures of 96², no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { pixelSizeAt } from "../../src/core/camera";
-import { frameOf } from "../../src/core/scan_volume";
-import { dot, length, subtract, type Vec3 } from "../../src/core/vector";
-import { scanOf } from "../core/volumes";
+import { pixelSizeAt } from "../../src/core/geometry/camera";
+import { frameOf } from "../../src/core/scan/scan_volume";
+import { dot, length, subtract, type Vec3 } from "../../src/core/geometry/vector";
+import { scanOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchResult, MarchTest } from "./scenes_page";
 import type { ScreenTest, SurfaceTest } from "./screen_page";

@@ -2,15 +2,15 @@
  * The real shaders in a real browser, on scans of 48³ and pictures of 96²: physics first.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { transformPoint, transformVector } from "../../src/core/affine";
-import { project, rayThrough } from "../../src/core/camera";
-import { srgbFromHex } from "../../src/core/colour";
-import { flatShare } from "../../src/core/look";
-import { throughBox } from "../../src/core/pick_surface";
-import { qualities, restingPictures } from "../../src/core/quality";
-import { frameOf } from "../../src/core/scan_volume";
-import { distance, type Vec3 } from "../../src/core/vector";
-import { scanOf } from "../core/volumes";
+import { transformPoint, transformVector } from "../../src/core/geometry/affine";
+import { project, rayThrough } from "../../src/core/geometry/camera";
+import { srgbFromHex } from "../../src/core/appearance/colour";
+import { flatShare } from "../../src/core/appearance/appearance";
+import { throughBox } from "../../src/core/picking/pick_surface";
+import { qualities, restingPictures } from "../../src/core/view/quality";
+import { frameOf } from "../../src/core/scan/scan_volume";
+import { distance, type Vec3 } from "../../src/core/geometry/vector";
+import { scanOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchResult, MarchTest } from "./scenes_page";
 import type { MarkerTest } from "./screen_page";

@@ -1,9 +1,9 @@
 /** The rays of a small picture's pixels, for what a model says of each. */
-import { transformPoint, transformVector } from "../../src/core/affine";
-import { rayThrough } from "../../src/core/camera";
-import { throughBox } from "../../src/core/pick_surface";
-import type { ScanFrame } from "../../src/core/scan_volume";
-import type { Vec3 } from "../../src/core/vector";
+import { transformPoint, transformVector } from "../../src/core/geometry/affine";
+import { rayThrough } from "../../src/core/geometry/camera";
+import { throughBox } from "../../src/core/picking/pick_surface";
+import type { ScanFrame } from "../../src/core/scan/scan_volume";
+import type { Vec3 } from "../../src/core/geometry/vector";
 import type { MarchResult } from "./scenes_page";
 
 /** Pixels along each side of the picture. */

@@ -1,19 +1,19 @@
 /**
  * Small scans of the tests, and how they are looked at.
  */
-import type { Letter } from "../../src/core/anatomy";
-import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance";
-import { brickRanges, type BrickRanges } from "../../src/core/bricks";
-import { extentOf, inProjection, lookFrom, type Camera, type Extent } from "../../src/core/camera";
-import type { Plane } from "../../src/core/clip";
-import { firstLighting, type Lighting, type Look } from "../../src/core/look";
-import { shadedOptics, type Optics } from "../../src/core/optics";
-import type { ScanVolume } from "../../src/core/scan_volume";
-import { mostRanges } from "../../src/core/shown_segments";
-import type { TransferFunction } from "../../src/core/transfer_function";
-import { distance, type Vec3 } from "../../src/core/vector";
-import type { FieldFormat } from "../../src/gl/field_texture";
-import { scanOf, volumeOf } from "../core/volumes";
+import type { Letter } from "../../src/core/geometry/anatomy";
+import { defaultSoftTissueAndBone, transferFunctionOf } from "../../src/core/appearance/soft_tissue_and_bone";
+import { brickRanges, type BrickRanges } from "../../src/core/scan/bricks";
+import { extentOf, inProjection, lookFrom, type Camera, type Extent } from "../../src/core/geometry/camera";
+import type { Plane } from "../../src/core/view/clip";
+import { firstLighting, type Lighting, type Appearance } from "../../src/core/appearance/appearance";
+import { shadedOptics, type Optics } from "../../src/core/appearance/optics";
+import type { ScanVolume } from "../../src/core/scan/scan_volume";
+import { mostRanges } from "../../src/core/segments/shown_segments";
+import type { TransferFunction } from "../../src/core/appearance/transfer_function";
+import { distance, type Vec3 } from "../../src/core/geometry/vector";
+import type { FieldFormat } from "../../src/gl/textures/field_texture";
+import { scanOf, volumeOf } from "../support/volumes";
 import { marble } from "./marble";
 
 export interface MarchTest {
@@ -67,14 +67,14 @@ export function fieldOf({ field, spacing, step = 1, slope = 1 }: MarchTest): Sca
   return volumeOf(scan, field === "ball" ? value : field === "marble" ? marble : () => (field === "flat" ? 100 : -1000), step);
 }
 
-export function lookOf(test: MarchTest): Look {
+export function lookOf(test: MarchTest): Appearance {
   const flat: TransferFunction = {
     points: [
       { value: -500, colour: [0.2, 0.4, 0.6], extinction: test.extinction ?? 0 },
       { value: 500, colour: [0.2, 0.4, 0.6], extinction: test.extinction ?? 0 },
     ],
   };
-  const usual = { ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
+  const usual = { ...defaultSoftTissueAndBone({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
   const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1, tinted: test.segment === "tinted", material: test.material ?? [1, 1] } as const;
   const nested = [{ ...segment, low: 32968 }, { ...segment, id: 2, colour: [1, 0, 0] as const }];
   const nowhere = { ...segment, low: 65535, high: 65534, colour: [1, 0, 0] as const };

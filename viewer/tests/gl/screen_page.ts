@@ -2,20 +2,20 @@
  * Runs in the browser: the picture as the page has it, on a canvas of its own.
  */
 import * as THREE from "three";
-import { orbit } from "../../src/core/camera";
-import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
-import { PathTrail } from "../../src/core/path_trail";
+import { orbit } from "../../src/core/geometry/camera";
+import { decodeDisplacements, type Displacements } from "../../src/core/scan/displacements";
+import { PathTrail } from "../../src/core/touch/path_trail";
 import type { Segment } from "../../src/core/protocol";
-import { firstQuality, type Quality } from "../../src/core/quality";
-import { firstStereo, type Stereo } from "../../src/core/stereo";
-import { decodeSurface } from "../../src/core/surface_patches";
-import { addScaled, type Vec3 } from "../../src/core/vector";
-import { forEachCell, type Box } from "../../src/core/voxel_change";
-import { gpuSupport } from "../../src/gl/gpu_support";
-import type { MarkerState } from "../../src/gl/markers";
-import { Picture } from "../../src/gl/picture";
-import { ballSurface } from "../core/ball_surface";
-import { segment } from "../core/volumes";
+import { firstQuality, type Quality } from "../../src/core/view/quality";
+import { firstStereo, type Stereo } from "../../src/core/view/stereo";
+import { decodeSurface } from "../../src/core/surfaces/surface_patches";
+import { addScaled, type Vec3 } from "../../src/core/geometry/vector";
+import { forEachCell, type Box } from "../../src/core/scan/voxel_change";
+import { gpuSupport } from "../../src/gl/base/gpu_support";
+import type { MarkerState } from "../../src/gl/markers/markers";
+import { Picture } from "../../src/gl/picture/picture";
+import { ballSurface } from "../support/ball_surface";
+import { segment } from "../support/volumes";
 import { bricksOf, edge, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 
 /** Markers of a test, over those of a probe at rest in the middle. */
@@ -43,7 +43,7 @@ export interface ScreenTest {
   readonly jitter?: boolean;
   /** Surfaces of balls, as segments look them. */
   readonly surfaces?: readonly SurfaceTest[];
-  /** Matter stands beside its voxels; "none" where a model is at work and nothing has moved. */
+  /** Tissue is displaced from its voxels; "none" where a model is at work and nothing has moved. */
   readonly displaced?: DisplacedTest | "none";
   readonly stereo?: Stereo;
   /** Points of each mark. */
@@ -61,14 +61,14 @@ export interface DisplacedTest {
   readonly moved: Vec3;
 }
 
-function displacedBy({ origin, step, size, moved }: DisplacedTest): Displaced {
+function displacedBy({ origin, step, size, moved }: DisplacedTest): Displacements {
   const halves = moved.map((millimetres) => THREE.DataUtils.toHalfFloat(millimetres));
   const texels = new Uint16Array(4 * size[0] * size[1] * size[2]);
   const inside: Box = { low: [1, 1, 1], high: [size[0] - 1, size[1] - 1, size[2] - 1] };
   forEachCell(inside, size, (i) => {
     texels.set(halves, 4 * i);
   });
-  const decoded = decodeDisplaced({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
+  const decoded = decodeDisplacements({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
   if (decoded === null) {
     throw new Error("no displacements");
   }

@@ -3,13 +3,13 @@
  * matrix, where it stands now, and both absorb. Pictures of 96², no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { transformPoint, transformVector, type Affine } from "../../src/core/affine";
-import { rayThrough } from "../../src/core/camera";
-import { linearFromSrgb } from "../../src/core/colour";
-import { throughBox } from "../../src/core/pick_surface";
-import { frameOf } from "../../src/core/scan_volume";
-import { scale, type Vec3 } from "../../src/core/vector";
-import { scanOf } from "../core/volumes";
+import { transformPoint, transformVector, type Affine } from "../../src/core/geometry/affine";
+import { rayThrough } from "../../src/core/geometry/camera";
+import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { throughBox } from "../../src/core/picking/pick_surface";
+import { frameOf } from "../../src/core/scan/scan_volume";
+import { scale, type Vec3 } from "../../src/core/geometry/vector";
+import { scanOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchResult } from "./scenes_page";
 import { channel, edge, raysOf } from "./rays";

@@ -2,17 +2,17 @@
  * Runs in the browser: draws a second scan, shown with a first one that is all air.
  */
 import * as THREE from "three";
-import type { Affine } from "../../src/core/affine";
-import { brickRanges } from "../../src/core/bricks";
-import { extentOf, lookFrom } from "../../src/core/camera";
-import { firstLighting } from "../../src/core/look";
-import { shadedOptics, type Blend } from "../../src/core/optics";
-import type { SecondLook } from "../../src/core/second_scan";
-import type { TransferFunction } from "../../src/core/transfer_function";
-import { FieldTexture } from "../../src/gl/field_texture";
-import { PictureTarget } from "../../src/gl/picture_target";
-import { RayMarcher } from "../../src/gl/ray_marcher";
-import { scanOf, volumeOf } from "../core/volumes";
+import type { Affine } from "../../src/core/geometry/affine";
+import { brickRanges } from "../../src/core/scan/bricks";
+import { extentOf, lookFrom } from "../../src/core/geometry/camera";
+import { firstLighting } from "../../src/core/appearance/appearance";
+import { shadedOptics, type Blend } from "../../src/core/appearance/optics";
+import type { SecondLook } from "../../src/core/second/second_scan";
+import type { TransferFunction } from "../../src/core/appearance/transfer_function";
+import { FieldTexture } from "../../src/gl/textures/field_texture";
+import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { RayMarcher } from "../../src/gl/march/ray_marcher";
+import { scanOf, volumeOf } from "../support/volumes";
 import type { MarchResult } from "./scenes_page";
 
 export interface SecondTest {

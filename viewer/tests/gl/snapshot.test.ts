@@ -3,9 +3,9 @@
  * 14 mm in a scan of 48³ mm, as the scan has it and as a surface. Tiles of software GL are of 192².
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { rayThrough, type Camera, type Viewport } from "../../src/core/camera";
-import { eyeCamera, eyesOf, firstStereo, viewportOf, type Stereo } from "../../src/core/stereo";
-import { dot, length, subtract, type Vec3 } from "../../src/core/vector";
+import { rayThrough, type Camera, type Viewport } from "../../src/core/geometry/camera";
+import { eyeCamera, eyesOf, firstStereo, viewportOf, type Stereo } from "../../src/core/view/stereo";
+import { dot, length, subtract, type Vec3 } from "../../src/core/geometry/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchTest } from "./scenes_page";
 import type { ScreenTest } from "./screen_page";

@@ -1,9 +1,9 @@
 /**
  * Runs in the browser: saves pictures.
  */
-import type { Camera, Extent } from "../../src/core/camera";
-import { firstStereo } from "../../src/core/stereo";
-import { addScaled } from "../../src/core/vector";
+import type { Camera, Extent } from "../../src/core/geometry/camera";
+import { firstStereo } from "../../src/core/view/stereo";
+import { addScaled } from "../../src/core/geometry/vector";
 import { bricksOf, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 import { finished, pictureOf, showSurfaces, type ScreenTest } from "./screen_page";
 

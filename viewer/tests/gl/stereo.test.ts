@@ -3,9 +3,9 @@
  * depth, and the anaglyph is mixed as its source says. 96² pixels, no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { extentOf, lookFrom, project } from "../../src/core/camera";
-import { eyeCamera, eyesOf, firstStereo, viewportOf, type Stereo } from "../../src/core/stereo";
-import { addScaled, type Vec3 } from "../../src/core/vector";
+import { extentOf, lookFrom, project } from "../../src/core/geometry/camera";
+import { eyeCamera, eyesOf, firstStereo, viewportOf, type Stereo } from "../../src/core/view/stereo";
+import { addScaled, type Vec3 } from "../../src/core/geometry/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchTest } from "./scenes_page";
 import type { ScreenTest } from "./screen_page";

@@ -2,20 +2,20 @@
  * Runs in the browser: surfaces and ray caster as the refiner drives them.
  */
 import * as THREE from "three";
-import { brickRanges, labelledBricks } from "../../src/core/bricks";
-import { lookFrom, type Camera } from "../../src/core/camera";
+import { brickRanges, labelledBricks } from "../../src/core/scan/bricks";
+import { lookFrom, type Camera } from "../../src/core/geometry/camera";
 import type { Segment } from "../../src/core/protocol";
-import { drawnFromVoxels, rangesInside, shownRanges, type InsideModes } from "../../src/core/shown_segments";
-import { decodeSurface } from "../../src/core/surface_patches";
-import type { Vec3 } from "../../src/core/vector";
-import { FieldTexture } from "../../src/gl/field_texture";
-import { byteTexture, labelColours } from "../../src/gl/lookup_textures";
-import { PictureTarget } from "../../src/gl/picture_target";
-import { RayMarcher } from "../../src/gl/ray_marcher";
-import { Surfaces } from "../../src/gl/surfaces";
-import { ThreeCamera } from "../../src/gl/three_camera";
-import { ballSurface } from "../core/ball_surface";
-import { segment } from "../core/volumes";
+import { drawnFromVoxels, rangesInside, shownRanges, type InsideModes } from "../../src/core/segments/shown_segments";
+import { decodeSurface } from "../../src/core/surfaces/surface_patches";
+import type { Vec3 } from "../../src/core/geometry/vector";
+import { FieldTexture } from "../../src/gl/textures/field_texture";
+import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures";
+import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { RayMarcher } from "../../src/gl/march/ray_marcher";
+import { Surfaces } from "../../src/gl/surfaces/surfaces";
+import { ThreeCamera } from "../../src/gl/picture/three_camera";
+import { ballSurface } from "../support/ball_surface";
+import { segment } from "../support/volumes";
 import { edge, fieldOf, labelsOfBall, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
 import type { SurfaceTest } from "./screen_page";
 

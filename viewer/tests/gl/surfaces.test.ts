@@ -3,9 +3,9 @@
  * inside a scan of 48³ mm, seen from before on 96² pixels.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { extentOf, lookFrom, project } from "../../src/core/camera";
-import type { InsideModes } from "../../src/core/shown_segments";
-import { distance, type Vec3 } from "../../src/core/vector";
+import { extentOf, lookFrom, project } from "../../src/core/geometry/camera";
+import type { InsideModes } from "../../src/core/segments/shown_segments";
+import { distance, type Vec3 } from "../../src/core/geometry/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchTest } from "./scenes_page";
 import type { ScreenTest, SurfaceTest } from "./screen_page";

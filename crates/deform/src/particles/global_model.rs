@@ -5,7 +5,7 @@
 //! Voxels follow the particles near them: each reads what stood where it came from (the
 //! prototype moves voxels forward, which leaves holes between them; reading backward leaves
 //! none). The lattice has the modulus that was asked for; the springs add to it, by an amount that
-//! grows with the square of the size of what is pressed (docs/algorithms/particles.md).
+//! grows with the square of the size of what is pressed (docs/understand/particles.md).
 //!
 //! Frame: mm along the axes of the grid. Source: thesis 5.26.
 

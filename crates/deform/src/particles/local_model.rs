@@ -2,7 +2,7 @@
 //!
 //! `fcc-lj`: four Lennard-Jones particles a voxel on an FCC lattice. `cuboid-lj`: one particle
 //! a voxel under the thesis' cuboid law, which is not conservative and lives by its friction.
-//! Both corrected as `docs/algorithms/particles.md` says. They move in scaled time, or come to
+//! Both corrected as `docs/understand/particles.md` says. They move in scaled time, or come to
 //! rest (FIRE), from where they were; the box's outer cells stand still.
 //!
 //! Frame: mm along the axes of the grid, from its corner. Source: thesis 5.8–5.25.

@@ -1,0 +1,63 @@
+"""Numbers as people type them: thresholds, points, sizes of voxels."""
+
+from __future__ import annotations
+
+import math
+
+from palpate.base.errors import OptionError
+
+__all__ = ["Bounds", "parse_point", "parse_threshold", "parse_voxel_size"]
+
+Bounds = tuple[float, float | None]
+"""Lowest and highest value; None is no upper bound."""
+
+
+def parse_threshold(given: str | None) -> Bounds | None:
+    """Returns the bounds that LOW or LOW,HIGH stands for; None where none is given.
+
+    Raises:
+        OptionError: It is neither.
+    """
+    if given is None:
+        return None
+    try:
+        numbers = [float(part) for part in given.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 2) or not all(map(math.isfinite, numbers)):
+        raise OptionError(
+            f"threshold {given!r} given; allowed: LOW or LOW,HIGH, such as 250 or 250,1500"
+        )
+    return numbers[0], numbers[1] if len(numbers) == 2 else None
+
+
+def parse_point(given: str) -> tuple[float, float, float]:
+    """Returns the point that X,Y,Z stands for [mm].
+
+    Raises:
+        OptionError: It is none.
+    """
+    try:
+        x, y, z = (float(part) for part in given.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not all(map(math.isfinite, (x, y, z))):
+        raise OptionError(f"point {given!r} given; allowed: X,Y,Z [mm], such as 12.5,-40,310")
+    return x, y, z
+
+
+def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
+    """Returns the lengths that X,Y,Z stands for [mm]; None where none are given.
+
+    Raises:
+        OptionError: They are no three numbers.
+    """
+    if given is None:
+        return None
+    try:
+        x, y, z = (float(part) for part in given.split(","))
+    except ValueError:
+        raise OptionError(
+            f"voxel size {given!r} given; allowed: X,Y,Z [mm], such as 0.5,0.5,1.25"
+        ) from None
+    return x, y, z

@@ -1,0 +1,75 @@
+"""Files and folders that appear under their name when they are whole, never before.
+
+What stands under the name already stays as it is until then, also where the disk is full.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from uuid import uuid4
+
+from palpate.base.errors import OptionError
+
+__all__ = ["check_target", "whole_file", "whole_folder"]
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """Gives a new file beside a path, with the same ending, to write; then it takes the path.
+
+    Raises:
+        OSError: The disk refuses it; then nothing is left behind.
+    """
+    unfinished = _beside(path)
+    try:
+        yield unfinished
+        with unfinished.open("rb") as written:
+            os.fsync(written.fileno())
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_folder(path: Path) -> Iterator[Path]:
+    """Gives a new folder beside a path to fill; then it takes the path.
+
+    Raises:
+        OptionError: There are files under the path already.
+        OSError: The disk refuses it; then nothing is left behind.
+    """
+    if path.exists() and not (path.is_dir() and not any(path.iterdir())):
+        raise OptionError(f"{path} is there already; allowed: a new folder, or an empty one")
+    unfinished = _beside(path)
+    unfinished.mkdir()
+    try:
+        yield unfinished
+        for written in unfinished.rglob("*"):
+            if written.is_file():
+                with written.open("rb") as file:
+                    os.fsync(file.fileno())
+        if path.exists():
+            path.rmdir()
+        unfinished.rename(path)
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(f".{uuid4().hex[:8]}-{path.name}")
+
+
+def check_target(path: Path, suffixes: tuple[str, ...]) -> None:
+    """Refuses a file that could not be written, before anything is computed.
+
+    Raises:
+        OptionError: Its name ends with nothing known, or its folder is not there.
+    """
+    if not path.name.lower().endswith(suffixes):
+        raise OptionError(f"{path.name!r} given; allowed: a name with {', '.join(suffixes)}")
+    if not path.parent.is_dir():
+        raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")

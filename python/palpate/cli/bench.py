@@ -1,0 +1,248 @@
+"""``palpate bench deform``, ``session``, ``truth-cube`` of soft matter; ``open`` and others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palpate.base.console import Display, quiet_libraries, warn
+from palpate.cli.options import Plot
+
+__all__ = [
+    "bench_deform",
+    "bench_edit",
+    "bench_open",
+    "bench_register",
+    "bench_render",
+    "bench_segment",
+    "bench_session",
+    "bench_surface",
+    "bench_truth_cube",
+    "stress_in_matter",
+]
+
+Json = Annotated[
+    Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+]
+
+
+def bench_deform(
+    *,
+    json_file: Json = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Short run with rough results.")] = False,
+) -> None:
+    """Measure deformation models: the lattice, and Lennard-Jones pairs compared with LAMMPS."""
+    from palpate.bench.deform import CANNOT, QUICK, Effort, measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with Display() as display:
+        rows, missing = measure(QUICK if quick else Effort(), display)
+    print_rows("deform", rows)
+    typer.echo(CANNOT)
+    for sentence in missing:
+        warn(f"not measured: {sentence}")
+    if json_file is not None:
+        write_rows("deform", rows, json_file)
+
+
+def bench_session(
+    *,
+    seconds: Annotated[
+        int, typer.Option(min=1, max=3600, help="Number of one-second samples per case.")
+    ] = 60,
+    data: Annotated[
+        list[str] | None,
+        typer.Option(help="Data set to touch; repeatable; by default all."),
+    ] = None,
+    model: Annotated[
+        list[str] | None,
+        typer.Option(help="Deformation model, or none for hard; repeatable; by default all."),
+    ] = None,
+    json_file: Json = None,
+) -> None:
+    """Measure the rates of servo and deformation, with each model and without."""
+    from palpate.bench.free_session import Pace, measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with quiet_libraries(), Display() as display:
+        rows, missing = measure(data or (), Pace(seconds), display, models=model or ())
+    print_rows("session", rows)
+    for sentence in missing:
+        warn(f"not measured: {sentence} is not there; allowed: PALPATE_DATA with it")
+    if json_file is not None:
+        write_rows("session", rows, json_file)
+
+
+def bench_open(*, json_file: Json = None) -> None:
+    """Measure the time from a DICOM series to the first picture; needs Chromium."""
+    from palpate.base.errors import OptionError
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.opening import measure
+    from palpate.bench.report import print_rows, write_rows
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(progress=display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("open", rows)
+    if json_file is not None:
+        write_rows("open", rows, json_file)
+
+
+def bench_render(
+    *,
+    scan: Annotated[
+        Path | None, typer.Argument(help="Scan to draw; by default CThead.", show_default=False)
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Few pictures with rough results.")
+    ] = False,
+    vtk: Annotated[
+        Path | None,
+        typer.Option(
+            help="vtk.js as built by `npm run build:bench`; by default that of the source tree.",
+            show_default=False,
+        ),
+    ] = None,
+    json_file: Json = None,
+) -> None:
+    """Measure rendering on the page, compared with vtk.js; needs Chromium."""
+    from palpate.base.errors import OptionError
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.render import QUICK, Effort, built_peer, measure
+    from palpate.bench.report import print_rows, write_rows
+
+    peer = vtk or built_peer()
+    try:
+        with quiet_libraries(), Display() as display:
+            effort = QUICK if quick else Effort()
+            rows, renderer = measure(scan, peer=peer, effort=effort, progress=display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it, or SCAN") from None
+    print_rows(f"render, drawn by {renderer}", rows)
+    if peer is None:
+        warn(
+            "not measured: vtk.js is not built; allowed: `npm run build:bench` in viewer/, or --vtk"
+        )
+    if json_file is not None:
+        write_rows("render", rows, json_file)
+
+
+def bench_register(*, json_file: Json = None) -> None:
+    """Measure registration: lung landmarks compared with elastix, and CT with simulated MR."""
+    from palpate.base.errors import OptionError
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.registration import measure
+    from palpate.bench.report import print_rows, write_rows
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("register", rows)
+    if json_file is not None:
+        write_rows("register", rows, json_file)
+
+
+def bench_segment(
+    *,
+    runs: Annotated[
+        int, typer.Option(min=1, max=20, help="Number of runs; the median is reported.")
+    ] = 3,
+    json_file: Json = None,
+) -> None:
+    """Measure thresholds with their surface, region growing, and many segments at once."""
+    from palpate.base.errors import OptionError
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.segmenting import measure
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(runs=runs, progress=display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("segment", rows)
+    if json_file is not None:
+        write_rows("segment", rows, json_file)
+
+
+def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:
+    """Compare the lattice with a measured silicone cube under load, and with FEM."""
+    from palpate.base.errors import OptionError
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.plots import check_plot, plot_truth_cube
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.truth_cube import Cube, measure
+
+    check_plot(plot)
+    try:
+        with Display() as display:
+            rows, moved = measure(display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("truth-cube", rows)
+    if json_file is not None:
+        write_rows("truth-cube", rows, json_file)
+    if plot is not None:
+        plot_truth_cube(Cube.load(), moved, plot)
+
+
+def bench_edit(
+    scan: Annotated[
+        Path | None, typer.Argument(help="Scan with bone; by default CThead.", metavar="PATH")
+    ] = None,
+    *,
+    seconds: Annotated[float, typer.Option(help="Duration of erasing per case in s.")] = 8.0,
+    json_file: Json = None,
+) -> None:
+    """Measure the time from an edit to the page's GPU; needs Chromium."""
+    from palpate.bench.edit import measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with quiet_libraries(), Display() as display:
+        rows = measure(scan, seconds=seconds, progress=display)
+    print_rows("edit", rows)
+    if json_file is not None:
+        write_rows("edit", rows, json_file)
+
+
+def bench_surface(*, json_file: Json = None) -> None:
+    """Measure surface extraction and updates after edits, compared with VTK."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.surface import measure
+
+    with quiet_libraries(), Display() as display:
+        rows, missing = measure(display)
+    print_rows("surface", rows)
+    for sentence in missing:
+        warn(f"not measured: {sentence} is not there; allowed: PALPATE_DATA with it")
+    if json_file is not None:
+        write_rows("surface", rows, json_file)
+
+
+def stress_in_matter(
+    models: list[str], *, moves: int, seed: int, threads: int | None, json_file: Path | None
+) -> int:
+    """Works in matter that gives way, with each model, until there are so many ticks."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.soft_tissue_stress import checked_models, rows_of, work
+
+    chosen = checked_models(models)
+    with Display() as display:
+        found = [
+            work(model, moves=moves, seed=seed, threads=threads, progress=display)
+            for model in chosen
+        ]
+    rows = rows_of(found)
+    print_rows("stress in matter that gives way", rows)
+    if json_file is not None:
+        write_rows("stress-deform", rows, json_file)
+    broken = [f"{one.model}: {one.violation}" for one in found if one.violation is not None]
+    for sentence in broken:
+        typer.echo(sentence)
+    return 1 if broken else 0

@@ -1,0 +1,189 @@
+"""The command line: all commands, each of a module beside this one, and how they fail.
+
+Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
+modules are imported inside the commands, so that ``palpate --help`` is quick.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.exceptions import TyperException
+
+from palpate.base.console import WRONG_INPUT, fail
+from palpate.base.errors import PalpateError
+from palpate.cli.bench import (
+    bench_deform,
+    bench_edit,
+    bench_open,
+    bench_register,
+    bench_render,
+    bench_segment,
+    bench_session,
+    bench_surface,
+    bench_truth_cube,
+)
+from palpate.cli.bench_fuzz import bench_fuzz_import
+from palpate.cli.bench_touch import (
+    bench_haptics,
+    bench_passivity,
+    bench_servo,
+    bench_stress,
+    bench_touch_quality,
+)
+from palpate.cli.export import export
+from palpate.cli.import_scan import EXAMPLES as IMPORT_EXAMPLES
+from palpate.cli.import_scan import import_scan
+from palpate.cli.info import info
+from palpate.cli.open import demo, open_scan
+from palpate.cli.recipe import EXAMPLES as RECIPE_EXAMPLES
+from palpate.cli.recipe import run_file
+from palpate.cli.reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
+from palpate.cli.reconstruct import reconstruct
+from palpate.cli.record import record, replay
+from palpate.cli.register import EXAMPLES as REGISTER_EXAMPLES
+from palpate.cli.register import register
+from palpate.cli.scenario import scenario
+from palpate.cli.segment import EXAMPLES, segment
+from palpate.cli.series import series
+from palpate.cli.surface import surface
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="palpate",
+    help="Examine medical scans by touch. For research and teaching, not for clinical use.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+STOPPED_BY_PERSON = 130
+"""Exit code after Ctrl-C, as shells expect it."""
+
+
+def main() -> None:
+    """Runs the command line and ends the process."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Runs the command line with these arguments; returns the exit code."""
+    try:
+        result = app(args=arguments, prog_name="palpate", standalone_mode=False)
+    except TyperException as error:
+        # without a command the help was printed instead
+        return fail(_usage(error, arguments)) if error.format_message() else WRONG_INPUT
+    except (PalpateError, OSError) as error:
+        return fail(_system(error) if isinstance(error, OSError) else str(error))
+    except MemoryError:
+        return fail("not enough memory for this; allowed: a smaller scan, or a bigger machine")
+    except KeyboardInterrupt:
+        return STOPPED_BY_PERSON
+    return result if isinstance(result, int) else 0
+
+
+def _usage(error: TyperException, arguments: list[str]) -> str:
+    """Says what of a command line is wrong, and what is allowed."""
+    said = error.format_message().rstrip(".")
+    context = getattr(error, "ctx", None)
+    if context is None:
+        return said
+    help_at = f"see {context.command_path} --help"
+    given = _given(getattr(error, "param", None), arguments)
+    if given is not None:
+        return f"{said} (given: {given!r}; {help_at})"
+    options = [
+        name
+        for parameter in context.command.params
+        for name in (*parameter.opts, *parameter.secondary_opts)
+    ]
+    names = [
+        *getattr(context.command, "commands", {}),
+        *sorted(name for name in options if name.startswith("--")),
+    ]
+    return f"{said}; allowed: {', '.join(names)} ({help_at})"
+
+
+def _given(parameter: object, arguments: list[str]) -> str | None:
+    """Returns the value that was given for an option, if it was."""
+    for option in getattr(parameter, "opts", ()):
+        for argument, after in zip(arguments, [*arguments[1:], None], strict=True):
+            if argument == option:
+                return after
+            if argument.startswith(f"{option}="):
+                return argument.removeprefix(f"{option}=")
+    return None
+
+
+def _system(error: OSError) -> str:
+    """Says what the system refused, and for which file."""
+    if error.strerror is None:
+        return str(error)
+    if isinstance(error, FileNotFoundError) and error.filename is not None:
+        folder = Path(error.filename).parent
+        if not folder.is_dir():
+            return f"folder {str(folder)!r} given; allowed: one that exists"
+        return f"{error.filename} does not exist; allowed: an existing file or folder"
+    where = error.filename or "the system"
+    return f"{where}: {error.strerror}; allowed: what can be read, or written where it is new"
+
+
+def _print_version(*, asked: bool) -> None:
+    if asked:
+        from palpate.base.package_version import package_version
+
+        typer.echo(f"palpate {package_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    *,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", is_eager=True, help="Print the version.", callback=_print_version
+        ),
+    ] = False,
+) -> None:
+    """Takes the options that stand before a command."""
+
+
+app.command("open")(open_scan)
+app.command("demo")(demo)
+app.command("info")(info)
+app.command("record")(record)
+app.command("replay")(replay)
+app.command("export")(export)
+app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
+app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
+app.command("register", epilog=REGISTER_EXAMPLES)(register)
+app.command("series")(series)
+app.command("segment", epilog=EXAMPLES)(segment)
+app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
+app.add_typer(surface, name="surface")
+app.add_typer(scenario, name="scenario")
+
+
+bench = typer.Typer(help="Run benchmarks.", no_args_is_help=True)
+app.add_typer(bench, name="bench")
+bench.command("fuzz-import")(bench_fuzz_import)
+bench.command("deform")(bench_deform)
+bench.command("open")(bench_open)
+bench.command("render")(bench_render)
+bench.command("register")(bench_register)
+bench.command("segment")(bench_segment)
+bench.command("session")(bench_session)
+bench.command("truth-cube")(bench_truth_cube)
+bench.command("haptics")(bench_haptics)
+bench.command("passivity")(bench_passivity)
+bench.command("touch-quality")(bench_touch_quality)
+bench.command("stress")(bench_stress)
+bench.command("servo")(bench_servo)
+bench.command("edit")(bench_edit)
+bench.command("surface")(bench_surface)

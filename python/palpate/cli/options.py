@@ -1,0 +1,123 @@
+"""Options that several commands have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = [
+    "Browser",
+    "Fill",
+    "MaxVoxels",
+    "Mesh",
+    "MeshFrame",
+    "MeshSpacing",
+    "MeshUnit",
+    "Orientation",
+    "Plot",
+    "Port",
+    "Rate",
+    "Raw",
+    "Resample",
+    "Scan",
+    "ScanOrNone",
+    "Segments",
+    "Series",
+    "Threshold",
+    "Transform",
+    "Unit",
+    "VoxelSize",
+    "With",
+]
+
+Scan = Annotated[
+    Path,
+    typer.Argument(
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        "folder of PNG or TIFF slices.",
+        metavar="PATH",
+    ),
+]
+ScanOrNone = Annotated[
+    Path | None,
+    typer.Argument(
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        "folder of PNG or TIFF slices; saved scene. Without a path, the page asks "
+        "for a scan.",
+        metavar="[PATH]",
+    ),
+]
+Series = Annotated[
+    str | None, typer.Option(help="DICOM series to read: UID, description, or number in the list.")
+]
+Orientation = Annotated[
+    str | None,
+    typer.Option(
+        help="Directions in which x, y and z increase, such as LPS or RAS; overrides the file."
+    ),
+]
+Unit = Annotated[
+    str | None, typer.Option(help="Unit of the values: HU if they are Hounsfield units.")
+]
+Raw = Annotated[
+    str | None,
+    typer.Option(
+        help="Layout of raw voxels, such as 256x256x113,int16,big.",
+        metavar="SIZE,TYPE[,ORDER[,SKIP]]",
+    ),
+]
+VoxelSize = Annotated[
+    str | None,
+    typer.Option(
+        help="Voxel size of raw voxels and of PNG or TIFF slices, in mm.", metavar="X,Y,Z"
+    ),
+]
+Fill = Annotated[float | None, typer.Option(help="Value that replaces NaN and infinity.")]
+MaxVoxels = Annotated[int, typer.Option(help="Refuse scans with more voxels than this.")]
+Threshold = Annotated[
+    str | None,
+    typer.Option(help="Make a segment of the values from LOW to HIGH.", metavar="LOW[,HIGH]"),
+]
+Segments = Annotated[
+    Path | None,
+    typer.Option(help="Segments: label map, .seg.nrrd, DICOM SEG, RTSTRUCT, or a folder of masks."),
+]
+Resample = Annotated[
+    bool,
+    typer.Option(
+        "--resample",
+        help="Resample segments from another grid to that of the scan (nearest neighbour).",
+    ),
+]
+With = Annotated[
+    Path | None,
+    typer.Option("--with", help="Second scan to show together with the first, such as MR with CT."),
+]
+Transform = Annotated[
+    Path | None,
+    typer.Option(help="Transform (.tfm) for --with; maps points of the first scan to the second."),
+]
+Mesh = Annotated[
+    Path | None,
+    typer.Option(help="Closed mesh (.stl, .ply, .obj, .glb) to open as a movable segment."),
+]
+MeshFrame = Annotated[
+    str | None, typer.Option(help="Frame of the mesh, LPS or RAS, if the file does not state it.")
+]
+MeshUnit = Annotated[
+    str | None, typer.Option(help="Unit of the mesh, mm or m, if the file does not state it.")
+]
+MeshSpacing = Annotated[
+    float | None,
+    typer.Option(
+        "--mesh-spacing",
+        "--spacing",
+        help="Voxel size of the mesh in mm; by default fine enough for its thickness.",
+    ),
+]
+Port = Annotated[int, typer.Option(help="Port on 127.0.0.1; 0 chooses a free one.")]
+Browser = Annotated[bool, typer.Option(help="Open the page in the browser if there is a display.")]
+Plot = Annotated[Path | None, typer.Option(help="Plot the results (.png, .svg, .pdf).")]
+Rate = Annotated[int, typer.Option(help="Servo rate in Hz: 1000 or 4000.")]

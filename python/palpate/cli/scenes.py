@@ -1,0 +1,109 @@
+"""Scans with the segments and the second scan that options ask for, and scenes that were saved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from palpate.base.console import warn
+from palpate.base.errors import OptionError, SceneFormatError
+from palpate.base.progress import Progress
+from palpate.base.typed_numbers import Bounds
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
+from palpate.saved.autosave import with_autosave
+from palpate.saved.opening import Opening, offer_bone
+from palpate.saved.scene_file import open_scene
+from palpate.volumes.scene import Scene
+from palpate.volumes.second_scan import placed, read_transform
+from palpate.volumes.volume import Volume
+
+__all__ = ["add_labels", "add_second", "saved_scene", "scene_of", "wanted_scene"]
+
+
+def wanted_scene(
+    volume: Volume,
+    *,
+    bounds: Bounds | None,
+    label_map: Path | None,
+    resample: bool = False,
+    progress: Progress,
+) -> Scene:
+    """Returns a scan with the segments asked for, and no others.
+
+    Raises:
+        EmptySegmentError: The threshold asked for selects nothing.
+        VolumeFormatError: The label map cannot be read.
+        OptionError: The label map does not fit the scan.
+    """
+    scene = Scene(volume)
+    if bounds is not None:
+        scene.add(volume.threshold(*bounds, name="threshold"))
+    if label_map is not None:
+        add_labels(scene, label_map, resample=resample, progress=progress)
+    return scene
+
+
+def scene_of(
+    volume: Volume,
+    *,
+    bounds: Bounds | None,
+    label_map: Path | None,
+    resample: bool = False,
+    progress: Progress,
+) -> Scene:
+    """Returns a scene with the segments asked for, or with the one offered as bone.
+
+    Raises:
+        EmptySegmentError: The threshold asked for selects nothing.
+        VolumeFormatError: The label map cannot be read.
+        OptionError: The label map does not fit the scan.
+    """
+    scene = wanted_scene(
+        volume, bounds=bounds, label_map=label_map, resample=resample, progress=progress
+    )
+    if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
+        warn(told)
+    return scene
+
+
+def add_labels(scene: Scene, path: Path, *, resample: bool, progress: Progress) -> None:
+    """Adds the segments of a file or folder, and says what was changed or left out."""
+    found = read_labels(path, scene.volume, resample=resample, progress=progress)
+    for label in found.labels:
+        # smooth bodies are read at a glance; until its surface is made, one is drawn from voxels
+        scene.add(label.segment, colour=label.colour, shown_as="surface")
+    for warning in found.warnings:
+        warn(f"{path.name}: {warning}")
+
+
+def add_second(
+    scene: Scene, path: Path | None, transform: Path | None, *, progress: Progress
+) -> None:
+    """Shows a second scan with the first, where a transform says that it lies.
+
+    Raises:
+        OptionError: There is a transform and no scan, or it cannot be used.
+        VolumeFormatError: The scan or the transform cannot be read.
+    """
+    if path is None:
+        if transform is not None:
+            raise OptionError(f"--transform {transform} given; allowed: together with --with")
+        return
+    volume = read(path, progress=progress)
+    for warning in volume.warnings:
+        warn(f"{path.name}: {warning}")
+    known = None if transform is None else read_transform(transform)
+    scene.second = placed(scene.volume, volume, known)
+
+
+def saved_scene(path: Path, progress: Progress) -> Opening:
+    """Returns a scene that was saved.
+
+    Raises:
+        SceneFormatError: It cannot be opened; its last autosave is named then.
+    """
+    try:
+        saved = open_scene(path, progress=progress)
+        return Opening(saved.scene(), saved, saved.told)
+    except SceneFormatError as error:
+        raise with_autosave(error, path) from None

@@ -1,0 +1,101 @@
+"""``palpate series``: which scans a DICOM folder or archive holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from palpate.base.console import Display, quiet_libraries
+
+if TYPE_CHECKING:
+    from palpate.io.dicom.header import Series
+
+__all__ = ["describe", "folded", "print_series", "series"]
+
+
+def series(
+    path: Annotated[Path, typer.Argument(help="DICOM folder or zip archive.", metavar="PATH")],
+    *,
+    every: Annotated[
+        bool, typer.Option("--all", help="List every volume of a series that holds many.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list.")] = False,
+) -> None:
+    """List the series of a DICOM folder, with the values that --series accepts."""
+    from palpate.io.reading import list_series
+
+    with quiet_libraries(), Display() as display:
+        listed = list_series(path, progress=display)
+    found = [describe(number, one) for number, one in enumerate(listed, 1)]
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(found, indent=2))
+    else:
+        print_series(found if every else folded(found, [one.part for one in listed]))
+
+
+def describe(number: int, one: Series) -> dict[str, Any]:
+    """Returns what is known of a series, ready for JSON."""
+    first = one.headers[0]
+    return {
+        "number": number,
+        "patient": first.patient,
+        "study": first.study_told,
+        "series": one.description,
+        "modality": one.modality,
+        "slices": one.slices,
+        "columns": first.columns,
+        "rows": first.rows,
+        "uid": one.uid,
+    }
+
+
+def folded(found: list[dict[str, Any]], parts: Sequence[str]) -> list[dict[str, Any]]:
+    """Returns rows of a list with many volumes of one series as one, by the ``parts`` they are."""
+    from palpate.io.dicom.series_folds import folds
+
+    wholes = [one["series"].removesuffix(part) for one, part in zip(found, parts, strict=True)]
+    keys = [
+        (one["uid"], whole) if part else None
+        for one, whole, part in zip(found, wholes, parts, strict=True)
+    ]
+    rows = []
+    for places in folds(keys):
+        row = found[places[0]]
+        if len(places) > 1:
+            first, last = parts[places[0]], parts[places[-1]]
+            row = row | {
+                "number": f"{places[0] + 1} to {places[-1] + 1}",
+                "series": f"{wholes[places[0]]}{len(places)} volumes: {first} to {last}",
+            }
+        rows.append(row)
+    return rows
+
+
+def print_series(found: list[dict[str, Any]]) -> None:
+    """Prints series as a table; a size that is not known is left out.
+
+    A series that is ``refused`` says why below it.
+    """
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for name in ("number", "patient", "study", "series", "modality", "size"):
+        table.add_column(name, justify="right" if name == "number" else "left")
+    for one in found:
+        edges = one["columns"], one["rows"], one["slices"]
+        size = "" if None in edges else " x ".join(map(str, edges))
+        cells = (one["number"], one["patient"], one["study"], one["series"], one["modality"], size)
+        table.add_row(*(Text(str(cell)) for cell in cells))
+    console = Console()
+    console.print(table)
+    for one in found:
+        if one.get("refused"):
+            said = f"{one['number']} cannot be read: {one['refused']}"
+            console.print(said, markup=False, highlight=False)

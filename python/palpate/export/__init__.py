@@ -1,0 +1,23 @@
+"""Export: segments and scans as files that other programs read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from palpate.base.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from palpate.export.export import KINDS, Kind, check_export, export_scene, kind_of
+
+__all__ = ["KINDS", "Kind", "check_export", "export_scene", "kind_of"]
+
+__getattr__ = lazy_exports(
+    __name__,
+    {
+        "KINDS": "export",
+        "Kind": "export",
+        "check_export": "export",
+        "export_scene": "export",
+        "kind_of": "export",
+    },
+)

@@ -1,0 +1,177 @@
+"""The DICOM files that a scan was read from, for objects that refer to them.
+
+Frame: LPS [mm].
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress
+from palpate.io.archive import is_archive, unpacked
+from palpate.io.dicom.header import Header, damage_told, frame_of
+from palpate.io.dicom.reading import volumes_of
+from palpate.io.dicom.series import choose_series, is_dicom, series_in
+from palpate.volumes.volume import Volume
+
+if TYPE_CHECKING:
+    from pydicom.dataset import Dataset
+
+__all__ = ["DicomSource", "SourceSlice", "dicom_source"]
+
+SAME_PLACE = 0.02
+"""By how much of a voxel a slice of a file may lie off one of the scan."""
+ELSEWHERE = "allowed: .seg.nrrd, NIfTI or NRRD, which need no DICOM files"
+
+NEEDED = (
+    "PatientID", "PatientName", "PatientBirthDate", "PatientSex", "AccessionNumber", "StudyID",
+    "StudyDate", "StudyTime", "ReferringPhysicianName",
+)  # fmt: skip
+"""What every object has, if empty (type 2)."""
+IMAGE_CLASSES = {
+    "CT": "1.2.840.10008.5.1.4.1.1.2",
+    "MR": "1.2.840.10008.5.1.4.1.1.4",
+}
+"""Kinds of objects with single slices."""
+SECONDARY = "1.2.840.10008.5.1.4.1.1.7"
+"""What other images may be: secondary capture."""
+IDENTIFIERS = ("StudyInstanceUID", "SeriesInstanceUID", "FrameOfReferenceUID")
+
+
+@dataclass(frozen=True)
+class SourceSlice:
+    """The image that shows a slice of the scan."""
+
+    image: Dataset
+    frame: int | None
+    """Its number, from 1, where the file has several."""
+
+
+@dataclass(frozen=True)
+class DicomSource:
+    """Files of a scan."""
+
+    files: tuple[Path, ...]
+    """There for as long as the source is open."""
+    images: tuple[Dataset, ...]
+    """Their headers, in the same order."""
+    slices: tuple[SourceSlice | None, ...]
+    """For each slice of the scan, what shows it; None where it was made up from others."""
+
+    @property
+    def first(self) -> Dataset:
+        """One header, for what all of them say."""
+        return self.images[0]
+
+
+@contextmanager
+def dicom_source(volume: Volume, *, complete: bool, progress: Progress) -> Iterator[DicomSource]:
+    """Opens the DICOM files of a scan.
+
+    Args:
+        volume: A scan that was read.
+        complete: Whether identifiers that the files lack are made up, the same for all of them.
+        progress: Told how far the reading is.
+
+    Raises:
+        OptionError: The scan comes from no DICOM files, they are not there any more, or nothing
+            can refer to them.
+    """
+    source = volume.source
+    if source is None or not source.path.exists():
+        gone = "comes from no file" if source is None else f"is not at {source.path} any more"
+        raise OptionError(f"the scan {volume.name!r} {gone}; {ELSEWHERE}")
+    if "orientation" in source.options:
+        raise OptionError(
+            "the scan was read with --orientation, which its files do not tell, so nothing in "
+            f"DICOM can refer to it; {ELSEWHERE}"
+        )
+    path, series = source.path, source.options.get("series")
+    if is_archive(path):
+        with unpacked(path, progress) as folder:
+            yield _source(volume, _headers(folder, series, progress), complete=complete)
+    elif path.is_dir():
+        yield _source(volume, _headers(path, series, progress), complete=complete)
+    elif is_dicom(path):
+        chosen, _ = choose_series(path, volumes_of(path), series)
+        yield _source(volume, chosen.headers, complete=complete)
+    else:
+        raise OptionError(f"the scan {path} is no DICOM series; {ELSEWHERE}")
+
+
+def _headers(folder: Path, series: str | None, progress: Progress) -> tuple[Header, ...]:
+    found, _ = series_in(folder, progress=progress)
+    return choose_series(folder, found, series)[0].headers
+
+
+def _source(volume: Volume, headers: tuple[Header, ...], *, complete: bool) -> DicomSource:
+    once = {header.instance or str(header.path): header for header in reversed(headers)}
+    files = tuple(sorted(header.path for header in once.values()))
+    images = tuple(_read(path) for path in files)
+    _complete(images, volume, complete=complete)
+    taken = {header.path: header.taken for header in once.values()}
+    return DicomSource(files, images, _slices(volume, images, tuple(taken[path] for path in files)))
+
+
+def _read(path: Path) -> Dataset:
+    import pydicom
+
+    with damage_told(path):
+        return pydicom.dcmread(path, stop_before_pixels=True)
+
+
+def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) -> None:
+    from pydicom.uid import generate_uid
+
+    made = {name: generate_uid() for name in IDENTIFIERS}
+    names = (*IDENTIFIERS, "SOPInstanceUID", "SOPClassUID")
+    lacking = [name for name in names if not all(image.get(name) for image in images)]
+    if lacking and not complete:
+        raise OptionError(
+            f"the scan's files have no {' and no '.join(lacking)}, so nothing can refer to them; "
+            f"{ELSEWHERE}, or DICOM without --keep-identity, which makes new ones"
+        )
+    with warnings.catch_warnings():
+        # sloppy values are kept as they are
+        warnings.simplefilter("ignore")
+        for image in images:
+            for name in IDENTIFIERS:
+                if name in lacking:
+                    setattr(image, name, made[name])
+            if "SOPInstanceUID" in lacking:
+                image.SOPInstanceUID = generate_uid()
+            if "SOPClassUID" in lacking:
+                image.SOPClassUID = IMAGE_CLASSES.get(str(image.get("Modality")), SECONDARY)
+            for name in NEEDED:
+                if name not in image:
+                    setattr(image, name, "")
+            if "SliceThickness" not in image:
+                image.SliceThickness = f"{volume.spacing[2]:.6g}"
+
+
+def _slices(
+    volume: Volume, images: tuple[Dataset, ...], taken: tuple[tuple[int, ...] | None, ...]
+) -> tuple[SourceSlice | None, ...]:
+    """Finds the image at the place of each slice, among the frames that are the scan's."""
+    grid_from_patient = np.linalg.inv(volume.patient_from_grid)
+    slices: list[SourceSlice | None] = [None] * volume.shape[0]
+    for image, own in zip(images, taken, strict=True):
+        count = int(image.get("NumberOfFrames") or 1)
+        for index in range(count) if own is None else own:
+            position = frame_of(image, index).position
+            if position is None:
+                continue
+            place = grid_from_patient[:3, :3] @ position + grid_from_patient[:3, 3] - 0.5
+            number = round(float(place[2]))
+            off = float(np.abs(place - (0.0, 0.0, number)).max())
+            if 0 <= number < len(slices) and off <= SAME_PLACE:
+                slices[number] = SourceSlice(image, index + 1 if count > 1 else None)
+    return tuple(slices)

@@ -1,0 +1,211 @@
+"""What scans a folder, an archive or a file holds, for choosing one: what, how large, how it looks.
+
+Headers tell the list; pictures are middle slices, decoded on request, several at a time.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import PalpateError, VolumeFormatError
+from palpate.base.progress import Progress, silent
+from palpate.io.archive import is_archive, unpacked
+from palpate.io.dicom.header import Series
+from palpate.io.dicom.pixels import read_slice
+from palpate.io.dicom.reading import plan_of, volumes_of
+from palpate.io.dicom.series import MOST_FILES, called_of, is_dicom, series_among, series_in
+from palpate.io.image_file import check_own_voxels, header_of, image_files, middle_of
+from palpate.io.preview import preview
+
+__all__ = ["Choice", "browsed", "choices_among", "previews"]
+
+MOST_IMAGES = 200
+"""Image files of one folder that are listed."""
+MOST_THREADS = 4
+LARGEST = 1024**3
+"""Voxels, as ``palpate.io.read`` has it."""
+
+Picture = Callable[[], NDArray[np.uint8]]
+Fetch = Callable[[Path, Progress], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """One scan that may be opened."""
+
+    path: Path
+    """What ``palpate.io.read`` takes."""
+    series: str | None = None
+    """Which series of it, as ``read`` takes it."""
+    patient: str = ""
+    study: str = ""
+    name: str
+    modality: str = ""
+    uid: str = ""
+    """Of its series; volumes of one series share it."""
+    part: str = ""
+    """What tells it from other volumes of its series, and ends its name; "" if alone."""
+    size: tuple[int, ...]
+    """Voxels along x, y, z."""
+    spacing: tuple[float, ...] | None = None
+    """Along x, y, z [mm]; None where the files do not tell."""
+    refused: str | None = None
+    """Why it cannot be opened."""
+    picture: Picture = field(compare=False)
+    """Makes the small picture of its middle; it may raise what reading raises."""
+    fetch: Fetch | None = field(default=None, compare=False)
+    """Brings its files into a folder; None where they are at ``path``."""
+
+
+@contextmanager
+def browsed(path: Path, *, progress: Progress = silent) -> Iterator[list[Choice]]:
+    """Gives the scans at a path, as long as pictures of them are wanted.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It holds no scan, or cannot be read.
+    """
+    if not path.exists():
+        raise FileNotFoundError(f"{path} does not exist; allowed: an existing file or folder")
+    if path.is_dir():
+        yield _in_folder(path, progress)
+    elif is_archive(path):
+        with unpacked(path, progress) as folder:
+            yield _in_archive(path, folder, progress)
+    elif is_dicom(path):
+        found = volumes_of(path)
+        # a single one needs no name
+        yield _series(path, found) if len(found) > 1 else [_of_series(path, found[0], None)]
+    else:
+        yield [_image(path, path.name)]
+
+
+def previews(
+    choices: Sequence[Choice], *, progress: Progress = silent
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Yields pictures of choices as they are made, with the number of each; none that fail."""
+    wanted = [number for number, choice in enumerate(choices) if choice.refused is None]
+    with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+        try:
+            made = {pool.submit(choices[number].picture): number for number in wanted}
+            for done, future in enumerate(as_completed(made)):
+                progress("drawing slices", done / len(wanted))
+                try:
+                    yield made[future], future.result()
+                except (PalpateError, OSError, MemoryError):
+                    continue
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def choices_among(paths: Sequence[Path], *, progress: Progress = silent) -> list[Choice]:
+    """Lists the scans in several DICOM files and folders together.
+
+    Raises:
+        FileNotFoundError: One of them does not exist.
+        OptionError: One of them is neither a folder nor a DICOM file.
+        VolumeFormatError: They hold no scan.
+    """
+    return _series(called_of(paths), series_among(paths, progress=progress)[0])
+
+
+# --- DICOM --------------------------------------------------------------------------------
+
+
+def _in_folder(folder: Path, progress: Progress, called: Path | None = None) -> list[Choice]:
+    images = image_files(folder, among=MOST_FILES)[:MOST_IMAGES]
+    try:
+        found, _ = series_in(folder, called=called, progress=progress)
+    except VolumeFormatError:
+        if not images:
+            raise
+        found = []
+    return [
+        *_series(called or folder, found),
+        *(
+            _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
+            for path in images
+        ),
+    ]
+
+
+def _in_archive(archive: Path, folder: Path, progress: Progress) -> list[Choice]:
+    listed = _in_folder(folder, progress, archive)
+    # an image file is one of the archive's, by its name in it
+    return [
+        one if one.path == archive else replace(one, path=archive, series=one.name)
+        for one in listed
+    ]
+
+
+def _series(path: Path, found: list[Series]) -> list[Choice]:
+    uids = [one.uid for one in found]
+    # its place in the list tells it where its UID does not
+    return [
+        _of_series(path, one, one.uid if one.uid and uids.count(one.uid) == 1 else str(number))
+        for number, one in enumerate(found, 1)
+    ]
+
+
+def _of_series(path: Path, one: Series, series: str | None) -> Choice:
+    first = one.headers[0]
+    size: tuple[int, ...] = (first.columns, first.rows, one.slices)
+    spacing, refused, middle = None, None, (first, 0)
+    try:
+        plan = plan_of("it", one, max_voxels=LARGEST)
+    except VolumeFormatError as error:
+        refused = str(error)
+    else:
+        size, middle = plan.size, plan.middle
+        spacing = None if plan.grid is None else plan.grid.spacing
+
+    def picture() -> NDArray[np.uint8]:
+        header, frame = middle
+        pixel = header.frames[frame].pixel_spacing or (1.0, 1.0)
+        return preview(read_slice(header, frame), (pixel[1], pixel[0]))
+
+    return Choice(
+        path=path,
+        series=series,
+        patient=first.patient,
+        study=first.study_told,
+        name=one.description,
+        modality=one.modality,
+        uid=one.uid,
+        part=one.part,
+        size=size,
+        spacing=spacing,
+        refused=refused,
+        picture=picture,
+    )
+
+
+# --- image files --------------------------------------------------------------------------
+
+
+def _image(path: Path, name: str, *, packed: bool = False) -> Choice:
+    try:
+        if packed:
+            check_own_voxels(path)
+        header = header_of(path)
+    except VolumeFormatError as error:
+        return Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)
+    return Choice(
+        path=path,
+        name=name,
+        size=header.size,
+        spacing=header.spacing,
+        picture=lambda: preview(middle_of(path), header.spacing[:2]),
+    )
+
+
+def _nothing() -> NDArray[np.uint8]:
+    return np.zeros((1, 1), np.uint8)

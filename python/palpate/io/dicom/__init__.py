@@ -1,0 +1,1 @@
+"""Reading of DICOM: headers, series, geometry and pixels."""

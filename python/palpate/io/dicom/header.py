@@ -1,0 +1,343 @@
+"""What the headers of DICOM files say: frames, grouped into series.
+
+Read with pydicom, without pixels, since GDCM's own scan of a folder stops at the first file
+it dislikes.
+
+Frame: positions and orientations in LPS [mm], as DICOM gives them.
+Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi-frame images).
+"""
+
+from __future__ import annotations
+
+import struct
+import warnings
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from palpate.base.errors import PalpateError, VolumeFormatError
+from palpate.base.progress import Progress
+from palpate.io.dicom.phases import phase_of, phases_of
+
+if TYPE_CHECKING:
+    from pydicom.dataset import Dataset
+
+__all__ = [
+    "PARALLEL",
+    "Frame",
+    "Header",
+    "Series",
+    "damage_told",
+    "find_series",
+    "frame_of",
+    "read_header",
+]
+
+DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
+"""Modalities of objects that refer to a scan and are none."""
+PARALLEL = 2e-3
+"""By how much the cosines of parallel slices differ at most: writers leave three digits."""
+PLAIN = {
+    "1.2.840.10008.1.2": ("<", b"\xe0\x7f\x10\x00", 8),
+    "1.2.840.10008.1.2.1": ("<", b"\xe0\x7f\x10\x00", 12),
+}
+"""Transfer syntaxes without compression, little endian: order of bytes, the tag of pixels, and the
+bytes before them (PS3.5, 7.1)."""
+STUDY = ("StudyInstanceUID", "FrameOfReferenceUID")
+PADDING = ("PixelPaddingValue", "PixelPaddingRangeLimit")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where one slice lies; None where the file does not tell."""
+
+    position: tuple[float, ...] | None
+    orientation: tuple[float, ...] | None
+    pixel_spacing: tuple[float, ...] | None
+    """Between rows, between columns [mm], in DICOM's order."""
+    scale: tuple[float, float] | None
+    """Rescale slope and intercept."""
+    phase: tuple[str, ...] = ()
+    """What may tell it from slices at the same place, as ``phases`` has it."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """What one file says about its slices."""
+
+    path: Path
+    series: str
+    description: str
+    modality: str
+    unit: str
+    rows: int
+    columns: int
+    samples: int
+    frames: tuple[Frame, ...]
+    truncated: bool
+    """Whether uncompressed pixels are fewer than announced; compressed ones are not counted."""
+    plain: tuple[int, str] | None
+    """Byte at which uncompressed pixels begin, and their type; None where a decoder is needed."""
+    instance: str
+    """SOPInstanceUID: two files with the same one are copies."""
+    patient: str
+    """Name and number, as the file has them."""
+    study_told: str
+    """Date and description."""
+    study: tuple[str, ...]
+    """UIDs of study and frame of reference: what is left to tell scans apart without a series."""
+    frame: str
+    """UID of the frame of reference."""
+    inverted: bool
+    """Whether low numbers are meant to be bright (MONOCHROME1)."""
+    bits: int
+    """Of a stored number, those in use."""
+    padding: tuple[int, int] | None
+    """Lowest and highest stored number that stand for no value."""
+    taken: tuple[int, ...] | None = None
+    """Which of the file's frames ``frames`` are; None for all of them."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """Files of one SeriesInstanceUID with one size and orientation."""
+
+    uid: str
+    description: str
+    modality: str
+    headers: tuple[Header, ...]
+    part: str = ""
+    """What tells it from other volumes of its series, and ends its description; "" if alone."""
+
+    @property
+    def whole(self) -> str:
+        """What the series is called that it is a volume of."""
+        return self.description.removesuffix(self.part).removesuffix(", ")
+
+    @property
+    def volume_of(self) -> tuple[str, str] | None:
+        """Returns what is the same for all volumes of its series; None where it is alone."""
+        return (self.uid, self.whole) if self.part else None
+
+    @property
+    def slices(self) -> int:
+        """How many slices its files hold."""
+        return sum(len(header.frames) for header in self.headers)
+
+    def __str__(self) -> str:
+        name = self.uid or "(empty UID)"
+        said = f" {self.description!r}" if self.description else ""
+        first = self.headers[0]
+        return f"{name}{said} {self.modality}, {self.slices} of {first.columns} x {first.rows}"
+
+
+def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series], list[Path]]:
+    """Groups the images among these files into series, the longest first; lists damaged ones."""
+    files = sorted(paths)
+    groups: dict[tuple[Any, ...], list[list[Header]]] = {}
+    damaged: list[Path] = []
+    for done, path in enumerate(files):
+        progress(f"looking at {len(files)} files", done / len(files))
+        try:
+            header = read_header(path)
+        except VolumeFormatError:
+            damaged.append(path)
+            continue
+        if header is None:
+            continue
+        alike = groups.setdefault(_group(header), [])
+        group = next((group for group in alike if _parallel(group[0], header)), None)
+        if group is None:
+            alike.append([header])
+        else:
+            group.append(header)
+    whole = [
+        Series(headers[0].series, headers[0].description, headers[0].modality, tuple(headers))
+        for alike in groups.values()
+        for headers in alike
+    ]
+    found = [part for series in whole for part in phases_of(series)]
+    # phases of one series keep their order
+    return sorted(found, key=lambda series: (-series.slices, series.uid)), damaged
+
+
+def _group(header: Header) -> tuple[Any, ...]:
+    """Returns what the files of one volume have in common, beside their orientation."""
+    own_volume = header.path if len(header.frames) > 1 else None
+    # without a UID, what lies on one grid in one frame of reference belongs together
+    told = header.series or (header.study, header.modality, header.frames[0].pixel_spacing)
+    return (told, header.patient, header.rows, header.columns, own_volume)
+
+
+def _parallel(one: Header, other: Header) -> bool:
+    first, second = one.frames[0].orientation, other.frames[0].orientation
+    if first is None or second is None:
+        return first is second
+    return all(abs(a - b) <= PARALLEL for a, b in zip(first, second, strict=True))
+
+
+@contextmanager
+def damage_told(path: Path, *, allowed: str = "complete, undamaged files") -> Iterator[None]:
+    """Tells what pydicom and its decoders raise at damaged files as one kind of error.
+
+    Raises:
+        VolumeFormatError: The file is damaged.
+    """
+    from pydicom.errors import BytesLengthException
+
+    try:
+        with warnings.catch_warnings():
+            # sloppy values are common and judged where they matter
+            warnings.simplefilter("ignore")
+            yield
+    except (PalpateError, MemoryError):
+        raise
+    except (
+        ArithmeticError, AttributeError, EOFError, LookupError, NotImplementedError, OSError,
+        RuntimeError, StopIteration, TypeError, ValueError, struct.error, zlib.error,
+        BytesLengthException,
+    ) as error:  # fmt: skip
+        why = (str(error).strip().splitlines() or [type(error).__name__])[-1].strip().rstrip(".")
+        raise VolumeFormatError(
+            f"{path} is damaged, or DICOM of an unknown kind ({why}); allowed: {allowed}"
+        ) from None
+
+
+def read_header(path: Path) -> Header | None:
+    """Reads a file's header; None where it is no DICOM image of a scan.
+
+    Raises:
+        VolumeFormatError: It is DICOM, and damaged.
+    """
+    import pydicom
+    from pydicom.errors import InvalidDicomError
+
+    with damage_told(path):
+        try:
+            with path.open("rb") as file:
+                dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
+                plain = _plain(file, dataset)
+                left = path.stat().st_size - file.tell()
+        except InvalidDicomError:
+            return None
+        return _header(path, dataset, left=left, plain=plain)
+
+
+def _plain(file: BinaryIO, dataset: Dataset) -> tuple[int, str] | None:
+    """Finds uncompressed pixels in a file that was read up to them."""
+    syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
+    bits = dataset.get("BitsAllocated")
+    if syntax is None or syntax not in PLAIN or bits not in (8, 16):
+        return None
+    order, tag, length = PLAIN[syntax]
+    sign = "i" if dataset.get("PixelRepresentation") else "u"
+    begins = file.tell()
+    found = file.read(length).startswith(tag)
+    return (begins + length, f"{order}{sign}{bits // 8}") if found else None
+
+
+def _header(
+    path: Path, dataset: Dataset, *, left: int, plain: tuple[int, str] | None
+) -> Header | None:
+    modality = str(dataset.get("Modality") or "")
+    rows, columns = dataset.get("Rows"), dataset.get("Columns")
+    if not rows or not columns or modality in DERIVED_OBJECTS:
+        return None
+    samples = int(dataset.get("SamplesPerPixel") or 1)
+    count = int(dataset.get("NumberOfFrames") or 1)
+    stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * count // 8
+    syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
+    packed = bool(syntax is not None and (syntax.is_compressed or syntax.is_deflated))
+    return Header(
+        path=path,
+        series=str(dataset.get("SeriesInstanceUID") or ""),
+        description=str(dataset.get("SeriesDescription") or ""),
+        modality=modality,
+        unit=_unit(dataset, modality),
+        rows=int(rows),
+        columns=int(columns),
+        # numbers that a table turns into colours are no intensities either
+        samples=3 if dataset.get("PhotometricInterpretation") == "PALETTE COLOR" else samples,
+        frames=tuple(frame_of(dataset, index) for index in range(count)),
+        truncated=not packed and left < stored,
+        plain=plain,
+        instance=str(dataset.get("SOPInstanceUID") or ""),
+        patient=_joined(dataset, "PatientName", "PatientID"),
+        study_told=_joined(dataset, "StudyDate", "StudyDescription"),
+        study=tuple(str(dataset.get(name) or "") for name in STUDY),
+        frame=str(dataset.get("FrameOfReferenceUID") or ""),
+        inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
+        bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
+        padding=_padding(dataset),
+    )
+
+
+def frame_of(dataset: Dataset, index: int) -> Frame:
+    """Returns where a frame lies, by its own functional groups, the shared ones or the file."""
+    plane = _holder(dataset, index, "PlanePositionSequence")
+    orientation = _holder(dataset, index, "PlaneOrientationSequence")
+    measures = _holder(dataset, index, "PixelMeasuresSequence")
+    return Frame(
+        position=_numbers(plane, "ImagePositionPatient", 3),
+        orientation=_numbers(orientation, "ImageOrientationPatient", 6),
+        pixel_spacing=_numbers(measures, "PixelSpacing", 2),
+        scale=_scale(dataset, index),
+        phase=phase_of(dataset, _groups(dataset, index)),
+    )
+
+
+def _numbers(holder: Dataset, name: str, count: int) -> tuple[float, ...] | None:
+    try:
+        numbers = tuple(float(number) for number in holder.get(name) or ())
+    except (TypeError, ValueError):
+        return None
+    return numbers if len(numbers) == count else None
+
+
+def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
+    """Returns what holds a frame's values: its own functional group, the shared one, the file."""
+    for groups in _groups(dataset, index):
+        if groups.get(group):
+            held: Dataset = groups[group][0]
+            return held
+    return dataset
+
+
+def _groups(dataset: Dataset, index: int) -> list[Dataset]:
+    """Returns a frame's own functional groups and the shared ones, where there are any."""
+    per_frame = dataset.get("PerFrameFunctionalGroupsSequence") or []
+    shared = dataset.get("SharedFunctionalGroupsSequence") or []
+    return [*per_frame[index : index + 1], *shared[:1]]
+
+
+def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
+    holder = _holder(dataset, index, "PixelValueTransformationSequence")
+    slope, intercept = holder.get("RescaleSlope"), holder.get("RescaleIntercept")
+    if slope is None or intercept is None:
+        return None
+    return float(slope), float(intercept)
+
+
+def _joined(dataset: Dataset, *names: str) -> str:
+    """Returns what of several elements is there, as one text."""
+    return " ".join(filter(None, (str(dataset.get(name) or "").strip() for name in names)))
+
+
+def _padding(dataset: Dataset) -> tuple[int, int] | None:
+    """Returns the range of PS3.3, C.7.5.1.1.2: one number, or two in either order."""
+    try:
+        ends = [int(dataset[name].value) for name in PADDING if dataset.get(name) is not None]
+    except (TypeError, ValueError):
+        return None
+    return (min(ends), max(ends)) if ends else None
+
+
+def _unit(dataset: Dataset, modality: str) -> str:
+    """Returns "HU" where a CT is rescaled and its rescale type does not say otherwise."""
+    holder = _holder(dataset, 0, "PixelValueTransformationSequence")
+    kind = str(holder.get("RescaleType") or "HU")
+    rescaled = holder.get("RescaleIntercept") is not None
+    return "HU" if modality == "CT" and rescaled and kind == "HU" else ""

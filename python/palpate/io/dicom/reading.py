@@ -1,0 +1,242 @@
+"""Reading of DICOM: a folder or files with the slices of a series, or one file with all of them.
+
+Headers are read first, and say where the slices lie and what is wrong with them; then pixels
+are decoded, several files at a time, and laid on a right grid where the stack is none.
+
+Frame: LPS [mm].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import VolumeFormatError
+from palpate.base.progress import Progress
+from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
+from palpate.io.dicom.header import Header, Series, read_header
+from palpate.io.dicom.phases import phases_of
+from palpate.io.dicom.pixels import read_slices
+from palpate.io.dicom.resample import resample
+from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.raw_scan import RawScan, check_shape
+from palpate.volumes.stored_values import Scale
+
+__all__ = [
+    "Plan",
+    "plan_of",
+    "read_dicom_file",
+    "read_dicom_files",
+    "read_dicom_folder",
+    "volumes_of",
+]
+
+
+def read_dicom_folder(
+    folder: Path,
+    *,
+    series: str | None,
+    max_voxels: int,
+    progress: Progress,
+    called: Path | None = None,
+) -> RawScan:
+    """Reads the series in a folder and the folders below, or the one asked for of several.
+
+    Messages call the folder as it is ``called``, where its files come from elsewhere.
+
+    Raises:
+        SeriesChoiceError: There are several series, or not the one asked for.
+        VolumeFormatError: There is none, or it is no stack of slices.
+    """
+    found = series_in(folder, called=called, progress=progress)
+    return _read_chosen(
+        called or folder, found, series=series, max_voxels=max_voxels, progress=progress
+    )
+
+
+def read_dicom_files(
+    paths: Sequence[Path], *, series: str | None, max_voxels: int, progress: Progress
+) -> RawScan:
+    """Reads the series in several files and folders, or the one asked for of several.
+
+    Raises:
+        FileNotFoundError: One of them does not exist.
+        OptionError: One of them is neither.
+        SeriesChoiceError: There are several series, or not the one asked for.
+        VolumeFormatError: There is none, or it is no stack of slices.
+    """
+    found = series_among(paths, progress=progress)
+    return _read_chosen(
+        called_of(paths), found, series=series, max_voxels=max_voxels, progress=progress
+    )
+
+
+def _read_chosen(
+    called: Path,
+    found: tuple[list[Series], list[Path]],
+    *,
+    series: str | None,
+    max_voxels: int,
+    progress: Progress,
+) -> RawScan:
+    listed, damaged = found
+    chosen, warnings = choose_series(called, listed, series)
+    what = f"{called} (series {chosen.uid})" if chosen.uid else str(called)
+    scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
+    scan.description = chosen.description
+    scan.name = chosen.description or called.name.removesuffix(".zip")
+    scan.warnings[:0] = warnings
+    if damaged:
+        scan.warnings.append(
+            f"{len(damaged)} files are damaged and were left out, such as {damaged[0].name}"
+        )
+    return scan
+
+
+def read_dicom_file(
+    path: Path, *, series: str | None, max_voxels: int, progress: Progress
+) -> RawScan:
+    """Reads a file that holds all slices of a volume, or the one asked for of several.
+
+    Raises:
+        SeriesChoiceError: It holds several volumes, such as times, or not the one asked for.
+        VolumeFormatError: The file holds one slice, no image, or no stack of slices.
+    """
+    chosen, _ = choose_series(path, volumes_of(path), series)
+    scan = _read_series(str(path), chosen, max_voxels=max_voxels, progress=progress)
+    scan.description = chosen.description
+    scan.name = chosen.description or path.stem
+    return scan
+
+
+def volumes_of(path: Path) -> list[Series]:
+    """Lists the volumes that one file holds: one, or several times, echoes, ….
+
+    Raises:
+        VolumeFormatError: The file holds no image.
+    """
+    header = read_header(path)
+    if header is None:
+        raise VolumeFormatError(
+            f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
+        )
+    return phases_of(Series(header.series, header.description, header.modality, (header,)))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a series is read, as its headers say before any pixel is."""
+
+    series: Series
+    """With each slice once."""
+    stack: Stack | None
+    """None where the files tell no positions."""
+    grid: Grid | None
+    said: tuple[str, ...]
+    """What was left out."""
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        first = self.series.headers[0]
+        return self.grid.size if self.grid else (first.columns, first.rows, self.series.slices)
+
+    @property
+    def middle(self) -> tuple[Header, int]:
+        """The file with the middle slice, and which of its frames that is."""
+        frames = [(one, index) for one in self.series.headers for index in range(len(one.frames))]
+        order = range(len(frames)) if self.stack is None else self.stack.order
+        return frames[order[len(frames) // 2]]
+
+
+def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
+    """Finds how a series is read.
+
+    Raises:
+        VolumeFormatError: It is no stack of slices, or has too many voxels.
+    """
+    first = series.headers[0]
+    if first.samples != 1:
+        raise VolumeFormatError(
+            f"{what} has {first.samples} numbers per pixel, as colour images have; "
+            "allowed: one intensity per pixel"
+        )
+    series, said = _without_copies(series)
+    check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
+    short = [header.path.name for header in series.headers if header.truncated]
+    if short:
+        raise VolumeFormatError(
+            f"{what} is truncated: {len(short)} files are shorter than their image, such as "
+            f"{short[0]}; allowed: complete files"
+        )
+    stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
+    grid = None
+    if stack is not None:
+        grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
+        check_shape(what, grid.size, max_voxels)
+        if all(len(header.frames) == 1 for header in series.headers):
+            # files in the order of their slices need not be moved once they are decoded
+            series = replace(series, headers=tuple(series.headers[i] for i in stack.order))
+            stack = replace(stack, order=tuple(range(len(stack.order))))
+    return Plan(series, stack, grid, tuple(said))
+
+
+def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
+    # where the slices lie, before the long work
+    plan = plan_of(what, series, max_voxels=max_voxels)
+    pixels = read_slices(plan.series.headers, progress=progress)
+    values = pixels.values
+    if plan.stack is not None and plan.grid is not None:
+        if plan.stack.order != tuple(range(len(values))):
+            values = values[list(plan.stack.order)]
+        if plan.grid.resampled:
+            values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
+    scan = _scan(plan.series, grid=plan.grid, values=values)
+    scan.warnings += plan.said
+    return scan
+
+
+def _without_copies(series: Series) -> tuple[Series, list[str]]:
+    """Returns a series with each slice once, and what was left out."""
+    once: dict[str, Header] = {}
+    for header in series.headers:
+        once.setdefault(header.instance or str(header.path), header)
+    kept = tuple(once.values())
+    copies = len(series.headers) - len(kept)
+    said = [f"{copies} files are copies of others and were left out"] if copies else []
+    return replace(series, headers=kept), said
+
+
+def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan:
+    scales = {frame.scale for header in series.headers for frame in header.frames}
+    scale = scales.pop() if len(scales) == 1 else None
+    scan = RawScan(
+        values=values,
+        spacing=(1.0, 1.0, 1.0),
+        origin=(0.0, 0.0, 0.0),
+        direction=np.eye(3),
+        name="",
+        modality=series.modality,
+        unit=series.headers[0].unit,
+        series=series.uid,
+        frame=series.headers[0].frame,
+        file_scale=Scale(*scale) if scale else None,
+    )
+    if series.headers[0].inverted:
+        scan.warnings.append(
+            "the files want low values bright (MONOCHROME1): "
+            + ("HU are kept as they are" if scan.unit == "HU" else "values are turned around")
+        )
+    if grid is None:
+        scan.orientation_known = False
+        scan.warnings.append("the files tell no positions or spacing: 1 mm is assumed")
+        return scan
+    scan.spacing, scan.origin, scan.direction = grid.spacing, grid.origin, grid.direction
+    if grid.told:
+        scan.warnings.append("; ".join(grid.told))
+    return scan

@@ -1,0 +1,1 @@
+"""Series of DICOMweb services: searching (QIDO-RS) and fetching (WADO-RS)."""

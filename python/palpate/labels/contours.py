@@ -1,0 +1,184 @@
+"""Structures of radiotherapy (RTSTRUCT): closed contours, filled slice by slice.
+
+A voxel belongs to a structure if its middle lies within an odd number of its contours, so that a
+contour inside another is a hole. Slices between contours take those of the nearest plane, as long
+as planes are as far apart as they usually are. Contours of a scan whose slices lie aslant to this
+one's are filled in their own planes, where both are known to have one frame of reference: each
+voxel of the scan takes what is at its centre.
+
+Frame: contours in LPS [mm]; work is done in indices of the scan, whole at the middles of voxels.
+Source: DICOM PS3.3, C.8.8.5 (structure set), C.8.8.6 (ROI contour), C.7.4.1 (frame of reference).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress
+from palpate.io.dicom.header import damage_told
+from palpate.labels.grid import RESAMPLED, Colour, Label, Labels
+from palpate.labels.oblique_contours import NotFlatError, filled_aslant
+from palpate.volumes.polygon_fill import fill_polygons
+from palpate.volumes.volume import Volume
+
+if TYPE_CHECKING:
+    from pydicom.dataset import Dataset
+
+__all__ = ["filled", "read_rtstruct"]
+
+CLOSED = ("CLOSED_PLANAR", "CLOSEDPLANAR_XOR")
+FLAT = 0.1
+"""By how much a contour may leave its plane [voxel]."""
+
+Polygon = NDArray[np.float64]
+"""Corners, shape [corners, 3]."""
+
+
+def read_rtstruct(
+    path: Path, volume: Volume, *, resample: bool = False, progress: Progress
+) -> Labels:
+    """Reads the structures of a file, each as a part of the scan.
+
+    Where ``resample`` is asked for, coordinates count whatever frame of reference they are told in.
+
+    Raises:
+        OptionError: They are told in another frame of reference than the scan's, or contours lie in
+            no plane of the scan's voxels and neither says what frame it has.
+    """
+    import pydicom
+
+    with damage_told(path):
+        dataset = pydicom.dcmread(path)
+        names = {
+            int(roi.ROINumber): str(roi.get("ROIName") or f"structure {roi.ROINumber}")
+            for roi in dataset.get("StructureSetROISequence") or []
+        }
+        rois = list(dataset.get("ROIContourSequence") or [])
+        frames = _frames(dataset)
+    if not resample:
+        _check_frame(path, frames, volume.traits.frame)
+    # any grid will do where both have the same coordinates
+    free = resample or frames == {volume.traits.frame}
+    made: list[Label] = []
+    aslant = False
+    left_out: list[str] = []
+    for done, roi in enumerate(rois):
+        progress(f"filling {len(rois)} structures", done / len(rois))
+        name = names.get(int(roi.ReferencedROINumber), f"structure {roi.ReferencedROINumber}")
+        polygons = _polygons(roi)
+        what = f"structure {name!r} of {path}"
+        mask = filled(what, polygons, volume, free=free) if polygons else None
+        aslant = aslant or (mask is not None and _axis_of(polygons, volume) is None)
+        if mask is None or not mask.any():
+            left_out.append(name)
+        else:
+            made.append(Label(volume.segment(mask, name=name), _colour(roi)))
+    said = [f"no closed contours on the scan: {', '.join(left_out)}"] if left_out else []
+    said += [RESAMPLED] if aslant else []
+    return Labels(tuple(made), tuple(said))
+
+
+def _frames(dataset: Dataset) -> set[str]:
+    """Returns the frames of reference that structures are told in, as far as they say."""
+    told = (
+        roi.get("ReferencedFrameOfReferenceUID")
+        for roi in dataset.get("StructureSetROISequence") or []
+    )
+    return {str(uid) for uid in told if uid}
+
+
+def _check_frame(path: Path, frames: set[str], scan: str) -> None:
+    others = frames - {scan}
+    if scan and others:
+        raise OptionError(
+            f"{path} is drawn in frame of reference {min(others)}, the scan has {scan}: one place "
+            "in the patient may have other coordinates there; allowed: structures of the scan's "
+            "frame, or of others where they are asked to be resampled as they are (--resample)"
+        )
+
+
+def _polygons(roi: Dataset) -> list[Polygon]:
+    return [
+        np.array(contour.ContourData, float).reshape(-1, 3)
+        for contour in roi.get("ContourSequence") or []
+        if contour.get("ContourGeometricType") in CLOSED and len(contour.ContourData) >= 9
+    ]
+
+
+def _colour(roi: Dataset) -> Colour | None:
+    told = roi.get("ROIDisplayColor")
+    if told is None or len(told) != 3:
+        return None
+    red, green, blue = (min(255.0, max(0.0, float(part))) / 255.0 for part in told)
+    return red, green, blue
+
+
+def filled(
+    what: str, polygons: list[Polygon], volume: Volume, *, free: bool = False
+) -> NDArray[np.uint8]:
+    """Returns 1 for the voxels whose middles contours enclose, shape as the scan's.
+
+    Args:
+        what: What it is, for the message.
+        polygons: Corners in the patient [mm].
+        volume: The scan.
+        free: Whether contours may lie aslant to the scan's slices.
+
+    Raises:
+        OptionError: A contour lies in no plane of the scan's voxels.
+    """
+    axis = _axis_of(polygons, volume)
+    if axis is None and not free:
+        raise OptionError(
+            f"{what} has contours that lie across the scan's slices; allowed: contours drawn on "
+            "slices of the scan, or others where they are asked to be resampled (--resample)"
+        )
+    if axis is None:
+        try:
+            return filled_aslant(polygons, volume)
+        except NotFlatError:
+            raise OptionError(
+                f"{what} has contours that lie in no plane; allowed: contours drawn on slices of "
+                "one scan"
+            ) from None
+    placed = _placed(polygons, volume)
+    heights = np.array([corners[:, axis].mean() for corners in placed])
+    planes, of_plane = np.unique(np.round(heights, 2), return_inverse=True)
+
+    # the array's axes come the other way around
+    mask = np.zeros(volume.shape, np.uint8)
+    slices = np.moveaxis(mask, 2 - axis, 0)
+    rest = [other for other in (0, 1, 2) if other != axis]
+    reach = 0.5 * max(1.0, float(np.median(np.diff(planes))) if len(planes) > 1 else 1.0)
+    done: dict[int, NDArray[np.uint8]] = {}
+    for number in range(len(slices)):
+        nearest = int(np.argmin(np.abs(planes - number)))
+        # half-way between two planes belongs to both: the first counts
+        if abs(planes[nearest] - number) > reach + 1e-6:
+            continue
+        if nearest not in done:
+            here = [placed[one][:, rest] for one in np.flatnonzero(of_plane == nearest)]
+            done = {nearest: fill_polygons(here, slices.shape[1:])}
+        slices[number] = done[nearest]
+    return mask
+
+
+def _placed(polygons: list[Polygon], volume: Volume) -> list[Polygon]:
+    """Returns polygons in indices of the scan, whole at the middles of voxels."""
+    index_from_patient = np.linalg.inv(volume.patient_from_grid)
+    return [
+        corners @ index_from_patient[:3, :3].T + index_from_patient[:3, 3] - 0.5
+        for corners in polygons
+    ]
+
+
+def _axis_of(polygons: list[Polygon], volume: Volume) -> int | None:
+    """Returns the axis of the scan along which each contour is flat; None where there is none."""
+    extents = np.array([np.ptp(corners, axis=0) for corners in _placed(polygons, volume)])
+    axis = int(np.argmin(extents.max(axis=0)))
+    return axis if extents[:, axis].max() <= FLAT else None

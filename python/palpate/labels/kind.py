@@ -1,0 +1,124 @@
+"""Whether files hold segments and no scan: by what they say of themselves, else by their values.
+
+A label map has 0 around its structures, few whole numbers, and areas of one number: two voxels
+beside one another mostly have the same. In scans noise makes them differ.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import PalpateError
+from palpate.base.progress import Progress, silent
+from palpate.io.dicom.series import is_dicom
+from palpate.io.image_file import header_of, middle_of, read_file
+from palpate.labels.label_map import ENDINGS, MOST_LABELS
+from palpate.labels.labels import modality_of
+from palpate.labels.seg_nrrd import is_segmentation
+
+__all__ = ["LabelsTold", "labels_in", "labels_told"]
+
+DICOM = {"SEG": "a DICOM segmentation", "RTSTRUCT": "structures of radiotherapy (RTSTRUCT)"}
+BESIDE = (".csv", ".json", ".txt", ".raw", ".zraw")
+"""Endings of what may lie beside masks: tables, and voxels of their own."""
+NAMED = re.compile(r"(?i)(?:^|[^a-z])(?:seg|segmentation|labels?|labelmap|masks?|aseg)(?:[^a-z]|$)")
+HIGHEST = 255
+"""Label that is usual, where no name says that it is one."""
+MOST_EDGES = 0.25
+"""Of pairs of voxels beside one another that differ."""
+MOST_VOXELS = 1024**3
+
+
+@dataclass(frozen=True)
+class LabelsTold:
+    """What a file or folder is that holds segments."""
+
+    name: str
+    what: str
+    """Such as "a label map"."""
+    image: bool
+    """Whether it could be opened as a scan too."""
+
+
+def labels_in(place: Path) -> Path:
+    """Returns what of a drop holds labels: the only image where there is one, beside its table."""
+    if not place.is_dir():
+        return place
+    images = [path for path in place.iterdir() if path.name.lower().endswith(ENDINGS)]
+    return images[0] if len(images) == 1 else place
+
+
+def labels_told(path: Path, *, progress: Progress = silent) -> LabelsTold | None:
+    """Returns what segments there are at a path; None where there is something else, or nothing."""
+    place = labels_in(path)
+    if place != path and any(_is_other(file) for file in path.iterdir() if file != place):
+        # a scan may be there too
+        return None
+    try:
+        if place.is_dir():
+            return _masks(place, progress)
+        return _file(place, progress) if place.is_file() else None
+    except (PalpateError, RuntimeError):
+        # whoever reads it as a scan says what is wrong with it
+        return None
+
+
+def _file(path: Path, progress: Progress) -> LabelsTold | None:
+    if is_dicom(path):
+        kind = DICOM.get(modality_of(path))
+        return None if kind is None else LabelsTold(path.name, kind, image=False)
+    if not path.name.lower().endswith(ENDINGS):
+        return None
+    if is_segmentation(path):
+        return LabelsTold(path.name, "a segmentation of 3D Slicer", image=True)
+    progress(f"looking at {path.name}", None)
+    return LabelsTold(path.name, "a label map", image=True) if _is_map(path, progress) else None
+
+
+def _masks(folder: Path, progress: Progress) -> LabelsTold | None:
+    """Returns what a folder with a mask for each structure is."""
+    files = sorted(folder.iterdir())
+    masks = [path for path in files if path.name.lower().endswith(ENDINGS)]
+    if len(masks) < 2 or any(_is_other(path) for path in files if path not in masks):
+        return None
+    first = header_of(masks[0])
+    if not first.kind.startswith("8-bit"):
+        return None
+    for done, path in enumerate(masks):
+        progress(f"looking at {len(masks)} files", done / len(masks))
+        if header_of(path) != first:
+            return None
+    if not _may_be_map(middle_of(masks[0]), named=False):
+        return None
+    return LabelsTold(folder.name, f"a folder of {len(masks)} masks", image=False)
+
+
+def _is_other(path: Path) -> bool:
+    return not path.name.startswith(".") and path.suffix.lower() not in BESIDE
+
+
+def _is_map(path: Path, progress: Progress) -> bool:
+    values = middle_of(path)
+    if not values.any():
+        # what there is may lie anywhere
+        values = read_file(path, max_voxels=MOST_VOXELS, progress=progress).values
+    named = NAMED.search(path.name) is not None
+    return bool(values.any()) and _may_be_map(values, named=named)
+
+
+def _may_be_map(values: NDArray[Any], *, named: bool) -> bool:
+    """Says whether values are those of labels, shape [..., rows, columns]."""
+    if min(values.shape[-2:]) < 2:
+        return False
+    if not np.isfinite(values).all() or values.min() != 0 or (values != np.rint(values)).any():
+        return False
+    if values.max() > HIGHEST and not named:
+        return False
+    edges = [np.mean(np.diff(values, axis=axis) != 0) for axis in (-1, -2)]
+    return float(np.mean(edges)) < MOST_EDGES and len(np.unique(values)) <= MOST_LABELS + 1

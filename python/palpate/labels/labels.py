@@ -1,0 +1,79 @@
+"""Segments from files: label maps, segmentations of Slicer and DICOM, contours, mask folders."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.io.dicom.header import damage_told
+from palpate.io.dicom.series import is_dicom
+from palpate.labels.contours import read_rtstruct
+from palpate.labels.dicom_seg import read_seg
+from palpate.labels.grid import Label, Labels
+from palpate.labels.label_map import read_label_map, read_mask_folder
+from palpate.labels.seg_nrrd import is_segmentation, read_seg_nrrd
+from palpate.volumes.volume import Volume
+
+__all__ = ["Label", "Labels", "modality_of", "read_labels"]
+
+
+def read_labels(
+    path: str | PathLike[str],
+    volume: Volume,
+    *,
+    resample: bool = False,
+    progress: Progress = silent,
+) -> Labels:
+    """Reads segments that belong to a scan, with names and colours where the file tells them.
+
+    Args:
+        path: A label map, a ``.seg.nrrd``, a DICOM SEG or RTSTRUCT file, or a folder with one
+            mask for each structure.
+        volume: The scan. Its grid is that of the segments, but for its extent and for axes that
+            run the other way.
+        resample: Whether they may lie on any grid: each voxel of the scan takes what is at its
+            centre, and a warning says so.
+        progress: Told how far the reading is.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It cannot be read.
+        OptionError: It lies on another grid than the scan, or holds nothing of use.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    found = _read(source, volume, resample=resample, progress=progress)
+    if not found.labels:
+        why = "; ".join(found.warnings) or "no labels"
+        raise OptionError(f"{source} holds no segments ({why}); allowed: files with segments")
+    return found
+
+
+def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -> Labels:
+    if source.is_dir():
+        return read_mask_folder(source, volume, resample=resample, progress=progress)
+    if is_dicom(source):
+        modality = modality_of(source)
+        with damage_told(source):
+            if modality == "SEG":
+                return read_seg(source, volume, resample=resample, progress=progress)
+            if modality == "RTSTRUCT":
+                return read_rtstruct(source, volume, resample=resample, progress=progress)
+        raise OptionError(
+            f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
+        )
+    if is_segmentation(source):
+        return read_seg_nrrd(source, volume, resample=resample, progress=progress)
+    return read_label_map(source, volume, resample=resample, progress=progress)
+
+
+def modality_of(path: Path) -> str:
+    """Returns what a DICOM file says that it is, such as "SEG"; "" where it says nothing."""
+    import pydicom
+
+    with damage_told(path):
+        dataset = pydicom.dcmread(path, stop_before_pixels=True, specific_tags=["Modality"])
+        return str(dataset.get("Modality") or "")

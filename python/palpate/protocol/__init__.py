@@ -1,0 +1,370 @@
+"""Messages between engine and page: the one schema that both sides check.
+
+Each message is one msgpack map with a ``type``. Points and vectors are (x, y, z) in the
+scene frame, LPS [mm]; forces [N]; stiffness [N/mm]; times [s]. The TypeScript side
+(``viewer/src/core/protocol.ts``) is generated from this module; a test fails where the
+two differ.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from palpate.protocol.outline import FillOutline, Outline, TraceLevel, Wire
+from palpate.protocol.picture import (
+    Changed,
+    ChangedVoxels,
+    FollowEdits,
+    Histogram,
+    Scan,
+    SecondScan,
+    SegmentSurface,
+    SurfacePatch,
+    ThresholdPreset,
+)
+from palpate.protocol.registration import (
+    FoundRegistration,
+    RedoRegistration,
+    Register,
+    Registration,
+    RegistrationLevel,
+    ShowRegistration,
+    StopRegistration,
+    UndoRegistration,
+)
+from palpate.protocol.segments import (
+    ChangeShape,
+    CutAlong,
+    CutPreview,
+    CutSegment,
+    EndPaint,
+    Feel,
+    Gap,
+    Grab,
+    GrowSeeds,
+    GrowSegment,
+    MovedPose,
+    MoveSegment,
+    NewSegment,
+    Otsu,
+    Paint,
+    RemoveSegment,
+    Segment,
+    SegmentFeel,
+    SegmentProperties,
+    Segments,
+    SegmentWork,
+    StopSegmentWork,
+    Threshold,
+    TurnGrabbed,
+    WatchGap,
+)
+from palpate.protocol.session import (
+    Fence,
+    Hello,
+    Notice,
+    Offer,
+    Passed,
+    RecordSession,
+    Recover,
+    Recovery,
+    Redo,
+    State,
+    Undo,
+)
+from palpate.protocol.soft_tissue import (
+    Boxes,
+    Constants,
+    DeformationModel,
+    Displaced,
+    Fading,
+    MaterialPreset,
+    MatterParts,
+    MatterRegion,
+    MatterState,
+    ModelOptions,
+    Prony,
+    Range,
+    SegmentMaterial,
+    SetDeformation,
+    SetForceSource,
+    SetMaterial,
+    SetRegions,
+    Shares,
+    ShowParts,
+)
+from palpate.protocol.touch import (
+    ChangeSettings,
+    Clutch,
+    DeviceLimits,
+    Hand,
+    NeedleEvent,
+    NeedleEvents,
+    NeedleState,
+    Place,
+    Rate,
+    Rates,
+    Safety,
+    Settings,
+    SettingsChanged,
+    Stroke,
+    Tool,
+    ToolState,
+    View,
+    WithdrawNeedle,
+)
+from palpate.protocol.types import (
+    BeforeOrAfter,
+    Calibration,
+    Colour,
+    Coordinate,
+    ForceSource,
+    Friction,
+    GridPlace,
+    Index,
+    Message,
+    ModelName,
+    Motion,
+    Name,
+    NeedleEventKind,
+    NodeCount,
+    PointPair,
+    Pose,
+    RegistrationKind,
+    RegistrationMetric,
+    RegistrationStart,
+    SegmentId,
+    ShapeKind,
+    Share,
+    ShownAs,
+    SmoothingDegree,
+    Stiffness,
+    SurfaceSource,
+    TissueName,
+    ToolKind,
+    Treatment,
+    Value,
+    Vector,
+)
+
+__all__ = [
+    "PROTOCOL_VERSION",
+    "BeforeOrAfter",
+    "Boxes",
+    "Calibration",
+    "ChangeSettings",
+    "ChangeShape",
+    "Changed",
+    "ChangedVoxels",
+    "Clutch",
+    "Colour",
+    "Constants",
+    "Coordinate",
+    "CutAlong",
+    "CutPreview",
+    "CutSegment",
+    "DeformationModel",
+    "DeviceLimits",
+    "Displaced",
+    "EndPaint",
+    "Fading",
+    "Feel",
+    "Fence",
+    "FillOutline",
+    "FollowEdits",
+    "ForceSource",
+    "FoundRegistration",
+    "Friction",
+    "FromPage",
+    "Gap",
+    "Grab",
+    "GridPlace",
+    "GrowSeeds",
+    "GrowSegment",
+    "Hand",
+    "Hello",
+    "Histogram",
+    "Index",
+    "MaterialPreset",
+    "MatterParts",
+    "MatterRegion",
+    "MatterState",
+    "Message",
+    "ModelName",
+    "ModelOptions",
+    "Motion",
+    "MoveSegment",
+    "MovedPose",
+    "Name",
+    "NeedleEvent",
+    "NeedleEventKind",
+    "NeedleEvents",
+    "NeedleState",
+    "NewSegment",
+    "NodeCount",
+    "Notice",
+    "Offer",
+    "Otsu",
+    "Outline",
+    "Paint",
+    "Passed",
+    "Place",
+    "PointPair",
+    "Pose",
+    "Prony",
+    "Range",
+    "Rate",
+    "Rates",
+    "RecordSession",
+    "Recover",
+    "Recovery",
+    "Redo",
+    "RedoRegistration",
+    "Register",
+    "Registration",
+    "RegistrationKind",
+    "RegistrationLevel",
+    "RegistrationMetric",
+    "RegistrationStart",
+    "RemoveSegment",
+    "Safety",
+    "Scan",
+    "SecondScan",
+    "Segment",
+    "SegmentFeel",
+    "SegmentId",
+    "SegmentMaterial",
+    "SegmentProperties",
+    "SegmentSurface",
+    "SegmentWork",
+    "Segments",
+    "SetDeformation",
+    "SetForceSource",
+    "SetMaterial",
+    "SetRegions",
+    "Settings",
+    "SettingsChanged",
+    "ShapeKind",
+    "Share",
+    "Shares",
+    "ShowParts",
+    "ShowRegistration",
+    "ShownAs",
+    "SmoothingDegree",
+    "State",
+    "Stiffness",
+    "StopRegistration",
+    "StopSegmentWork",
+    "Stroke",
+    "SurfacePatch",
+    "SurfaceSource",
+    "Threshold",
+    "ThresholdPreset",
+    "TissueName",
+    "ToPage",
+    "Tool",
+    "ToolKind",
+    "ToolState",
+    "TraceLevel",
+    "Treatment",
+    "TurnGrabbed",
+    "Undo",
+    "UndoRegistration",
+    "Value",
+    "Vector",
+    "View",
+    "WatchGap",
+    "Wire",
+    "WithdrawNeedle",
+    "decode_from_page",
+    "encode_to_page",
+]
+
+PROTOCOL_VERSION = 1
+
+ToPage = (
+    Hello
+    | State
+    | Segments
+    | Changed
+    | MatterParts
+    | SettingsChanged
+    | Recovery
+    | Notice
+    | Gap
+    | Outline
+    | CutPreview
+    | NeedleEvents
+    | SegmentWork
+    | SecondScan
+    | Registration
+    | Passed
+)
+
+FromPage = (
+    Hand
+    | Place
+    | View
+    | Clutch
+    | Threshold
+    | Otsu
+    | GrowSegment
+    | GrowSeeds
+    | ChangeShape
+    | StopSegmentWork
+    | Register
+    | StopRegistration
+    | ShowRegistration
+    | UndoRegistration
+    | RedoRegistration
+    | NewSegment
+    | Paint
+    | EndPaint
+    | Wire
+    | TraceLevel
+    | FillOutline
+    | SegmentProperties
+    | SegmentFeel
+    | SetMaterial
+    | SetRegions
+    | SetDeformation
+    | SetForceSource
+    | ShowParts
+    | MoveSegment
+    | Grab
+    | TurnGrabbed
+    | CutSegment
+    | CutAlong
+    | WatchGap
+    | FollowEdits
+    | RecordSession
+    | RemoveSegment
+    | ChangeSettings
+    | Fence
+    | Tool
+    | WithdrawNeedle
+    | Stroke
+    | Recover
+    | Undo
+    | Redo
+)
+
+_encoder = msgspec.msgpack.Encoder()
+_decoder: msgspec.msgpack.Decoder[FromPage] = msgspec.msgpack.Decoder(FromPage)
+
+
+def encode_to_page(message: ToPage) -> bytes:
+    """Packs a message for the page."""
+    return _encoder.encode(message)
+
+
+def decode_from_page(packed: bytes) -> FromPage:
+    """Unpacks a message of the page.
+
+    Raises:
+        msgspec.DecodeError: The bytes are not msgpack, or the message is not of the schema.
+    """
+    try:
+        return _decoder.decode(packed)
+    except UnicodeDecodeError as error:
+        raise msgspec.DecodeError(str(error)) from None

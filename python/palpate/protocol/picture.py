@@ -1,0 +1,148 @@
+"""Messages on what is seen: scans, and what edits change of voxels and surfaces."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+
+from palpate.protocol.soft_tissue import Displaced
+from palpate.protocol.types import GridPlace, Message, SegmentId, Value, Vector
+
+__all__ = [
+    "Changed",
+    "ChangedVoxels",
+    "FollowEdits",
+    "Histogram",
+    "Scan",
+    "SecondScan",
+    "SegmentSurface",
+    "SurfacePatch",
+    "ThresholdPreset",
+]
+
+
+class Histogram(msgspec.Struct, frozen=True):
+    """Counts of the scan's values in equal bins from ``low`` to ``high``."""
+
+    low: Value
+    high: Value
+    counts: list[int]
+
+
+class ThresholdPreset(msgspec.Struct, frozen=True):
+    """A range of values that stands for a tissue."""
+
+    name: str
+    low: Value
+    high: Value
+
+
+class Scan(msgspec.Struct, frozen=True):
+    """The scan on display; its values come by HTTP from ``/api/volume``.
+
+    ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape
+    [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
+    ``unit`` is "HU" only where it is known, else "". ``title`` is for windows: it names no file
+    that a person has not given by its path.
+    """
+
+    name: str
+    title: str
+    modality: str
+    unit: str
+    dimensions: tuple[int, int, int]
+    spacing: Vector
+    patient_from_grid: list[float]
+    slope: float
+    intercept: float
+    range: tuple[Value, Value]
+    histogram: Histogram
+    soft_tissue: Value
+    bone: Value
+    presets: list[ThresholdPreset]
+    orientation_known: bool
+    warnings: list[str]
+
+
+class SurfacePatch(msgspec.Struct, frozen=True):
+    """One patch of a segment's surface, where the scan has the segment (before its pose).
+
+    ``index`` is its place in the grid of patches. ``origin`` is the lower corner and ``size``
+    the edges of the box that its vertices lie in: position = origin + u16 / 65535 * size.
+
+    ``vertices`` are x, y, z as little-endian uint16 each; ``normals`` x, y, z and a byte that
+    means nothing as int8 each, unit = int8 / 127; ``triangles`` three vertex numbers each,
+    little-endian uint16, or uint32 where there are more than 65536 vertices, counter-clockwise
+    as seen from outside.
+    """
+
+    index: GridPlace
+    origin: Vector
+    size: Vector
+    vertices: bytes
+    normals: bytes
+    triangles: bytes
+
+
+class SegmentSurface(msgspec.Struct, frozen=True):
+    """What changes in the surface of a segment: patches that are new or gone.
+
+    ``whole`` forgets all patches that were sent before.
+    """
+
+    id: SegmentId
+    whole: bool
+    dropped: list[GridPlace]
+    patches: list[SurfacePatch]
+
+
+class ChangedVoxels(msgspec.Struct, frozen=True):
+    """A box of voxels, from ``low`` up to, but without, ``high``, as they are now.
+
+    ``stored`` holds their stored values as little-endian int16, ``labels`` the number of each
+    voxel's segment as uint8, both with x fastest; null where they stay as they are.
+    """
+
+    low: GridPlace
+    high: GridPlace
+    stored: bytes | None
+    labels: bytes | None
+
+
+class Changed(Message, frozen=True, tag="changed"):
+    """All that edits up to number ``edit`` change in the picture, shown in one and the same frame.
+
+    Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
+    ``applied`` is when the oldest of these edits was applied [s since 1970]; null without one.
+    ``displaced`` goes with the voxels as they are then; null where it is as before.
+    """
+
+    edit: int
+    applied: float | None
+    voxels: list[ChangedVoxels]
+    surfaces: list[SegmentSurface]
+    displaced: Displaced | None = None
+
+
+class SecondScan(Message, frozen=True, tag="second_scan"):
+    """A scan that is shown with the first; null where there is none any more.
+
+    ``second_from_first`` maps points of the first scan to the second's, row-major, shape [4, 4],
+    patient of each [mm]; its values come from ``/api/second`` and are others with each ``version``.
+    It ``is_moved`` where a transform holds it elsewhere than its own place in the patient says.
+    """
+
+    scan: Scan | None
+    second_from_first: list[float]
+    is_moved: bool
+    version: int
+
+
+class FollowEdits(Message, frozen=True, tag="follow_edits"):
+    """Has the picture follow edits every so many-th of its frames, of 60 a second.
+
+    Edits in between are shown together. The slowest of several pages sets the pace.
+    """
+
+    every: Annotated[int, msgspec.Meta(ge=1, le=4)]

@@ -1,0 +1,1 @@
+"""Recipes: a whole pipeline described in one YAML file."""

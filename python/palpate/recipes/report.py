@@ -1,0 +1,152 @@
+"""The report of a recipe: one HTML file with pictures and the volumes of segments.
+
+It names no patient: of the scan it tells what it measures, not whom.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.package_version import package_version
+from palpate.base.simpleitk import simpleitk
+from palpate.base.whole_file import whole_file
+from palpate.segmentation.mask_shape import box_of
+from palpate.volumes.scene import Scene
+
+__all__ = ["slice_pictures", "write_report"]
+
+TINT = 0.45
+"""Share of a segment's colour over the scan."""
+
+WINDOW_HU = (-160.0, 240.0)
+"""What is black and white of a scan in HU: soft tissue."""
+
+PICTURE_WIDTH = 320
+
+STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 1040px; margin: 32px auto; padding: 0 16px;
+       color: #1c2430; }
+table { border-collapse: collapse; } td, th { padding: 4px 16px 4px 0; text-align: left; }
+td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
+figure { display: inline-block; margin: 0 12px 12px 0; } figcaption { color: #5a6675; }
+.swatch { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin-right: 8px; }
+"""
+
+
+def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Sequence[str]) -> None:
+    """Writes what was made of a scan.
+
+    Args:
+        scene: The scan and its segments.
+        path: The new file.
+        written: Other files that were written.
+        told: What a person should know.
+
+    Raises:
+        OSError: The disk refuses it.
+    """
+    volume = scene.volume
+    size = " × ".join(str(count) for count in volume.dimensions)
+    spacing = " × ".join(f"{edge:.3g}" for edge in volume.spacing)
+    low, high = volume.range
+    rows = "\n".join(
+        f'<tr><td><span class="swatch" style="background:{_hex(shown.colour)}"></span>'
+        f"{escape(shown.name)}</td>"
+        f'<td class="number">{shown.segment.volume_ml:.2f}</td>'
+        f'<td class="number">{shown.segment.voxel_count}</td></tr>'
+        for shown in scene
+    )
+    figures = "\n".join(
+        f'<figure><img src="data:image/png;base64,{_png(picture)}" '
+        f'width="{PICTURE_WIDTH}" height="{round(PICTURE_WIDTH * ratio)}" alt="{name} slice">'
+        f"<figcaption>{name}</figcaption></figure>"
+        for name, picture, ratio in slice_pictures(scene)
+    )
+    files = "".join(f"<li>{escape(each.name)}</li>" for each in written)
+    notes = "".join(f"<li>{escape(each)}</li>" for each in told)
+    text = f"""<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<title>Palpate: report</title>
+<style>{STYLE}</style>
+<h1>Segments</h1>
+<p>{escape(volume.modality or "Scan")}, {size} voxels of {spacing} mm, values {low:g} to {high:g}
+{escape(volume.unit)}. For research and teaching, not for clinical use.</p>
+<table>
+<tr><th>segment</th><th class="number">volume [ml]</th><th class="number">voxels</th></tr>
+{rows}
+</table>
+<h2>Slices through the middle of all segments</h2>
+{figures}
+{f"<h2>Files</h2><ul>{files}</ul>" if files else ""}
+{f"<h2>To know</h2><ul>{notes}</ul>" if notes else ""}
+<p>Palpate {escape(package_version())}</p>
+</html>
+"""
+    with whole_file(path) as unfinished:
+        unfinished.write_text(text, "utf-8")
+
+
+def slice_pictures(scene: Scene) -> list[tuple[str, NDArray[np.uint8], float]]:
+    """Returns slices across each axis of the scan through the middle of all segments.
+
+    Each is its axis, RGB of shape [rows, columns, 3] and its height by its width. The last slice
+    along an axis is at the top or the left.
+    """
+    volume = scene.volume
+    union = np.zeros(volume.shape, bool)
+    for shown in scene:
+        union |= shown.segment.mask() != 0
+    box = box_of(union) if union.any() else tuple(slice(0, count) for count in volume.shape)
+    middle = [
+        min((max(0, side.start) + min(side.stop, count)) // 2, count - 1)
+        for side, count in zip(box, volume.shape, strict=True)
+    ]
+    low, high = _window(scene)
+    pictures = []
+    for axis, name in enumerate(("across z", "across y", "across x")):
+        values = np.take(volume.array, middle[axis], axis=axis)
+        grey = np.clip((volume.slope * values + volume.intercept - low) / (high - low), 0.0, 1.0)
+        colour = np.repeat(grey[..., None], 3, axis=-1)
+        for shown in scene:
+            mask = np.take(shown.segment.mask(), middle[axis], axis=axis) != 0
+            colour[mask] = (1.0 - TINT) * colour[mask] + TINT * np.array(shown.colour)
+        if axis > 0:
+            # rows run along z: upright where z runs up
+            colour = colour[::-1]
+        rows, columns = (edge for other, edge in enumerate(volume.spacing[::-1]) if other != axis)
+        ratio = colour.shape[0] * rows / (colour.shape[1] * columns)
+        pictures.append((name, np.rint(255.0 * colour).astype(np.uint8), ratio))
+    return pictures
+
+
+def _window(scene: Scene) -> tuple[float, float]:
+    """Returns the values that are black and white."""
+    volume = scene.volume
+    if volume.unit == "HU":
+        return WINDOW_HU
+    stored = np.percentile(volume.array[::4, ::4, ::4], (1.0, 99.0))
+    low, high = sorted(volume.value_of(float(value)) for value in stored)
+    return low, max(high, low + 1e-9)
+
+
+def _hex(colour: tuple[float, float, float]) -> str:
+    return "#" + "".join(f"{round(255 * share):02x}" for share in colour)
+
+
+def _png(picture: NDArray[np.uint8]) -> str:
+    """Returns a picture as PNG in base64."""
+    sitk = simpleitk()
+    with TemporaryDirectory(prefix="palpate-") as folder:
+        path = Path(folder) / "slice.png"
+        sitk.WriteImage(
+            sitk.GetImageFromArray(np.ascontiguousarray(picture), isVector=True), str(path)
+        )
+        return base64.b64encode(path.read_bytes()).decode("ascii")

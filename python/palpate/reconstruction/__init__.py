@@ -1,0 +1,25 @@
+"""Reconstruction: scans from projections, by filtered back-projection."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from palpate.base.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from palpate.reconstruction.reconstruction import WATER, missing_library, reconstruct
+    from palpate.reconstruction.scanner import BEAMS, Beam, Scanner
+
+__all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"]
+
+__getattr__ = lazy_exports(
+    __name__,
+    {
+        "BEAMS": "scanner",
+        "Beam": "scanner",
+        "Scanner": "scanner",
+        "WATER": "reconstruction",
+        "missing_library": "reconstruction",
+        "reconstruct": "reconstruction",
+    },
+)

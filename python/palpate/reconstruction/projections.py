@@ -1,0 +1,196 @@
+"""Projections as files: stacks of line integrals, or of what a detector counted.
+
+Layout: arrays are [angle, v, u].
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import reason_of, simpleitk
+from palpate.io.image_file import FORMATS, image_files
+from palpate.io.raw_voxels import in_order
+
+__all__ = [
+    "ProjectionStack",
+    "are_projections",
+    "integrals_of",
+    "read_projections",
+    "stack_at",
+]
+
+Values = NDArray[np.float32]
+
+TIFFS = (".tif", ".tiff")
+IMAGES = tuple(ending for _, endings in FORMATS.values() for ending in endings)
+TOLD = re.compile(r"(?i)(?:^|[^a-z])(?:proj(?:ection)?s?|sino(?:gram)?s?|radiographs?)(?:[^a-z]|$)")
+"""In names of files that hold projections."""
+ENDING = re.compile(r"(?i)(\.nii|\.nrrd|\.nhdr|\.mha|\.mhd|\.tiff?)(\.gz)?$")
+LEAST_IMAGES = 8
+"""As many TIFFs count as projections."""
+MOST_LISTED = 1000
+"""Files of a folder that are looked at."""
+
+ALLOWED = "a stack as NRRD, NIfTI, MetaImage or TIFF, or a folder of TIFFs"
+
+
+@dataclass(frozen=True)
+class ProjectionStack:
+    """What a stack of images tells before its values are read."""
+
+    path: Path
+    """Of the file, or of the folder of TIFFs."""
+    name: str
+    """Of either, without its ending."""
+    shape: tuple[int, int, int]
+    """[images, rows, columns]."""
+    pixel: tuple[float, float]
+    """Along columns and rows, as the files say [mm]; 1 where they do not."""
+    counts: bool
+    """Whether values are whole and never negative, as a detector counts."""
+    bits: int
+    """Of a value."""
+
+    @property
+    def sinograms(self) -> bool:
+        """Whether its name says that each image is one row of the detector at all angles."""
+        return "sino" in self.path.name.lower()
+
+
+def are_projections(path: Path) -> bool:
+    """Says whether a path is projections by its name, or by that of its TIFFs."""
+    tiffs = _tiffs(path)
+    if tiffs:
+        told = TOLD.search(path.name) or TOLD.search(tiffs[0].name)
+        return told is not None and len(tiffs) >= LEAST_IMAGES
+    named = _file(path)
+    if named is None or TOLD.search(named.name) is None:
+        return False
+    if named.suffix.lower() in TIFFS:
+        return _shape_of(_opened([named]), 1)[0] >= LEAST_IMAGES
+    return named.name.lower().endswith(IMAGES)
+
+
+def stack_at(path: Path) -> ProjectionStack:
+    """Returns what is told of the projections at a path.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It holds no stack of images.
+    """
+    files = _files(path)
+    reader = _opened(files)
+    kind = simpleitk().GetPixelIDValueAsString(reader.GetPixelIDValue())
+    u, v = (edge if 0.0 < edge < np.inf else 1.0 for edge in reader.GetSpacing()[:2])
+    place = path if len(files) > 1 else files[0]
+    return ProjectionStack(
+        path=place,
+        name=ENDING.sub("", place.name),
+        shape=_shape_of(reader, len(files)),
+        pixel=(u, v),
+        counts="unsigned integer" in kind,
+        bits=int(kind.partition("-bit")[0]),
+    )
+
+
+def read_projections(path: Path, *, sinograms: bool = False, progress: Progress = silent) -> Values:
+    """Reads an image of three axes, or a folder of TIFFs in the order of their names.
+
+    Args:
+        path: What ITK reads: NRRD, NIfTI, MetaImage, a TIFF of many pages, or such a folder.
+        sinograms: Each image is one row of the detector at all angles.
+        progress: Told what is read.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It holds no stack of images.
+    """
+    files = _files(path)
+    _shape_of(_opened(files), len(files))
+    progress(f"reading {path.name}", None)
+    given: Any = [str(file) for file in files] if len(files) > 1 else str(files[0])
+    try:
+        array = simpleitk().GetArrayFromImage(simpleitk().ReadImage(given))
+    except RuntimeError as error:
+        raise _unreadable(path, error) from None
+    stacked = array.transpose(1, 0, 2) if sinograms else array
+    return np.ascontiguousarray(stacked, np.float32)
+
+
+def integrals_of(counts: Values, unattenuated: float) -> Values:
+    """Returns line integrals of attenuation from what a detector counted (Beer and Lambert).
+
+    Raises:
+        OptionError: Without a patient it counts nothing.
+    """
+    if not 0.0 < unattenuated < np.inf:
+        raise OptionError(f"intensities of {unattenuated:g} given; allowed: above 0")
+    # a pixel that counted nothing is taken as one that counted a half
+    least = min(0.5, 1e-6 * unattenuated)
+    integrals: Values = np.log(unattenuated / np.maximum(counts, least)).astype(np.float32)
+    return integrals
+
+
+# --- files --------------------------------------------------------------------------------
+
+
+def _files(path: Path) -> list[Path]:
+    """Returns the files of a stack: several TIFFs, or one file."""
+    if not path.exists():
+        raise FileNotFoundError(f"{path} does not exist; allowed: an existing file or folder")
+    files = _tiffs(path)
+    if files:
+        return files
+    named = _file(path)
+    if named is None:
+        raise VolumeFormatError(f"{path} holds no projections; allowed: {ALLOWED}")
+    return [named]
+
+
+def _tiffs(path: Path) -> list[Path]:
+    if not path.is_dir():
+        return []
+    return [file for file in in_order(path.iterdir()) if file.suffix.lower() in TIFFS]
+
+
+def _file(path: Path) -> Path | None:
+    """Returns the only image file of a folder, or a file itself."""
+    if path.is_file():
+        return path
+    images = image_files(path, among=MOST_LISTED) if path.is_dir() else []
+    return images[0] if len(images) == 1 else None
+
+
+def _opened(files: list[Path]) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    """Returns a reader that has read the header of the first file."""
+    reader = simpleitk().ImageFileReader()
+    reader.SetFileName(str(files[0]))
+    try:
+        reader.ReadImageInformation()
+    except RuntimeError as error:
+        raise _unreadable(files[0], error) from None
+    return reader
+
+
+def _shape_of(reader: Any, files: int) -> tuple[int, int, int]:  # noqa: ANN401
+    columns, rows, *others = reader.GetSize()
+    pages = int(np.prod(others, dtype=np.int64))
+    flat = len(others) == 0 or pages == 1
+    if reader.GetNumberOfComponents() != 1 or (files > 1 and not flat) or len(others) > 1:
+        raise VolumeFormatError(
+            f"{reader.GetFileName()} holds an array of shape {list(reader.GetSize())[::-1]} with "
+            f"{reader.GetNumberOfComponents()} numbers each; allowed: grey [angles, rows, columns]"
+        )
+    return (files if files > 1 else pages), rows, columns
+
+
+def _unreadable(path: Path, error: RuntimeError) -> VolumeFormatError:
+    return VolumeFormatError(f"{path} cannot be read ({reason_of(error)}); allowed: {ALLOWED}")

@@ -1,0 +1,233 @@
+"""Reconstruction: a scan from projections, by filtered back-projection in a library (RTK).
+
+Without the library parallel beams are still taken (``parallel_beams``), in more time.
+
+Parallel beams (Ramachandran and Lakshminarayanan, PNAS 68(9), 1971), and cone beams from a source
+that goes round in a circle (Feldkamp, Davis and Kress, JOSA A 1(6), 1984; Rit et al., J. Phys.:
+Conf. Ser. 489, 2014): projections are weighted, sharpened by a ramp filter, and smeared back along
+their rays, a few at a time.
+
+Frame of the device: that of ``palpate.reconstruction.scanner``. The scan is given in the patient
+(LPS) as if he lay on his back with the axis of rotation from feet to head: x, y, z of the patient
+are x, -z, y of the device.
+
+Layout: projections are [angle, v, u], line integrals of attenuation [1].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.reconstruction.parallel_beams import back_projected
+from palpate.reconstruction.scanner import BEAMS, Beam, Grid, Scanner, fitted_grid
+from palpate.volumes.stored_values import to_stored
+from palpate.volumes.volume import Volume, VolumeTraits
+
+__all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"]
+
+WATER = 0.0206
+"""Attenuation of water at 60 keV [1/mm] (NIST, Hubbell and Seltzer)."""
+TOLD = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
+FAR = 1e6
+"""Of a source whose beams count as parallel [mm]."""
+AT_ONCE = 8
+"""Projections that are smeared back between two words of progress."""
+
+Values = NDArray[np.float32]
+
+
+def missing_library(beam: Beam = "cone") -> str | None:
+    """Says how RTK is installed; None where it is, or where beams do not need it."""
+    return None if beam == "parallel" or _has_rtk() else TOLD
+
+
+def _has_rtk() -> bool:
+    try:
+        return find_spec("itk") is not None and find_spec("itk.RTKPython") is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def reconstruct(
+    projections: NDArray[Any],
+    scanner: Scanner,
+    *,
+    size: tuple[int, int, int] | None = None,
+    voxel: tuple[float, float, float] | None = None,
+    water: float = WATER,
+    hann: float = 0.0,
+    name: str = "reconstruction",
+    progress: Progress = silent,
+) -> Volume:
+    """Returns the scan [HU] that projections tell.
+
+    Args:
+        projections: Line integrals of attenuation, shape [angle, v, u].
+        scanner: How they were taken.
+        size: Voxels along x, y, z of the patient; the middle lies on the axis. By default all
+            that every projection shows.
+        voxel: Their edges along x, y, z [mm]; by default as fine as the detector's pixels.
+        water: Attenuation of water [1/mm]: what becomes 0 HU.
+        hann: Where a window smooths the ramp filter to 0, as a share of the highest frequency;
+            0 leaves the ramp as it is.
+        name: What to call the scan.
+        progress: Told how far it is; what it raises stops the work and is raised from here.
+
+    Raises:
+        OptionError: A number is not allowed, or RTK is not installed.
+    """
+    given = np.ascontiguousarray(projections, np.float32)
+    grid = fitted_grid(given.shape, scanner, size=size, voxel=voxel)
+    if not 0.0 < water < np.inf:
+        raise OptionError(f"water {water:g} given; allowed: above 0 [1/mm], such as {WATER:g}")
+    if not 0.0 <= hann <= 1.0:
+        raise OptionError(f"hann {hann:g} given; allowed: 0 to 1")
+    if not np.isfinite(given).all():
+        raise OptionError("projections with NaN or infinite values given; allowed: finite ones")
+    if scanner.beam == "parallel" and not _has_rtk():
+        found = back_projected(given, scanner, grid, hann=hann, progress=progress)
+    else:
+        found = _by_rtk(given, scanner, grid, hann=hann, progress=progress)
+    progress("storing values as 16 bits", None)
+    return _scan(found, grid.voxel, water=water, name=name)
+
+
+def _by_rtk(
+    given: Values, scanner: Scanner, grid: Grid, *, hann: float, progress: Progress
+) -> Values:
+    """Returns attenuation [1/mm], shape [z, y, x] of the patient."""
+    count = len(given)
+    # its modules are large: the first time may take half a minute
+    progress("loading RTK", None)
+    rtk = _Rtk(scanner)
+    given, angles = _all_round(given, scanner)
+    weighted = rtk.weighted(given, angles)
+    x, y, z = grid.size
+    # patient to device: x, z, y
+    image = rtk.empty((x, z, y), (grid.voxel[0], grid.voxel[2], grid.voxel[1]))
+    for first in range(0, len(angles), AT_ONCE):
+        progress(f"reconstructing from {count} projections", first / len(angles))
+        some = slice(first, first + AT_ONCE)
+        image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), angles[some], onto=image)
+    # [z, y, x] of the device to [z, y, x] of the patient, whose back lies toward -z
+    return np.transpose(rtk.values(image), (1, 0, 2))[:, ::-1]
+
+
+def _scan(
+    attenuation: Values, voxel: tuple[float, float, float], *, water: float, name: str
+) -> Volume:
+    values = np.rint(1000.0 * (attenuation / water - 1.0))
+    stored = to_stored(values)
+    middles = [
+        -0.5 * (count - 1) * edge for count, edge in zip(values.shape[::-1], voxel, strict=True)
+    ]
+    return Volume(
+        stored.values,
+        spacing=voxel,
+        origin=middles,
+        slope=stored.scale.slope,
+        intercept=stored.scale.intercept,
+        traits=VolumeTraits(name=name, modality="CT", unit="HU"),
+    )
+
+
+def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[float]]:
+    """Returns projections and their angles over a whole circle, on which RTK counts."""
+    arc = scanner.arc
+    angles = [float(angle) for angle in scanner.angles]
+    if arc is None or arc > 270.0:
+        return given, angles
+    # parallel beams see the same from behind, mirrored
+    return np.concatenate([given, given[:, :, ::-1]]), [*angles, *(a + 180.0 for a in angles)]
+
+
+class _Rtk:
+    """What is used of RTK, for projections of one scanner; images are ITK's, in the device."""
+
+    def __init__(self, scanner: Scanner) -> None:
+        """Loads the library.
+
+        Raises:
+            OptionError: It is not installed.
+        """
+        if not _has_rtk():
+            raise OptionError(TOLD)
+        self._itk = import_module("itk")
+        self._rtk = self._itk.RTK
+        self._kind = self._itk.Image[self._itk.F, 3]
+        self._scanner = scanner
+
+    def values(self, image: Any) -> Values:  # noqa: ANN401  # ITK has no types
+        """Returns an image as an array [z, y, x]."""
+        array: Values = self._itk.array_from_image(image)
+        return array
+
+    def empty(self, size: Sequence[int], spacing: Sequence[float]) -> Any:  # noqa: ANN401
+        """Returns an image of 0 around the origin."""
+        source = self._rtk.ConstantImageSource[self._kind].New()
+        source.SetSize(list(size))
+        source.SetSpacing(list(spacing))
+        source.SetOrigin(_corner(size, spacing))
+        source.SetConstant(0.0)
+        source.Update()
+        return source.GetOutput()
+
+    def weighted(self, projections: Values, angles: Sequence[float]) -> Values:
+        """Returns projections weighted by how slantwise rays come, and how much angle each has."""
+        weight = self._rtk.FDKWeightProjectionFilter[self._kind].New()
+        weight.SetInput(self._taken(projections))
+        weight.SetGeometry(self._geometry(angles))
+        weight.Update()
+        return self.values(weight.GetOutput())
+
+    def sharpened(self, projections: Values, hann: float) -> Any:  # noqa: ANN401
+        """Returns projections after the ramp filter, as an image."""
+        ramp = self._rtk.FFTRampImageFilter[self._kind, self._kind, self._itk.D].New()
+        ramp.SetInput(self._taken(projections))
+        ramp.SetTruncationCorrection(0.0)
+        ramp.SetHannCutFrequency(hann)
+        ramp.Update()
+        return ramp.GetOutput()
+
+    def smeared_back(self, projections: Any, angles: Sequence[float], *, onto: Any) -> Any:  # noqa: ANN401
+        """Adds projections to an image, along the rays that they came by."""
+        back = self._rtk.FDKBackProjectionImageFilter[self._kind, self._kind].New()
+        back.SetInput(0, onto)
+        back.SetInput(1, projections)
+        back.SetGeometry(self._geometry(angles))
+        back.Update()
+        done = back.GetOutput()
+        done.DisconnectPipeline()
+        return done
+
+    def _taken(self, projections: Values) -> Any:  # noqa: ANN401
+        """Returns projections as an image, where the detector is."""
+        image = self._itk.image_from_array(np.ascontiguousarray(projections))
+        image.SetSpacing([*self._scanner.pixel, 1.0])
+        corner = _corner(projections.shape[:0:-1], self._scanner.pixel)
+        image.SetOrigin([*np.add(corner, self._scanner.offset).tolist(), 0.0])
+        return image
+
+    def _geometry(self, angles: Sequence[float]) -> Any:  # noqa: ANN401
+        geometry = self._rtk.ThreeDCircularProjectionGeometry.New()
+        scanner = self._scanner
+        # beams from very far away are parallel: they part by 0.01 mm within 100 mm
+        distances = (FAR, FAR)
+        if scanner.beam == "cone":
+            distances = scanner.source_to_axis, scanner.source_to_detector
+        for angle in angles:
+            geometry.AddProjection(*distances, angle)
+        return geometry
+
+
+def _corner(size: Sequence[int], spacing: Sequence[float]) -> list[float]:
+    """Returns the middle of the first of so many cells around 0 [mm]."""
+    return [-0.5 * (count - 1) * edge for count, edge in zip(size, spacing, strict=True)]

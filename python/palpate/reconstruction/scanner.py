@@ -1,0 +1,164 @@
+"""How projections were taken: beams, angles, distances; and what of the patient they show.
+
+Frame of the device: y is the axis of rotation, the detector's columns u run along x and its rows v
+along y where the angle is 0; the source is at +z [mm].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from palpate.base.errors import OptionError
+
+__all__ = ["BEAMS", "MOST_VOXELS", "Beam", "Grid", "Scanner", "fitted_grid"]
+
+Beam = Literal["parallel", "cone"]
+BEAMS: tuple[Beam, ...] = get_args(Beam)
+
+LEAST_ANGLES = 8
+MOST_VOXELS = 1024**3
+USUAL_VOXELS = 512**3
+"""At most, where nobody says how many."""
+
+Size = tuple[int, int, int]
+Lengths = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scanner:
+    """How projections were taken."""
+
+    beam: Beam
+    angles: Sequence[float]
+    """Of the gantry at each projection [degrees], one after the other, evenly over the arc."""
+    pixel: tuple[float, float]
+    """Of the detector along u and v [mm]."""
+    offset: tuple[float, float] = (0.0, 0.0)
+    """From where the central ray meets the detector to its middle, along u and v [mm]."""
+    source_to_axis: float = 0.0
+    """For cone beams [mm]."""
+    source_to_detector: float = 0.0
+    """For cone beams [mm]."""
+
+    @property
+    def arc(self) -> float | None:
+        """Which even angles cover [degrees]; None where they are uneven."""
+        steps = np.diff(self.angles)
+        even = bool(np.allclose(steps, steps[0], rtol=1e-3, atol=1e-6))
+        return abs(float(steps[0])) * len(self.angles) if even else None
+
+    def check(self, shape: tuple[int, ...]) -> None:
+        """Refuses what projections of a shape cannot have been taken with.
+
+        Raises:
+            OptionError: The geometry is not possible.
+        """
+        if self.beam not in BEAMS:
+            raise OptionError(f"beam {self.beam!r} given; allowed: {', '.join(BEAMS)}")
+        if len(shape) != 3 or min(shape) < 1 or shape[2] < 2:
+            raise OptionError(
+                f"projections of shape {list(shape)} given; allowed: [angles, rows, columns]"
+            )
+        if len(self.angles) != shape[0] or shape[0] < LEAST_ANGLES:
+            raise OptionError(
+                f"{len(self.angles)} angles and {shape[0]} projections given; allowed: as many "
+                f"angles as projections, {LEAST_ANGLES} or more"
+            )
+        numbers = (*self.angles, *self.pixel, *self.offset)
+        if not np.isfinite(numbers).all() or min(self.pixel) <= 0.0:
+            raise OptionError(f"pixels of {self.pixel} mm given; allowed: lengths above 0")
+        arc = self.arc
+        if arc is None or not np.isclose(arc, 360.0, rtol=1e-3):
+            half = arc is not None and bool(np.isclose(arc, 180.0, rtol=1e-3))
+            if not (self.beam == "parallel" and half and self.offset[0] == 0.0):
+                told = "uneven angles" if arc is None else f"an arc of {arc:g} degrees"
+                raise OptionError(
+                    f"{told} given; allowed: even ones over 360 degrees, or with parallel beams on "
+                    "a detector whose middle the central ray meets, over 180"
+                )
+        near, far = self.source_to_axis, self.source_to_detector
+        if self.beam == "cone" and not 0.0 < near < far < np.inf:
+            raise OptionError(
+                f"source at {near:g} mm from the axis and {far:g} mm from the detector given; "
+                "allowed: above 0, the axis nearer than the detector"
+            )
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Of a scan around the axis, along x, y, z of the patient."""
+
+    size: Size
+    """Voxels."""
+    voxel: Lengths
+    """Their edges [mm]."""
+
+
+def fitted_grid(
+    shape: tuple[int, ...],
+    scanner: Scanner,
+    *,
+    size: Size | None = None,
+    voxel: Lengths | None = None,
+) -> Grid:
+    """Returns the grid of what all projections show, in voxels as fine as the detector's pixels.
+
+    Args:
+        shape: Of the projections, [angle, v, u].
+        scanner: How they were taken.
+        size: Voxels along x, y, z, where they are chosen.
+        voxel: Their edges [mm], where they are chosen; else coarser than pixels where there would
+            be more than ``USUAL_VOXELS``.
+
+    Raises:
+        OptionError: The geometry is not possible, or the grid is none.
+    """
+    scanner.check(shape)
+    _check(size, voxel)
+    pixel, seen = _seen(shape, scanner)
+    if voxel is None and size is not None:
+        voxel = _three(length / count for length, count in zip(seen, size, strict=True))
+    if voxel is None:
+        many = float(np.prod(np.divide(seen, pixel))) / USUAL_VOXELS
+        voxel = _three(edge * max(1.0, many ** (1.0 / 3.0)) for edge in pixel)
+    if size is None:
+        counts = (round(length / edge) for length, edge in zip(seen, voxel, strict=True))
+        x, y, z = (max(2, count) for count in counts)
+        size = x, y, z
+    if int(np.prod(size, dtype=np.int64)) > MOST_VOXELS:
+        raise OptionError(f"{size} voxels given; allowed: together {MOST_VOXELS}")
+    return Grid(size, voxel)
+
+
+def _check(size: Size | None, voxel: Lengths | None) -> None:
+    if size is not None and min(size) < 2:
+        raise OptionError(f"{size} voxels given; allowed: 2 or more along each axis")
+    if voxel is not None and (not np.isfinite(voxel).all() or min(voxel) <= 0.0):
+        raise OptionError(f"voxels of {voxel} mm given; allowed: lengths above 0")
+
+
+def _seen(shape: tuple[int, ...], scanner: Scanner) -> tuple[Lengths, Lengths]:
+    """Returns how large a pixel is at the axis, and what is seen from all sides, along x, y, z."""
+    u, v = scanner.pixel
+    wide = shape[2] * u - 2.0 * abs(scanner.offset[0])
+    high = shape[1] * v
+    if scanner.beam == "cone":
+        shrunk = scanner.source_to_axis / scanner.source_to_detector
+        # the circle that the outermost rays touch
+        angle = np.arctan2(0.5 * wide, scanner.source_to_detector)
+        wide = 2.0 * scanner.source_to_axis * float(np.sin(angle))
+        u, v, high = u * shrunk, v * shrunk, high * shrunk
+    if wide <= 0.0:
+        raise OptionError(
+            f"offset of {scanner.offset[0]:g} mm given; allowed: less than half of the detector"
+        )
+    return (u, u, v), (wide, wide, high)
+
+
+def _three(edges: Iterable[float]) -> Lengths:
+    x, y, z = edges
+    return x, y, z

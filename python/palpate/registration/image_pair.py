@@ -1,0 +1,148 @@
+"""Two images that are compared: on which grids, by which metric, and how alike they are.
+
+Frame: LPS [mm]; a transform takes points of the fixed image to the moving one. Images, masks and
+transforms are SimpleITK's. The metric is as ITK has it: made small (minus the mutual information,
+minus the squared correlation, mean squares).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from palpate.base.simpleitk import reason_of, simpleitk
+from palpate.registration.options import STARTS, Metric, RegistrationError
+from palpate.registration.search_history import Way
+from palpate.registration.start import mask_on
+
+__all__ = ["Compared", "Measured"]
+
+LEAST_AT_LEVEL = 8
+"""Voxels along each axis of a level, where the scan has so many."""
+BLUR = 0.5
+"""Standard deviation of the smoothing of a coarser level, per step of its grid."""
+MEASURED_VOXELS = 1_000_000
+"""About how many tell the metric before and after."""
+WORSE = 1e-2
+"""Share of the metric, or of the values' variance, by which an end may be worse: scans may lie
+right already."""
+LEAST_OVERLAP = 0.5
+"""Of the overlap at the start: where less of it is left, the search ran away."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """How alike two scans are under a transform."""
+
+    metric: float
+    overlap: float
+    """Share of the fixed scan, or of its mask, that the moving one covers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A fixed and a moving image, with masks or None."""
+
+    images: tuple[Any, Any]
+    masks: tuple[Any, Any]
+    metric: Metric
+    bins: int
+
+    def shrinks(self, wanted: tuple[int, ...]) -> tuple[int, ...]:
+        """Returns how many times coarser levels are, as far as the fixed image has the voxels."""
+        shortest = min(self.images[0].GetSize())
+        return tuple(n for n in wanted if n == 1 or shortest >= n * LEAST_AT_LEVEL)
+
+    @lru_cache(maxsize=2)  # noqa: B019  # two stages go through the same levels
+    def level(self, shrink: int) -> tuple[Any, Any]:
+        """Returns both images on coarser grids."""
+        fixed, moving = self.images
+        return _coarser(fixed, shrink), _coarser(moving, shrink)
+
+    def method(self) -> Any:  # noqa: ANN401
+        """Returns a method on the grids as they are given, with metric and masks."""
+        method = simpleitk().ImageRegistrationMethod()
+        if self.metric == "mutual-information":
+            method.SetMetricAsMattesMutualInformation(self.bins)
+        elif self.metric == "correlation":
+            method.SetMetricAsCorrelation()
+        else:
+            method.SetMetricAsMeanSquares()
+        fixed_mask, moving_mask = self.masks
+        if fixed_mask is not None:
+            method.SetMetricFixedMask(fixed_mask)
+        if moving_mask is not None:
+            method.SetMetricMovingMask(moving_mask)
+        # gradients where they are asked for take less memory than gradients everywhere
+        method.MetricUseFixedImageGradientFilterOff()
+        method.MetricUseMovingImageGradientFilterOff()
+        method.SetInterpolator(simpleitk().sitkLinear)
+        return method
+
+    def measure(self, transform: Any, way: Way) -> Measured:  # noqa: ANN401
+        """Returns how alike the scans are under a transform, by all voxels of a coarser grid.
+
+        Raises:
+            RegistrationError: They do not overlap.
+        """
+        sitk = simpleitk()
+        size = self.images[0].GetSize()
+        coarser = max(1, round((float(np.prod(size)) / MEASURED_VOXELS) ** (1.0 / 3.0)))
+        fixed, moving = sitk.Shrink(self.images[0], _factors(size, coarser)), self.images[1]
+        method = self.method()
+        method.SetInitialTransform(sitk.Transform(transform), inPlace=False)
+        try:
+            metric = float(method.MetricEvaluate(fixed, moving))
+        except RuntimeError as error:
+            raise way.apart(reason_of(error)) from None
+        there = sitk.Image(moving.GetSize(), sitk.sitkUInt8) + 1
+        there.CopyInformation(moving)
+        covered = sitk.Resample(there, fixed, transform, sitk.sitkNearestNeighbor, 0.0)
+        inside = sitk.GetArrayFromImage(covered) != 0
+        if self.masks[0] is not None:
+            inside = inside[sitk.GetArrayFromImage(mask_on(self.masks[0], fixed)) != 0]
+        if not inside.any():
+            # mean squares of nothing are no error to ITK
+            raise way.apart("no voxel of one lies in the other")
+        return Measured(metric, float(inside.mean()))
+
+    def check(self, before: Measured, after: Measured, way: Way) -> None:
+        """Refuses an end that is worse than its start.
+
+        Raises:
+            RegistrationError: It is; the error has the curve.
+        """
+        scale = abs(before.metric)
+        if self.metric == "mean-squares":
+            scale = float(np.var(simpleitk().GetArrayViewFromImage(self.images[0])))
+        worse = not after.metric <= before.metric + WORSE * scale
+        away = after.overlap < LEAST_OVERLAP * before.overlap
+        if not (worse or away):
+            return
+        why = "the scans did not become more alike" if worse else "the scans were moved apart"
+        raise RegistrationError(
+            f"{why} ({self.metric} {before.metric:.4g} before, {after.metric:.4g} after, less is "
+            f"better; {before.overlap:.0%} and {after.overlap:.0%} covered; on the way: "
+            f"{way.told()}); nothing was changed; allowed: scans of the same part, another start "
+            f"({', '.join(STARTS)}), masks, or a simpler kind",
+            way.curve,
+        )
+
+
+def _factors(size: tuple[int, ...], shrink: int) -> list[int]:
+    return [max(1, min(shrink, length // LEAST_AT_LEVEL)) for length in size]
+
+
+def _coarser(image: Any, shrink: int) -> Any:  # noqa: ANN401
+    """Returns an image smoothed and on a coarser grid."""
+    if shrink == 1:
+        return image
+    sitk = simpleitk()
+    factors = _factors(image.GetSize(), shrink)
+    widths = [
+        BLUR * factor * step for factor, step in zip(factors, image.GetSpacing(), strict=True)
+    ]
+    return sitk.Shrink(sitk.SmoothingRecursiveGaussian(image, widths), factors)

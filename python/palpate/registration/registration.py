@@ -1,0 +1,271 @@
+"""Registration: where the points of one scan lie in another, by SimpleITK.
+
+Turned and shifted first, then scaled and sheared, then bent, each from coarse to fine grids, until
+a metric of the values tells that both scans are alike. The scans themselves are never changed.
+
+Frames: patient of each scan, LPS [mm]. **A transform takes points of the fixed scan to the moving
+one**: so the moving scan is drawn on the grid of the fixed one, and so ITK writes ``.tfm`` files.
+
+Sources: mutual information: Mattes et al., IEEE TMI 22(1), 2003; bending: Rueckert et al., IEEE
+TMI 18(8), 1999; the way through the levels: Avants et al., Front. Neuroinform. 8, 2014.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import image_on, reason_of, simpleitk
+from palpate.base.whole_file import whole_file
+from palpate.registration.image_pair import Compared
+from palpate.registration.options import (
+    Kind,
+    Level,
+    Metric,
+    MetricChoice,
+    Pairs,
+    Points,
+    RegistrationError,
+    SearchOptions,
+    Start,
+    Watch,
+    check_choices,
+    checked_landmarks,
+    checked_matrix,
+    unwatched,
+)
+from palpate.registration.search import Search
+from palpate.registration.start import first_guess, guess_of_matrix
+from palpate.volumes.segment import Segment
+from palpate.volumes.volume import Volume
+
+__all__ = [
+    "Level",
+    "Registration",
+    "RegistrationError",
+    "SearchOptions",
+    "metric_for",
+    "register",
+    "resampled",
+    "write_transform",
+]
+
+LEAST_VOXELS = 4
+"""Along each axis, for gradients."""
+PROBES = 9
+"""Points along each axis of the fixed scan at which a transform is looked at."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Registration:
+    """A transform that was found, and how."""
+
+    transform: Any
+    """SimpleITK's, from points of the fixed scan to points of the moving one."""
+    kind: Kind
+    metric: Metric
+    start: Start | Literal["matrix"]
+    before: float
+    """The metric at the start; it is made small."""
+    after: float
+    """The metric in the end, over the same voxels."""
+    overlap: float
+    """Share of the fixed scan, or of its mask, that the moving one covers in the end."""
+    curve: tuple[Level, ...]
+    """The metric after each step, level by level."""
+
+    def points(self, points: Sequence[Sequence[float]] | Points) -> Points:
+        """Returns where points of the fixed scan lie in the moving one, shape [count, 3] [mm]."""
+        given = np.asarray(points, np.float64).reshape(-1, 3)
+        found = [self.transform.TransformPoint(point.tolist()) for point in given]
+        return np.array(found, np.float64).reshape(-1, 3)
+
+    @property
+    def matrix(self) -> Points | None:
+        """The transform as a homogeneous matrix, shape [4, 4] [mm]; None where it bends."""
+        return _matrix_of(self.transform) if self.transform.IsLinear() else None
+
+    @property
+    def unbent(self) -> Points:
+        """The matrix without what bends, shape [4, 4] [mm]: where a next search may begin."""
+        bends = not self.transform.IsLinear()
+        return _matrix_of(self.transform.GetNthTransform(0) if bends else self.transform)
+
+    def moved(self, fixed: Volume) -> Points:
+        """Returns how far points all over the fixed scan move, shape [count, 3] [mm]."""
+        places = np.linspace(0.0, 1.0, PROBES)
+        grid = np.stack(np.meshgrid(places, places, places), axis=-1).reshape(-1, 3)
+        voxels = np.hstack([grid * fixed.dimensions, np.ones((len(grid), 1))])
+        points = (voxels @ fixed.patient_from_grid.T)[:, :3]
+        return self.points(points) - points
+
+    def save(self, path: Path) -> None:
+        """Writes the transform as ``.tfm``, which ITK, 3D Slicer and others read; whole or not.
+
+        Raises:
+            OptionError: The name ends otherwise.
+            OSError: The disk refuses it.
+        """
+        write_transform(self.transform, path)
+
+    def resampled(self, moving: Volume, fixed: Volume) -> Volume:
+        """Returns the moving scan on the grid of the fixed one; beyond it, its lowest value."""
+        return resampled(moving, fixed, self.transform)
+
+
+def register(  # noqa: PLR0913  # one for each thing that can be chosen
+    fixed: Volume,
+    moving: Volume,
+    *,
+    kind: Kind = "rigid",
+    metric: MetricChoice = "automatic",
+    start: Start | Points | None = None,
+    landmarks: Pairs | None = None,
+    fixed_mask: Segment | None = None,
+    moving_mask: Segment | None = None,
+    options: SearchOptions | None = None,
+    progress: Progress = silent,
+    watch: Watch = unwatched,
+) -> Registration:
+    """Finds where the points of one scan lie in another.
+
+    Args:
+        fixed: The scan that stays.
+        moving: The scan that is brought to it; both are left as they are.
+        kind: Turn and shift; scale and shear too; or bent as well.
+        metric: What tells that scans are alike: mutual information also compares CT with MR;
+            correlation asks that values of one follow those of the other linearly, mean squares
+            that they are the same. Automatic: correlation of two scans by CT, else mutual
+            information.
+        start: First guess: as the files place both scans; the middles of their grids; the
+            middles of what is bright; landmarks; or a matrix from points of the fixed scan to
+            the moving one, shape [4, 4] [mm], of which a rigid search takes the turn and the
+            shift. By default landmarks where they are given, else the middles of the grids.
+        landmarks: Points of the fixed scan and the same places in the moving one, three or more
+            that are not on one line, shape [count, 3] each [mm].
+        fixed_mask: Only these voxels of the fixed scan are compared.
+        moving_mask: Only these of the moving one.
+        options: How it is searched.
+        progress: Told how far it is; what it raises stops the search and is raised from here.
+        watch: Told the metric on the way so far, after each step.
+
+    Raises:
+        OptionError: A choice is not known, landmarks do not fit, or a scan is too small.
+        RegistrationError: The scans do not overlap, or did not become more alike.
+    """
+    matrix = checked_matrix(start) if isinstance(start, np.ndarray) else None
+    named: Start = "landmarks" if landmarks is not None else "centre"
+    if isinstance(start, str):
+        named = start
+    check_choices(kind, metric, named)
+    for volume in (fixed, moving):
+        if min(volume.dimensions) < LEAST_VOXELS:
+            raise OptionError(
+                f"{volume!r} is too small; allowed: {LEAST_VOXELS} voxels or more along each axis"
+            )
+    chosen = metric_for(fixed, moving) if metric == "automatic" else metric
+    images = _image(fixed), _image(moving)
+    masks = _mask(fixed_mask), _mask(moving_mask)
+    wanted = options or SearchOptions()
+    search = Search(
+        Compared(images, masks, metric=chosen, bins=wanted.bins),
+        options=wanted,
+        progress=progress,
+        watch=watch,
+    )
+    if matrix is None:
+        pairs = checked_landmarks(landmarks, wanted=named == "landmarks")
+        first = first_guess(images, masks=masks, start=named, landmarks=pairs)
+    else:
+        first = guess_of_matrix(images[0], matrix, rigid=kind == "rigid")
+    before = search.measure(first)
+    found = search.run(first, kind)
+    after = search.measure(found)
+    search.check(before, after)
+    if after.metric > before.metric:
+        # they lie right already, but for what a few samples tell
+        found, after = first, before
+    return Registration(
+        transform=found,
+        kind=kind,
+        metric=chosen,
+        start=named if matrix is None else "matrix",
+        before=before.metric,
+        after=after.metric,
+        overlap=after.overlap,
+        curve=search.curve,
+    )
+
+
+def metric_for(fixed: Volume, moving: Volume) -> Metric:
+    """Returns what compares two scans of these modalities best."""
+    both_ct = fixed.modality == "CT" == moving.modality
+    return "correlation" if both_ct else "mutual-information"
+
+
+def resampled(moving: Volume, fixed: Volume, transform: Any) -> Volume:  # noqa: ANN401  # SimpleITK's
+    """Returns a scan on the grid of another one, through a transform from that to it."""
+    sitk = simpleitk()
+    stored = moving.array
+    image = sitk.Resample(
+        image_on(moving, stored),
+        image_on(fixed, fixed.array),
+        transform,
+        sitk.sitkLinear,
+        float(stored.min() if moving.slope > 0.0 else stored.max()),
+        sitk.sitkInt16,
+    )
+    return Volume(
+        sitk.GetArrayFromImage(image),
+        spacing=fixed.spacing,
+        origin=fixed.origin,
+        direction=fixed.direction,
+        slope=moving.slope,
+        intercept=moving.intercept,
+        traits=moving.traits,
+    )
+
+
+def write_transform(transform: Any, path: Path) -> None:  # noqa: ANN401  # SimpleITK's
+    """Writes a transform as ``.tfm``, whole or not.
+
+    Raises:
+        OptionError: The name ends otherwise.
+        OSError: The disk refuses it.
+    """
+    if path.suffix != ".tfm":
+        raise OptionError(f"{path.name!r} given; allowed: a name with .tfm")
+    with whole_file(path) as unfinished:
+        try:
+            simpleitk().WriteTransform(transform, str(unfinished))
+        except RuntimeError as error:
+            raise OSError(5, f"cannot be written ({reason_of(error)})", str(path)) from None
+
+
+def _matrix_of(linear: Any) -> Points:  # noqa: ANN401  # SimpleITK has no types
+    """Returns what a linear transform does to points, shape [4, 4]."""
+    origin, *ends = (
+        linear.TransformPoint(at) for at in np.vstack([np.zeros(3), np.eye(3)]).tolist()
+    )
+    matrix = np.eye(4)
+    matrix[:3, 3] = origin
+    matrix[:3, :3] = (np.array(ends) - origin).T
+    return matrix
+
+
+def _image(volume: Volume) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    """Returns the values of a scan [its unit] as SimpleITK's image."""
+    values = volume.array.astype(np.float32)
+    values *= np.float32(volume.slope)
+    values += np.float32(volume.intercept)
+    return image_on(volume, values)
+
+
+def _mask(segment: Segment | None) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    return None if segment is None else image_on(segment.volume, segment.mask())

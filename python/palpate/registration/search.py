@@ -1,0 +1,86 @@
+"""The search for a transform: stages of more and more freedom, each from coarse to fine grids."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from palpate.base.progress import Progress
+from palpate.registration.bspline import search_bent
+from palpate.registration.image_pair import Compared, Measured
+from palpate.registration.linear import search_straight
+from palpate.registration.options import Kind, Level, SearchOptions, Watch, unwatched
+from palpate.registration.search_history import Way
+
+__all__ = ["Search"]
+
+STAGES: dict[Kind, tuple[Kind, ...]] = {
+    "rigid": ("rigid",),
+    "affine": ("rigid", "affine"),
+    "bspline": ("rigid", "affine", "bspline"),
+}
+
+
+class Search:
+    """Stages of one registration, and how far they are."""
+
+    def __init__(
+        self,
+        compared: Compared,
+        *,
+        options: SearchOptions,
+        progress: Progress,
+        watch: Watch = unwatched,
+    ) -> None:
+        """Takes what is compared, how, and whom each step is told.
+
+        Raises:
+            OptionError: An option is out of range.
+        """
+        options.check()
+        self._compared = compared
+        self._options = options
+        self._way = Way(progress, watch)
+
+    @property
+    def curve(self) -> tuple[Level, ...]:
+        """The metric on the way so far."""
+        return tuple(self._way.curve)
+
+    def measure(self, transform: Any) -> Measured:  # noqa: ANN401  # SimpleITK has no types
+        """Returns how alike the scans are under a transform.
+
+        Raises:
+            RegistrationError: They do not overlap.
+        """
+        return self._compared.measure(transform, self._way)
+
+    def check(self, before: Measured, after: Measured) -> None:
+        """Refuses an end that is worse than its start.
+
+        Raises:
+            RegistrationError: It is; the error has the curve.
+        """
+        self._compared.check(before, after, self._way)
+
+    def run(self, first: Any, kind: Kind) -> Any:  # noqa: ANN401
+        """Returns the best transform of a kind near a first one, which may be affine already.
+
+        Raises:
+            RegistrationError: The scans do not overlap.
+        """
+        stages = STAGES[kind]
+        if first.GetName() == "AffineTransform":
+            # what it scales and shears would be lost
+            stages = stages[1:]
+        found = first
+        for number, stage in enumerate(stages):
+
+            def share(done: float, number: int = number) -> float:
+                return (number + done) / len(stages)
+
+            told: dict[str, Any] = {"options": self._options, "way": self._way, "share": share}
+            if stage == "bspline":
+                found = search_bent(self._compared, found, **told)
+            else:
+                found = search_straight(self._compared, found, stage, **told)
+        return found

@@ -1,0 +1,37 @@
+"""The scan of a scene that was saved, with its edits and segments, without a page."""
+
+from __future__ import annotations
+
+from palpate.saved.scene_file import SavedScene
+from palpate.session.appearance import Look, look_of_number, restored_looks, scene_with_looks
+from palpate.session.edited_values import EditedValues
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+
+__all__ = ["edited_scene"]
+
+SETTLED = 0.05
+"""Seconds of a session's own time in which its picture follows what was brought back."""
+
+
+def edited_scene(saved: SavedScene) -> tuple[Scene, list[str]]:
+    """Returns the scan of a saved scene with its edits and segments, and what files cannot tell.
+
+    Raises:
+        SceneFormatError: The file is damaged.
+        OptionError: Its names and colours cannot be read.
+    """
+    with Session(Scene(saved.volume), options=SessionOptions(real_time=False)) as session:
+        saved.restore(session)
+        looks = restored_looks(session, saved.looks)
+        session.run(SETTLED)
+        edited = EditedValues(saved.volume.array)
+        for change in session.picture_changes():
+            for box in change["voxels"]:
+                if box["stored"] is not None:
+                    edited.write(box["low"], box["high"], box["stored"])
+
+        def look_of(segment_id: int) -> Look:
+            return looks.get(segment_id, look_of_number(segment_id))
+
+        return scene_with_looks(session, edited.values, look_of)

@@ -1,0 +1,207 @@
+"""The journal of a scan's changes on disk, and what becomes of one that an earlier session left.
+
+One file for each scan, named by a hash of its values and its place, in ``state_folder()``. A file
+that holds steps is offered for recovery; one that is not wanted is kept aside under another name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from threading import Lock
+
+from palpate.base.errors import OptionError, PalpateError
+from palpate.base.state_folder import state_folder
+from palpate.saved.second_scan_note import keep_second, kept_second, second_name
+from palpate.session.session import Session
+from palpate.volumes.scan_hash import scan_hash
+from palpate.volumes.second_scan import SecondScan
+
+__all__ = ["Journal", "Offer", "journal_place"]
+
+
+def journal_place(of_scan: bytes, folder: Path | None = None) -> Path:
+    """Returns where the journal of a scan with such a hash is kept."""
+    return (folder or state_folder()) / "journals" / f"{of_scan.hex()[:32]}.journal"
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What an earlier session left."""
+
+    steps: int
+    """Changes, those that were taken back or done again included."""
+    when: datetime
+    """When the last of them was written, in local time."""
+    lost_bytes: int
+    """Bytes at the end that are not whole: what was being written when it ended."""
+    second: str | None = None
+    """Name of the second scan that was shown."""
+
+
+class Journal:
+    """The journal of one session's changes; every method may be called from any thread."""
+
+    def __init__(
+        self, session: Session, *, folder: Path | None = None, tell: Callable[[str], None] = print
+    ) -> None:
+        """Finds the place of the journal; nothing is written before ``start``.
+
+        Args:
+            session: Whose changes are written down.
+            folder: Where; by default that of ``state_folder``.
+            tell: Takes a sentence for the person.
+        """
+        self._session = session
+        self._tell = tell
+        self._lock = Lock()
+        self._hash = scan_hash(session.scene.volume)
+        self._running = False
+        self.path = journal_place(self._hash, folder)
+        self.offer: Offer | None = None
+        """What an earlier session left, as long as nobody has decided about it."""
+        self.problem: str | None = None
+        """Why changes are not written down; None where they are, or an offer is open."""
+        self.looks: bytes | None = None
+        """The newest note of a journal that was brought back."""
+        self.second: SecondScan | None = None
+        """The second scan that was brought back."""
+        self.lost_second: str | None = None
+        """Why it was not."""
+
+    @property
+    def is_running(self) -> bool:
+        """Whether changes are written down."""
+        return self._running
+
+    def start(self, *, recover: bool | None = None) -> None:
+        """Begins the journal, unless there is one to ask about.
+
+        Args:
+            recover: Brings back what an earlier session left, or keeps it aside; None asks.
+        """
+        with self._lock:
+            try:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                self._look(wanted=recover is True)
+            except (OSError, OptionError) as error:
+                self._give_up(error)
+        if self.problem is None and (self.offer is None or recover is not None):
+            self.decide(bring_back=bool(recover))
+
+    def decide(self, *, bring_back: bool) -> None:
+        """Brings back what an earlier session left, or keeps it aside, and goes on from there.
+
+        A second decision does nothing. Where the file cannot be followed to its end, what can be
+        is there, the file is kept aside, and a new journal begins.
+        """
+        with self._lock:
+            if self._running or self.problem is not None:
+                return
+            offer, self.offer = self.offer, None
+            try:
+                if offer is not None and bring_back:
+                    self._bring_back_second()
+                    self._bring_back()
+                else:
+                    self._keep_aside(held=offer is not None)
+                    self._session.begin_journal(self.path, self._hash)
+                self._running = True
+                self.note_second(self.second)
+            except (OSError, OptionError) as error:
+                self._give_up(error)
+
+    def note(self, looks: bytes) -> None:
+        """Keeps how segments look beside their voxels."""
+        if self._running:
+            self._session.note_in_journal(looks)
+
+    def note_second(self, second: SecondScan | None) -> None:
+        """Keeps which scan is shown with this one, and where."""
+        if self._running:
+            try:
+                keep_second(self._second_path, second)
+            except OSError as error:
+                self._tell(f"The second scan is not kept for a crash: {error}")
+
+    def close(self) -> None:
+        """Removes a journal without changes; says of another one that it will be offered.
+
+        To be called after the session was stopped.
+        """
+        if not self._running:
+            return
+        self._running = False
+        frame = self._session.frame()
+        if frame["can_undo"] or frame["can_redo"] or self._second_path.exists():
+            self._tell("Your changes are kept: the next start with this scan offers them.")
+        else:
+            self.path.unlink(missing_ok=True)
+
+    def _look(self, *, wanted: bool) -> None:
+        """Finds what can be brought back; a beginning without steps only where it is ``wanted``."""
+        try:
+            found = self._session.look_at_journal(self.path, self._hash)
+        except OptionError as error:
+            # no journal any more: it is in the way, and perhaps somebody can still read it
+            aside = self._keep_aside(held=True)
+            self._tell(f"{error}; it was kept aside as {aside}")
+            return
+        second = second_name(self._second_path)
+        if (found is not None and (wanted or found != (0, 0))) or second is not None:
+            steps, lost = found or (0, 0)
+            newest = max(
+                path.stat().st_mtime for path in (self.path, self._second_path) if path.exists()
+            )
+            when = datetime.fromtimestamp(newest).astimezone()
+            self.offer = Offer(steps=steps, when=when, lost_bytes=lost, second=second)
+
+    @property
+    def _second_path(self) -> Path:
+        return self.path.with_suffix(".second")
+
+    def _bring_back_second(self) -> None:
+        if not self._second_path.exists():
+            return
+        try:
+            self.second = kept_second(self._second_path)
+        except (PalpateError, OSError) as error:
+            aside = self._put_aside(self._second_path)
+            self.lost_second = (
+                f"The second scan was not brought back: {error}. What is known of it was kept as "
+                f"{aside}."
+            )
+            self._tell(self.lost_second)
+
+    def _bring_back(self) -> None:
+        if not self.path.exists():
+            self._session.begin_journal(self.path, self._hash)
+            return
+        try:
+            _, _, notes = self._session.recover_journal(self.path, self._hash)
+        except OptionError as error:
+            aside = self._keep_aside(held=True)
+            self._session.begin_journal(self.path, self._hash)
+            self._tell(f"Not all could be brought back: {error}. The file was kept as {aside}.")
+            return
+        self.looks = notes[-1] if notes else None
+
+    def _keep_aside(self, *, held: bool) -> Path | None:
+        """Makes room for a new file; one that ``held`` changes gets another name."""
+        if not held:
+            self.path.unlink(missing_ok=True)
+            self._second_path.unlink(missing_ok=True)
+            return None
+        if self._second_path.exists():
+            self._put_aside(self._second_path)
+        return self._put_aside(self.path) if self.path.exists() else None
+
+    def _put_aside(self, path: Path) -> Path:
+        moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")
+        return path.rename(path.with_name(f"{path.stem}-{moment}{path.suffix}"))
+
+    def _give_up(self, error: Exception) -> None:
+        self.problem = f"Changes are not kept for a crash: {error}"
+        self._tell(self.problem)

@@ -1,0 +1,246 @@
+"""Scene files: a scan, what was made in it, and how it is looked at, as one ``.palpate`` file.
+
+A zip archive with
+
+- ``scene.json``: which scan, what segments are called and look like, of what they are, the model by
+  which matter gives way, and the page's view;
+- ``segments.journal``: voxels of segments, edits of the scan, poses, feel, as the head of a journal
+  (``crates/tools/src/journal_file.rs``);
+- ``scan.i16``: the scan's stored values, x fastest, where the file is to stand alone;
+- ``second.i16``: those of a second scan that is shown with it.
+
+Else scans are links (``scene_scan``).
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import msgspec
+
+from palpate.base.errors import PalpateError, SceneFormatError
+from palpate.base.package_version import package_version
+from palpate.base.progress import Progress, silent
+from palpate.base.whole_file import whole_file
+from palpate.saved.scene_archive import check_whole, member, opened
+from palpate.saved.scene_scan import (
+    SavedScan,
+    check_same,
+    copied_scan,
+    linked_scan,
+    saved_scan,
+)
+from palpate.saved.scene_soft_tissue import SavedMatter, restore_matter, saved_matter
+from palpate.saved.second_scan_note import SavedSecond, saved_second
+from palpate.session.session import Session
+from palpate.volumes.scan_hash import scan_hash
+from palpate.volumes.scene import Scene
+from palpate.volumes.second_scan import SecondScan
+from palpate.volumes.volume import Volume
+
+__all__ = ["ENDING", "SavedScene", "kept_scan", "open_scene", "save_scene"]
+
+ENDING = ".palpate"
+FORMAT = "palpate-scene-1"
+MOST_JSON_BYTES = 1 << 24
+"""Of ``scene.json``: 255 segments take some 100 kB."""
+MOST_SEGMENTS_BYTES = 1 << 31
+"""Of ``segments.journal``: all bones of a CT of the trunk take some 10 MB."""
+
+ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
+
+
+class _About(SavedMatter, frozen=True, kw_only=True):
+    format: str
+    version: str
+    scan: SavedScan
+    looks: msgspec.Raw
+    view: dict[str, Any] | None
+    second: SavedSecond | None = None
+    locked: tuple[int, ...] = ()
+    """Numbers of segments whose voxels stay as they are."""
+
+
+@dataclass(frozen=True)
+class SavedScene:
+    """A scene that was opened: its scan, and what is still to be brought into a session."""
+
+    path: Path
+    volume: Volume
+    view: Mapping[str, Any] | None
+    """What the page has kept of its view."""
+    looks: bytes
+    """Names and colours, as pages keep them."""
+    about: _About
+    second: SecondScan | None = None
+    missing: str | None = None
+    """Why the second scan that it had is not shown."""
+
+    @property
+    def scan(self) -> SavedScan:
+        """Its scan, as the file keeps it."""
+        return self.about.scan
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What a person should know of the reading."""
+        return (*self.volume.warnings, *(() if self.missing is None else (self.missing,)))
+
+    def scene(self) -> Scene:
+        """Returns its scans, without any segment."""
+        scene = Scene(self.volume)
+        scene.second = self.second
+        return scene
+
+    def restore(self, session: Session) -> None:
+        """Brings segments, edits and materials into a session of the scan that has none yet.
+
+        Raises:
+            SceneFormatError: The file is damaged.
+        """
+        with TemporaryDirectory(prefix="palpate-") as folder:
+            journal = Path(folder) / SEGMENTS
+            with opened(self.path) as archive:
+                journal.write_bytes(member(self.path, archive, SEGMENTS))
+            # else nobody would be told of the scan's own edits
+            session.picture_changes()
+            try:
+                _, lost, _ = session.recover_journal(journal, scan_hash(self.volume))
+            except (PalpateError, OSError) as error:
+                raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {error}") from None
+            session.end_journal()
+        if lost:
+            raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
+        restore_matter(session, self.about)
+        for each in self.about.locked:
+            session.set_locked(each, locked=True)
+
+
+def save_scene(
+    path: Path,
+    session: Session,
+    *,
+    looks: bytes = b"[]",
+    view: Mapping[str, Any] | None = None,
+    copy: bool = False,
+) -> SavedScan:
+    """Writes a session's scene: all of the file, or none of it where that fails.
+
+    Args:
+        path: The file; one that is there is replaced once the new one is whole.
+        session: What is saved, as it is now.
+        looks: Names and colours, as pages keep them.
+        view: What the page keeps of its view.
+        copy: Whether scans go into the file; one that was read from no file always does.
+
+    Returns:
+        The scan, as the file keeps it.
+
+    Raises:
+        OSError: The disk refuses the file.
+    """
+    volume = session.scene.volume
+    second = session.scene.second
+    copied = copy or volume.source is None
+    second_copied = second is not None and (copy or second.volume.source is None)
+    about = _About(
+        format=FORMAT,
+        version=package_version(),
+        scan=saved_scan(volume, path, copied=copied),
+        looks=msgspec.Raw(looks),
+        view=None if view is None else dict(view),
+        second=None if second is None else saved_second(second, path, copied=second_copied),
+        locked=tuple(each["id"] for each in session.segments() if each["locked"]),
+        **saved_matter(session),
+    )
+    with TemporaryDirectory(prefix="palpate-") as folder:
+        journal = Path(folder) / SEGMENTS
+        session.keep_state(journal, scan_hash(volume))
+        with (
+            whole_file(path) as unfinished,
+            zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        ):
+            archive.writestr(ABOUT, msgspec.json.encode(about))
+            archive.write(journal, SEGMENTS)
+            if copied:
+                _write_values(archive, SCAN, volume)
+            if second is not None and second_copied:
+                _write_values(archive, SECOND, second.volume)
+    return about.scan
+
+
+def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
+    """Opens a scene file and its scan.
+
+    Raises:
+        SceneFormatError: It is no scene, damaged, or its scan is not where it was.
+    """
+    with opened(path) as archive:
+        about = _about(path, archive)
+        # before a scan that is open makes room for this one
+        check_whole(path, archive, SEGMENTS)
+        volume = _scan(path, archive, about.scan, values=SCAN, progress=progress)
+        second, missing = _second(path, archive, about.second, progress=progress)
+    return SavedScene(path, volume, about.view, bytes(about.looks), about, second, missing)
+
+
+def kept_scan(path: Path) -> SavedScan | None:
+    """Returns which scan a damaged scene is of; None where its file does not tell any more."""
+    try:
+        with opened(path) as archive:
+            return _about(path, archive).scan
+    except (SceneFormatError, OSError):
+        return None
+
+
+def _scan(
+    path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values: str, progress: Progress
+) -> Volume:
+    volume = (
+        copied_scan(path, archive, scan, values=values)
+        if scan.copied
+        else linked_scan(path, scan, progress)
+    )
+    check_same(path, volume, scan)
+    return volume
+
+
+def _second(
+    path: Path, archive: zipfile.ZipFile, kept: SavedSecond | None, *, progress: Progress
+) -> tuple[SecondScan | None, str | None]:
+    """Returns the second scan, or why it is not shown: without it the rest is as it was."""
+    if kept is None:
+        return None, None
+    matrix = kept.matrix(path)
+    try:
+        volume = _scan(path, archive, kept.scan, values=SECOND, progress=progress)
+    except (PalpateError, OSError) as error:
+        if kept.scan.copied:
+            raise
+        return None, f"the second scan is not shown: {error}"
+    return SecondScan(volume, matrix), None
+
+
+def _write_values(archive: zipfile.ZipFile, name: str, volume: Volume) -> None:
+    archive.writestr(name, volume.array.astype("<i2", copy=False).tobytes())
+
+
+def _about(path: Path, archive: zipfile.ZipFile) -> _About:
+    # before anything of it is unpacked
+    for name, most in ((ABOUT, MOST_JSON_BYTES), (SEGMENTS, MOST_SEGMENTS_BYTES)):
+        if any(each.filename == name and each.file_size > most for each in archive.filelist):
+            raise SceneFormatError(f"{path}: {name} is too large for a scene")
+    text = member(path, archive, ABOUT)
+    try:
+        found = msgspec.json.decode(text, type=dict[str, msgspec.Raw]).get("format")
+        given = None if found is None else msgspec.json.decode(found)
+        if given != FORMAT:
+            raise SceneFormatError(f"{path}: format {given!r} given; allowed: {FORMAT!r}")
+        return msgspec.json.decode(text, type=_About)
+    except msgspec.DecodeError as error:
+        raise SceneFormatError(f"{path}: {ABOUT} cannot be read: {error}") from None

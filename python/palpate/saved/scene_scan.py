@@ -1,0 +1,153 @@
+"""Scans of scenes: linked, by the place where they are, or copied, as the stored values themselves.
+
+A link keeps the place a scan was read from, as it is and seen from the file that keeps it, the
+options with which it was read, and a hash of what it was.
+"""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from palpate.base.errors import PalpateError, SceneFormatError
+from palpate.base.progress import Progress
+from palpate.io.reading import read
+from palpate.saved.scene_archive import check_size, member
+from palpate.volumes.scan_hash import scan_hash
+from palpate.volumes.volume import Volume, VolumeTraits
+
+__all__ = ["SavedScan", "check_same", "copied_scan", "linked_scan", "places_of", "saved_scan"]
+
+
+class SavedGrid(msgspec.Struct, frozen=True):
+    """Where a copied scan stands and what its numbers mean."""
+
+    dimensions: tuple[int, int, int]
+    spacing: tuple[float, float, float]
+    origin: tuple[float, float, float]
+    direction: list[list[float]]
+    slope: float
+    intercept: float
+    modality: str
+    unit: str
+    orientation_known: bool
+
+
+class SavedScan(msgspec.Struct, frozen=True):
+    """A scan as a file keeps it."""
+
+    name: str
+    hash: str
+    path: str | None
+    beside: str | None
+    """The same place, seen from the file."""
+    options: dict[str, Any]
+    """With which it was read."""
+    grid: SavedGrid
+    copied: bool
+
+
+def saved_scan(volume: Volume, path: Path, *, copied: bool) -> SavedScan:
+    """Returns how the file at ``path`` keeps a scan; ``copied``: its values are in there too."""
+    source = volume.source
+    return SavedScan(
+        name=volume.name,
+        hash=scan_hash(volume).hex(),
+        path=None if source is None else str(source.path),
+        beside=None if source is None else _seen_from(path.parent, source.path),
+        options={} if source is None else dict(source.options),
+        grid=SavedGrid(
+            dimensions=volume.dimensions,
+            spacing=volume.spacing,
+            origin=volume.origin,
+            direction=volume.direction.tolist(),
+            slope=volume.slope,
+            intercept=volume.intercept,
+            modality=volume.modality,
+            unit=volume.unit,
+            orientation_known=volume.traits.orientation_known,
+        ),
+        copied=copied,
+    )
+
+
+def copied_scan(path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values: str) -> Volume:
+    """Returns a scan whose ``values`` are a member of the archive at ``path``.
+
+    Raises:
+        SceneFormatError: They are damaged.
+    """
+    grid = scan.grid
+    width, height, depth = grid.dimensions
+    check_size(path, archive, values, exact=2 * width * height * depth)
+    stored = np.frombuffer(member(path, archive, values), "<i2").reshape(depth, height, width)
+    try:
+        return Volume(
+            stored.astype(np.int16, copy=False),
+            spacing=grid.spacing,
+            origin=grid.origin,
+            direction=grid.direction,
+            slope=grid.slope,
+            intercept=grid.intercept,
+            traits=VolumeTraits(
+                name=scan.name,
+                modality=grid.modality,
+                unit=grid.unit,
+                orientation_known=grid.orientation_known,
+            ),
+        )
+    except PalpateError as error:
+        raise SceneFormatError(f"{path}: {error}") from None
+
+
+def places_of(path: Path, scan: SavedScan) -> list[Path]:
+    """Returns where the scan of the file at ``path`` may be, seen from there first.
+
+    Both may have been moved.
+    """
+    places = [path.resolve().parent / scan.beside] if scan.beside is not None else []
+    return places + ([Path(scan.path)] if scan.path is not None else [])
+
+
+def linked_scan(path: Path, scan: SavedScan, progress: Progress) -> Volume:
+    """Reads a scan from where it is.
+
+    Raises:
+        SceneFormatError: It is in neither place.
+        PalpateError: It cannot be read.
+    """
+    places = places_of(path, scan)
+    for place in places:
+        if place.exists():
+            return read(place, **scan.options, progress=progress)
+    looked = " and ".join(str(place) for place in places) or "nowhere"
+    raise SceneFormatError(
+        f"{path}: the scan {scan.name!r} is not there any more (looked at {looked}); allowed: "
+        "put it back, or save scenes with their scan"
+    )
+
+
+def check_same(path: Path, volume: Volume, scan: SavedScan) -> None:
+    """Refuses a scan that is another one by now.
+
+    Raises:
+        SceneFormatError: It is.
+    """
+    if scan_hash(volume).hex() != scan.hash:
+        raise SceneFormatError(
+            f"{path}: the scan {scan.name!r} is not as it was when the scene was saved; "
+            "allowed: the same scan, or a scene that was saved with its scan"
+        )
+
+
+def _seen_from(folder: Path, place: Path) -> str | None:
+    try:
+        return Path(os.path.relpath(place, folder.resolve())).as_posix()
+    except ValueError:
+        # another drive
+        return None

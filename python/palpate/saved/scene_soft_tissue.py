@@ -1,0 +1,122 @@
+"""What a scene file keeps of matter that gives way: materials, regions, the model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from palpate.session.model_options import ModelOptions
+from palpate.session.session import Session
+from palpate.volumes.material import ForceSource, LinearMaterial, Material, Region, Treatment
+
+__all__ = ["SavedMatter", "restore_matter", "saved_matter"]
+
+
+_Constants = list[float | None]
+"""Fields of ``Material``; None is infinite."""
+
+
+class _Material(msgspec.Struct, frozen=True):
+    segment: int
+    preset: str | None
+    constants: _Constants | None
+    high: _Constants | None = None
+    """Where they follow HU: from ``constants`` to these between the ends of ``interval``."""
+    interval: tuple[float, float] | None = None
+
+
+class _Region(msgspec.Struct, frozen=True):
+    segment: int
+    treatment: Treatment
+    box: tuple[tuple[int, int, int], tuple[int, int, int]] | None
+    shared_with: int | None
+
+
+class SavedMatter(msgspec.Struct, frozen=True, kw_only=True):
+    """As ``scene.json`` has it, beside what it has of other things."""
+
+    materials: list[_Material]
+    model: str | None
+    options: ModelOptions = ModelOptions()
+    edge: int | None = None
+    """Of its box, in files of before ``options``."""
+    regions: list[_Region] = []
+    """Of all segments, for each in their order; files of before have none."""
+    force_source: ForceSource = "matter"
+
+
+def saved_matter(session: Session) -> dict[str, Any]:
+    """Returns the fields of ``SavedMatter`` as they are now."""
+    segments, model = session.segments(), session.deformation()
+    ids = [each["id"] for each in segments]
+    regions = [
+        _Region(segment_id, each.treatment, each.box, each.shared_with)
+        for segment_id in ids
+        for each in session.regions(segment_id)
+        if each.shared_with is None or each.shared_with in ids
+    ]
+    return {
+        "materials": [made for each in segments if (made := _material_of(each)) is not None],
+        "model": model["model"],
+        "options": model["options"],
+        "regions": regions,
+        "force_source": model["force_source"],
+    }
+
+
+def restore_matter(session: Session, saved: SavedMatter) -> None:
+    """Brings what was saved into a session that has the segments.
+
+    Raises:
+        OptionError: Matter or a model cannot be so.
+    """
+    for each in saved.materials:
+        # what was made of it stays so, whatever is known of the scan's unit by now
+        session._make_of(  # noqa: SLF001  # a scene restores its session
+            each.segment, _given_material(each), undoable=False
+        )
+    for segment_id in {each.segment for each in saved.regions}:
+        regions = [
+            Region(each.treatment, box=each.box, shared_with=each.shared_with)
+            for each in saved.regions
+            if each.segment == segment_id
+        ]
+        session.set_regions(segment_id, regions)
+    options = saved.options if saved.edge is None else ModelOptions(edge=saved.edge)
+    session.set_deformation(saved.model, options, undoable=False)
+    session.set_force_source(saved.force_source)
+
+
+def _material_of(state: dict[str, Any]) -> _Material | None:
+    material = state["material"]
+    if material is None:
+        return None
+    if material["preset"] is not None:
+        return _Material(segment=state["id"], preset=material["preset"], constants=None)
+    interval = material["interval"]
+    return _Material(
+        segment=state["id"],
+        preset=None,
+        constants=_written(material["low"]),
+        high=None if interval is None else _written(material["high"]),
+        interval=interval,
+    )
+
+
+def _written(constants: tuple[float, ...]) -> _Constants:
+    return [number if np.isfinite(number) else None for number in constants]
+
+
+def _given_material(saved: _Material) -> Material | LinearMaterial | str | None:
+    if saved.constants is None:
+        return saved.preset
+    low = _read(saved.constants)
+    if saved.interval is None or saved.high is None:
+        return low
+    return LinearMaterial(saved.interval, low, _read(saved.high))
+
+
+def _read(constants: _Constants) -> Material:
+    return Material(*(np.inf if number is None else number for number in constants))

@@ -1,0 +1,1 @@
+"""Scenarios: drilling, needle and palpation without a device."""

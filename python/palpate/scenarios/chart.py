@@ -1,0 +1,130 @@
+"""Charts of scenarios as thesis figures 5.27, 5.29 and 5.31 have them; they need matplotlib."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from palpate.scenarios.run import UNITS, ScenarioRun
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["plot_run"]
+
+PHASES = {"in": "#0072B2", "rest": "#999999", "out": "#D55E00"}
+PARTS = {
+    "stiffness": "#0072B2",
+    "cutting": "#009E73",
+    "friction": "#E69F00",
+    "wall": "#D55E00",
+}
+
+
+def plot_run(run: ScenarioRun, path: Path) -> None:
+    """Draws a run's force, and below it what made it."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=not run.presses)
+    if run.presses:
+        _draw_presses(upper, run)
+        _draw_depths(lower, run)
+    else:
+        _draw_force(upper, run)
+        _draw_parts(lower, run)
+        for panel in (upper, lower):
+            _mark(panel, run)
+        lower.set_xlabel(_label(run.over))
+    upper.set_title(f"{run.scenario}: {run.scan}", loc="left")
+    for panel in (upper, lower):
+        panel.spines[["top", "right"]].set_visible(False)
+        # above the panel, where it hides nothing
+        panel.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4)
+    figure.savefig(path, dpi=150)
+
+
+def _draw_force(panel: Axes, run: ScenarioRun) -> None:
+    phases = np.array(run.phase)
+    for phase, colour in PHASES.items():
+        of = phases == phase
+        panel.plot(run.samples[run.over][of], run.force[of], color=colour, label=phase, lw=1.2)
+    panel.set_ylabel("force on the hand [N]")
+
+
+def _draw_parts(panel: Axes, run: ScenarioRun) -> None:
+    over = run.samples[run.over]
+    if "volume" in run.samples:
+        panel.plot(over, run.samples["volume"], color=PHASES["in"], label="bone that is gone")
+        panel.set_ylabel("volume [mm³]")
+        return
+    going_in = np.array(run.phase) == "in"
+    for name, colour in PARTS.items():
+        panel.plot(over[going_in], run.samples[name][going_in], color=colour, label=name, lw=1.2)
+    panel.set_ylabel("parts on the way in [N]")
+
+
+def _draw_presses(panel: Axes, run: ScenarioRun) -> None:
+    """Stiffness along the line of places, and how much is soft under them."""
+    along = [press.along for press in run.presses]
+    stiffness = [press.stiffness for press in run.presses]
+    panel.plot(along, stiffness, "o-", color=PHASES["in"], label="stiffness [N/mm]")
+    force = [press.force for press in run.presses]
+    panel.plot(along, force, "s--", color=PHASES["out"], label="force at that depth [N]")
+    panel.set_xlabel("along the line of places [mm]")
+    panel.set_ylabel("stiffness [N/mm], force [N]")
+    panel.set_ylim(bottom=0.0)
+    beside = panel.twinx()
+    soft = [np.nan if press.thickness is None else press.thickness for press in run.presses]
+    beside.fill_between(along, soft, color="#BBBBBB", alpha=0.35, lw=0)
+    beside.set_ylabel("soft tissue over the bone [mm] (grey)")
+    beside.set_ylim(bottom=0.0)
+    beside.spines["top"].set_visible(False)
+
+
+def _draw_depths(panel: Axes, run: ScenarioRun) -> None:
+    """Force over the ball's way at each place, the stiffest and the softest in colour."""
+    going_in = np.array(run.phase) == "in"
+    order = np.argsort([press.stiffness for press in run.presses])
+    shown = {int(order[-1]): ("stiffest", PHASES["out"]), int(order[0]): ("softest", PHASES["in"])}
+    for number in range(len(run.presses)):
+        of = going_in & (run.samples["press"] == number)
+        name, colour = shown.get(number, (None, "#BBBBBB"))
+        panel.plot(
+            run.tip[of], run.force[of], color=colour, label=name, lw=1.2, zorder=2 if name else 1
+        )
+    panel.set_xlabel("way of the ball [mm]")
+    panel.set_ylabel("force on the hand [N]")
+
+
+def _mark(panel: Axes, run: ScenarioRun) -> None:
+    """Marks what happened at once, and where the way comes into what stops the tool."""
+    over = run.samples[run.over]
+    near = 0.06 * float(np.ptp(over))
+    last, height = -np.inf, 0.98
+    for event in run.events:
+        if event.kind not in ("punctured", "contact", "free"):
+            continue
+        at = float(np.interp(event.time, run.time, over))
+        # names side by side stand below one another
+        height = height - 0.05 if at - last < near else 0.98
+        last = at
+        panel.axvline(at, color="#BBBBBB", lw=0.8)
+        panel.text(
+            at,
+            height,
+            f" {event.segment}" if event.kind == "punctured" else f" {event.kind}",
+            transform=panel.get_xaxis_transform(),
+            va="top",
+            fontsize=8,
+            color="#555555",
+        )
+    if run.wall_at is not None:
+        panel.axvline(run.wall_at, color="black", lw=1.0, linestyle="--")
+
+
+def _label(column: str) -> str:
+    name = {"travel": "travel of the drive", "time": "time"}.get(column, column)
+    return f"{name} [{UNITS[column]}]"

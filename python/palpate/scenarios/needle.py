@@ -1,0 +1,69 @@
+"""Driving a needle into a scan without a device; its law is told in ``docs/understand/needle.md``.
+
+Points are in the patient [mm].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import astuple
+
+from palpate import _core
+from palpate.base.errors import OptionError
+from palpate.scenarios.drive import Drive
+from palpate.scenarios.run import ScenarioEvent, ScenarioRun, samples_of
+from palpate.session.needle import Tissue
+from palpate.volumes.segment import Segment
+from palpate.volumes.volume import Volume
+
+__all__ = ["drive_needle"]
+
+
+def drive_needle(
+    volume: Volume,
+    layers: Sequence[tuple[Segment, Tissue | None]],
+    drive: Drive,
+    *,
+    scenario: str = "needle",
+) -> ScenarioRun:
+    """Drives a needle straight toward a point until the force stops it, and out again.
+
+    Args:
+        volume: The scan.
+        layers: Its segments, each with what it is for the needle; None where it is hard.
+        drive: Where the tip goes.
+        scenario: What to call the run.
+
+    Raises:
+        OptionError: Something given is not allowed.
+    """
+    given = [
+        (segment._internal, None if tissue is None else astuple(tissue))  # noqa: SLF001
+        for segment, tissue in layers
+    ]
+    names = tuple(segment.name for segment, _ in layers)
+    try:
+        told = _core.drive_needle(volume._internal, given, drive.given())  # noqa: SLF001
+    except ValueError as error:
+        raise OptionError(str(error)) from None
+    return ScenarioRun(
+        scenario=scenario,
+        scan=volume.name,
+        layers=names,
+        radius=0.0,
+        over="travel",
+        phase=tuple(told["phase"]),
+        samples=samples_of(told),
+        events=tuple(
+            ScenarioEvent(
+                kind=kind,
+                segment=names[number - 1] if number else "",
+                time=time,
+                depth=depth,
+                force=force,
+            )
+            for kind, number, time, depth, force in told["events"]
+        ),
+        wall_at=told["wall_at"],
+        violations=told["violations"],
+    )

@@ -1,0 +1,283 @@
+"""The scenarios of ``palpate scenario``, on the built-in phantom or on a scan (thesis 5.28.3).
+
+``drilling`` goes into bone, ``needle-skull`` through what covers a bone, ``needle-liver`` through
+the liver to the bone behind it, and ``palpation`` presses soft tissue along a line over bone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import EmptySegmentError, OptionError
+from palpate.scenarios.drilling import drive_drill
+from palpate.scenarios.drive import Drive
+from palpate.scenarios.lines import before_body, line_into, line_through
+from palpate.scenarios.needle import drive_needle
+from palpate.scenarios.palpation import palpate_line
+from palpate.scenarios.press_lines import line_over
+from palpate.scenarios.run import ScenarioRun
+from palpate.segmentation.mask_shape import keep_largest, margin, opened
+from palpate.session.needle import TISSUES, Tissue
+from palpate.volumes.downsample import merged
+from palpate.volumes.phantom import phantom
+from palpate.volumes.scene import Scene
+from palpate.volumes.segment import Segment
+from palpate.volumes.volume import Volume
+
+__all__ = [
+    "SCENARIOS",
+    "Body",
+    "NeedleScenario",
+    "body_of_phantom",
+    "body_of_scan",
+    "run_drilling",
+    "run_needle",
+    "run_palpation",
+    "scene_of_body",
+]
+
+Mask = NDArray[np.bool_]
+NeedleScenario = Literal["needle-skull", "needle-liver"]
+
+SCENARIOS = ("drilling", "needle-skull", "needle-liver", "palpation")
+
+BONES = ("ribs", "sternum", "spine", "pelvis", "shoulders", "femurs")
+"""Parts of the phantom that are bone."""
+
+SOFT = ("skin", "fat", "muscle", "liver")
+"""Parts of the phantom that have a tissue and a material of their own; all others are muscle."""
+
+AIR_END = -300.0
+"""Where a body begins [HU]."""
+
+RAW_SHIFT = 1024.0
+"""What scans without HU that begin at 0 have beyond them: CThead does."""
+
+DRILL_STIFFNESS = 4.0
+"""Of the spring between drive and drill, as a hand that holds a drill firmly [N/mm]."""
+
+ENERGY_ANYWHERE = 1300.0
+"""Work of a drill where values are no HU: that of cortical bone [mJ/mm³]."""
+
+LONGEST = 1000.0
+"""Of what is given as a length [mm]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """A scan, and what of it is what."""
+
+    volume: Volume
+    soft: Mapping[str, Mask]
+    """What gives way, by names of tissues where they are known, else as one ``soft tissue``."""
+    bone: Mask
+
+    @property
+    def all_soft(self) -> Mask:
+        """All that gives way."""
+        soft: Mask = np.logical_or.reduce(list(self.soft.values()))
+        return soft
+
+
+def body_of_phantom() -> Body:
+    """Returns the phantom."""
+    made = phantom()
+    bone = np.isin(made.labels, [made.names[name] for name in BONES])
+    soft = {name: made.labels == made.names[name] for name in SOFT}
+    known = np.isin(made.labels, [made.names[name] for name in (*SOFT, "air")]) | bone
+    return Body(volume=made.volume, soft={**soft, "soft tissue": ~known}, bone=bone)
+
+
+def body_of_scan(
+    volume: Volume,
+    *,
+    labels: Volume | None = None,
+    liver: int = 6,
+    bone: float | None = None,
+) -> Body:
+    """Returns what is body and bone of a scan by its values, and its liver by a label map.
+
+    Args:
+        volume: The scan.
+        labels: Its label map; without one the liver is soft tissue as all else.
+        liver: Number of the liver in the label map.
+        bone: Where bone begins [unit of the scan]; by default as it is offered for touch.
+
+    Raises:
+        OptionError: The label map does not fit.
+        EmptySegmentError: There is no such voxel.
+    """
+    values = volume.slope * volume.array.astype(np.float32) + volume.intercept
+    shift = RAW_SHIFT if volume.unit != "HU" and volume.range[0] >= 0.0 else 0.0
+    hard = values > (volume.anchors.bone if bone is None else bone)
+    body = values > AIR_END + shift
+    soft = {}
+    if labels is not None:
+        soft["liver"] = _label(volume, labels, liver)
+        hard &= ~soft["liver"]
+        body &= ~soft["liver"]
+    if not hard.any():
+        raise EmptySegmentError("the scan has no bone; allowed: --bone with a lower value")
+    return Body(volume=volume, soft={"soft tissue": body & ~hard, **soft}, bone=hard)
+
+
+def scene_of_body(body: Body) -> Scene:
+    """Returns what is shown of a body: its bone, and organs that are known beside it."""
+    scene = Scene(body.volume)
+    scene.add(body.volume.segment(body.bone, name="bone"), shown_as="surface")
+    if "liver" in body.soft:
+        liver = body.volume.segment(body.soft["liver"], name="liver")
+        scene.add(liver, shown_as="surface")
+    return scene
+
+
+def run_needle(
+    scenario: NeedleScenario, body: Body, *, speed: float = 5.0, force_limit: float = 6.0
+) -> ScenarioRun:
+    """Drives a needle to the bone: through the liver, or through what covers it closely.
+
+    Raises:
+        OptionError: No line meets what is asked for.
+    """
+    if scenario == "needle-liver":
+        if "liver" not in body.soft:
+            raise OptionError("no label map given; allowed: --segments FILE, which has the liver")
+        through, longest, other = body.soft["liver"], 300.0, "muscle"
+    else:
+        # a skull is close under its skin; where fat and muscle are known, bone is a little deeper
+        through, longest = body.all_soft, 30.0 if "skin" in body.soft else 15.0
+        other = "muscle" if "skin" in body.soft else "skin"
+    layers: list[tuple[Segment, Tissue | None]] = [
+        (body.volume.segment(mask, name=name), TISSUES[name if name in TISSUES else other])
+        for name, mask in body.soft.items()
+    ]
+    layers.append((body.volume.segment(body.bone, name="bone"), None))
+    start, target = line_through(body.volume, through, body.bone, longest=longest)
+    start = before_body(body.volume, body.all_soft | body.bone, start)
+    drive = Drive(start=start, target=target, speed=speed, force_limit=force_limit)
+    return drive_needle(body.volume, layers, drive, scenario=scenario)
+
+
+def run_drilling(
+    body: Body,
+    *,
+    depth: float = 4.0,
+    radius: float = 2.0,
+    speed: float = 0.1,
+    force_limit: float = 10.0,
+) -> ScenarioRun:
+    """Drives a drill straight into bone; nothing else is in its way.
+
+    Args:
+        body: Whose bone.
+        depth: How deep the drive goes [mm]; the burr's face stays behind by what the spring gives.
+        radius: Of the burr [mm].
+        speed: Of the drive [mm/s].
+        force_limit: Where it stops [N].
+
+    Raises:
+        OptionError: No bone is met from the front, or an option is not allowed.
+    """
+    _check_lengths(depth=depth, radius=radius)
+    volume = body.volume
+    # a ball is held off by up to a voxel
+    margin = radius + 1.25 * max(volume.spacing)
+    start, target = line_into(volume, body.bone, depth=depth, margin=margin)
+    # the burr's face is to come that deep, not its centre
+    inward = (target - start) / np.linalg.norm(target - start)
+    drive = Drive(
+        start=start,
+        target=target - radius * inward,
+        speed=speed,
+        force_limit=force_limit,
+        rest_secs=0.5,
+        stiffness=DRILL_STIFFNESS,
+    )
+    is_hu = volume.unit == "HU"
+    return drive_drill(
+        volume,
+        volume.segment(body.bone, name="bone"),
+        drive,
+        radius=radius,
+        air=None if is_hu else volume.range[0],
+        energy=None if is_hu else ENERGY_ANYWHERE,
+    )
+
+
+def run_palpation(
+    body: Body,
+    *,
+    sides: Sequence[str] = ("anterior",),
+    voxel: float = 2.0,
+    places: int = 9,
+    length: float = 40.0,
+    depth: float = 2.5,
+    radius: float | None = None,
+    progress: Callable[[str, float | None], None] | None = None,
+) -> ScenarioRun:
+    """Presses soft tissue along a line over bone that is near in the middle and far at the ends.
+
+    Args:
+        body: Whose; what is not joined to the largest part of it, as a table, is left out.
+        sides: Of the patient, where such a line is looked for.
+        voxel: Finer voxels are merged until they are about as large [mm]: a finger is larger.
+        places: How many are pressed.
+        length: Of the line [mm].
+        depth: How deep they are pressed [mm].
+        radius: Of the ball [mm]; by default two of the smallest spacing then, the largest for
+            which the lattice's box is as good as an endless one.
+        progress: Told of each press.
+
+    Raises:
+        OptionError: There is no such line, or an option is not allowed.
+    """
+    _check_lengths(voxel=voxel, length=length, depth=depth, radius=radius)
+    masks = {"soft tissue": body.all_soft, "bone": body.bone}
+    volume, masks = merged(body.volume, masks, size=voxel)
+    itself = _largest_part(masks["soft tissue"] | masks["bone"], volume)
+    soft, bone = masks["soft tissue"] & itself, masks["bone"] & itself
+    line = line_over(volume, soft, bone, length=length, count=places, sides=sides)
+    # one material: what is felt is the bone, and no skin over fat
+    layers: list[tuple[Segment, str | None]] = [
+        (volume.segment(soft, name="soft tissue"), "muscle"),
+        (volume.segment(bone, name="bone"), None),
+    ]
+    return palpate_line(
+        volume,
+        layers,
+        line,
+        radius=2.0 * min(volume.spacing) if radius is None else radius,
+        depth=depth,
+        progress=progress,
+    )
+
+
+def _check_lengths(**lengths: float | None) -> None:
+    """Refuses what is no length [mm]."""
+    for name, length in lengths.items():
+        if length is not None and not 0.0 < length <= LONGEST:
+            raise OptionError(f"{name} {length:g} mm given; allowed: above 0, at most {LONGEST:g}")
+
+
+def _largest_part(mask: Mask, volume: Volume) -> Mask:
+    """The largest part of a mask, without what only hangs on it by thin bridges."""
+    reach = 2.0 * max(volume.spacing)
+    core = keep_largest(opened(mask, volume.spacing, reach))
+    # the faces of what is kept are as they were
+    return margin(core, volume.spacing, reach) & mask
+
+
+def _label(volume: Volume, labels: Volume, number: int) -> Mask:
+    if labels.dimensions != volume.dimensions:
+        raise OptionError(
+            f"label map of {labels.dimensions} voxels given; allowed: {volume.dimensions}"
+        )
+    mask = np.asarray(labels.array == number)
+    if not mask.any():
+        raise EmptySegmentError(f"label {number} has no voxel; allowed: a label of the map")
+    return mask

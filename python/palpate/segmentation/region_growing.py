@@ -1,0 +1,295 @@
+"""Growing a region from seeds: what has values like theirs and hangs together with them.
+
+Organs touch others of nearly the same values. So the region does not go where a ball of a certain
+size does not fit through: the values in range are eroded by the ball's radius, followed from the
+seed, and grown back. Where the region becomes larger than what is allowed, a larger ball is tried.
+
+Frames: see ``volumes/volume.py``; arrays are [z, y, x].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import EmptySegmentError, OptionError
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.mask_shape import Mask, closed, distance_to, filled, margin
+from palpate.volumes.volume import Volume
+
+__all__ = ["Growing", "grow"]
+
+SMOOTHING = 1.5
+"""Standard deviation of the Gaussian that takes noise away before values are compared [mm]."""
+
+BORDER = 3.0
+"""How far smoothing may have moved the border of the values in range [mm]."""
+
+NEIGHBOURHOOD = 6.0
+"""Values of the seed are those within this distance of it [mm]."""
+
+LEAST_SPREAD = 0.012
+"""Half of the range at least, as a share of the scan's values without the outermost ones."""
+
+STEP = 1.25
+"""By how much the ball grows where the region became too large."""
+
+LARGEST_PASSAGE = 40.0
+"""Wider passages than this are not closed [mm]."""
+
+ROOM = 2.0
+"""How far from the seed the region may reach, in radii of the ball of its largest volume."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Growing:
+    """How a region grows."""
+
+    range: tuple[float, float] | None = None
+    """Values that belong to it [unit of the scan]; by default those around the seeds."""
+    spread: float = 2.5
+    """Half of that range, in standard deviations of the values around the seeds."""
+    passage: float = 10.0
+    """Passages narrower than this are not entered [mm]."""
+    most_ml: float = 2500.0
+    """Larger than this it does not become."""
+    fill: bool = True
+    """Whether holes are filled and small dents closed at the end."""
+
+    def check(self) -> None:
+        """Refuses what is out of range.
+
+        Raises:
+            OptionError: A value is.
+        """
+        if self.range is not None and not (
+            np.isfinite(self.range).all() and self.range[0] <= self.range[1]
+        ):
+            low, high = self.range
+            raise OptionError(f"range {low:g} to {high:g} given; allowed: the lower value first")
+        for name, low, high in (
+            ("spread", 0.1, 20.0),
+            ("passage", 0.0, LARGEST_PASSAGE),
+            ("most_ml", 0.001, 100_000.0),
+        ):
+            value = float(getattr(self, name))
+            if not low <= value <= high:
+                raise OptionError(f"{name} {value:g} given; allowed: {low:g} to {high:g}")
+
+
+def grow(
+    volume: Volume,
+    seeds: Sequence[Sequence[float]],
+    *,
+    growing: Growing | None = None,
+    progress: Progress = silent,
+) -> Mask:
+    """Returns the region that grows from seeds, shape as the scan's.
+
+    Args:
+        volume: The scan.
+        seeds: Points in the patient [mm], shape [count, 3]; the region holds all that can be held.
+        growing: How it grows.
+        progress: Told what is being done.
+
+    Raises:
+        OptionError: A seed lies outside of the scan, or an option is out of range.
+        EmptySegmentError: No voxel at the seeds is in range.
+    """
+    how = growing or Growing()
+    how.check()
+    places = _places(volume, seeds)
+    box = _box(volume, places, how.most_ml)
+    start = np.array([side.start for side in box])
+    inside = [tuple(int(c) for c in place - start) for place in places]
+    progress("smoothing values", None)
+    raw, values = _values(volume, box)
+    low, high = how.range or _range(values, inside, spacing=volume.spacing, spread=how.spread)
+    in_range = filled((values >= low) & (values <= high))
+    region = _follow(in_range, inside, volume=volume, how=how, progress=progress)
+    progress("finding the border", None)
+    ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=how.spread)
+    region = _to_border(region, raw, ends, volume=volume, fill=how.fill)
+    mask = np.zeros(volume.shape, bool)
+    mask[box] = region
+    if not region.any():
+        unit = f" {volume.unit}" if volume.unit else ""
+        raise EmptySegmentError(
+            f"nothing of {low:g} to {high:g}{unit} is at the seed; allowed: a seed within "
+            "tissue, or a larger spread"
+        )
+    return mask
+
+
+def _extent(volume: Volume) -> str:
+    """Says where a scan lies in the patient, in whole mm."""
+    corners = np.array(list(product(*((0.0, float(edge)) for edge in volume.dimensions))))
+    places = corners @ volume.patient_from_grid[:3, :3].T + volume.patient_from_grid[:3, 3]
+    ends = zip("xyz", places.min(axis=0), places.max(axis=0), strict=True)
+    return ", ".join(f"{axis} from {low:.0f} to {high:.0f}" for axis, low, high in ends)
+
+
+def _places(volume: Volume, seeds: Sequence[Sequence[float]]) -> list[NDArray[np.int64]]:
+    """Returns the voxels of seeds, z, y, x."""
+    if not seeds:
+        raise OptionError("no seed given; allowed: one or more points of the scan")
+    grid_from_patient = np.linalg.inv(volume.patient_from_grid)
+    places = []
+    for seed in seeds:
+        grid = grid_from_patient[:3, :3] @ np.asarray(seed, np.float64) + grid_from_patient[:3, 3]
+        if not ((grid >= 0.0) & (grid < volume.dimensions)).all():
+            told = ", ".join(f"{c:g}" for c in seed)
+            raise OptionError(
+                f"seed {told} mm lies outside of {volume.name}; allowed: points in it, "
+                f"{_extent(volume)}"
+            )
+        places.append(np.floor(grid[::-1]).astype(np.int64))
+    return places
+
+
+def _box(
+    volume: Volume, places: list[NDArray[np.int64]], most_ml: float
+) -> tuple[slice, slice, slice]:
+    """Returns the part of the scan that a region of so much volume may reach."""
+    reach = ROOM * (0.75 / np.pi * most_ml * 1000.0) ** (1.0 / 3.0)
+    room = np.ceil(reach / np.array(volume.spacing[::-1])).astype(np.int64)
+    low = np.maximum(np.min(places, axis=0) - room, 0)
+    high = np.minimum(np.max(places, axis=0) + room + 1, volume.shape)
+    first, second, third = (
+        slice(int(begin), int(end)) for begin, end in zip(low, high, strict=True)
+    )
+    return first, second, third
+
+
+def _values(
+    volume: Volume, box: tuple[slice, slice, slice]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Returns a part of the scan, and the same without its noise [unit of the scan]."""
+    sitk = simpleitk()
+    raw = volume.array[box] * np.float32(volume.slope) + np.float32(volume.intercept)
+    image = sitk.GetImageFromArray(raw)
+    image.SetSpacing(volume.spacing)
+    image = sitk.DiscreteGaussian(
+        image,
+        variance=SMOOTHING**2,
+        maximumKernelWidth=64,
+        maximumError=0.02,
+        useImageSpacing=True,
+    )
+    return raw, sitk.GetArrayFromImage(image)
+
+
+def _range(
+    values: NDArray[np.float32],
+    seeds: list[tuple[int, ...]],
+    *,
+    spacing: Sequence[float],
+    spread: float,
+) -> tuple[float, float]:
+    """Returns the range of values around the seeds, by median and median deviation."""
+    near = np.concatenate([_ball(values, seed, spacing) for seed in seeds])
+    middle = float(np.median(near))
+    deviation = 1.4826 * float(np.median(np.abs(near - middle)))
+    first, last = np.percentile(values[::4, ::4, ::4], (1.0, 99.0))
+    half = max(spread * deviation, LEAST_SPREAD * float(last - first))
+    return middle - half, middle + half
+
+
+def _ball(
+    values: NDArray[np.float32], seed: tuple[int, ...], spacing: Sequence[float]
+) -> NDArray[np.float32]:
+    """Returns the values around a seed."""
+    sides = [int(NEIGHBOURHOOD / edge) for edge in reversed(spacing)]
+    box = tuple(
+        slice(max(0, place - side), min(length, place + side + 1))
+        for place, side, length in zip(seed, sides, values.shape, strict=True)
+    )
+    axes = np.ogrid[box]
+    off = sum(
+        ((axis - place) * edge) ** 2
+        for axis, place, edge in zip(axes, seed, reversed(spacing), strict=True)
+    )
+    found: NDArray[np.float32] = values[box][off <= NEIGHBOURHOOD**2]
+    return found
+
+
+def _follow(
+    in_range: Mask,
+    seeds: list[tuple[int, ...]],
+    *,
+    volume: Volume,
+    how: Growing,
+    progress: Progress,
+) -> Mask:
+    """Returns the part of what is in range that belongs to the seeds."""
+    progress("finding narrow passages", None)
+    spacing = volume.spacing
+    room = distance_to(~in_range, spacing)
+    starts = [_deepest(room, seed, spacing) for seed in seeds]
+    widest = max(float(room[start]) for start in starts)
+    if widest == 0.0:
+        return np.zeros_like(in_range)
+    # in a thin structure the ball must fit where the seed is
+    radius = min(0.5 * how.passage, 0.7 * widest)
+    most = how.most_ml * 1000.0 / volume.voxel_volume
+    while True:
+        progress("following values from the seed", None)
+        core = _connected(room, starts, radius)
+        if np.count_nonzero(core) <= most:
+            region = in_range & margin(core, spacing, radius)
+            if np.count_nonzero(region) <= most:
+                break
+        radius = max(radius * STEP, min(spacing))
+        if 2.0 * radius > LARGEST_PASSAGE or radius >= widest:
+            raise OptionError(
+                f"the region becomes larger than {how.most_ml:g} ml; allowed: a smaller spread, "
+                "wider passages that are not entered, or a larger volume"
+            )
+    return region
+
+
+def _to_border(
+    region: Mask,
+    raw: NDArray[np.float32],
+    ends: tuple[float, float],
+    *,
+    volume: Volume,
+    fill: bool,
+) -> Mask:
+    """Adds what smoothing took from the border: unsmoothed values in range beside the region."""
+    spacing = volume.spacing
+    low, high = ends
+    grown = region | (margin(region, spacing, BORDER) & (raw >= low) & (raw <= high))
+    return filled(closed(grown, spacing, max(spacing))) if fill else grown
+
+
+def _deepest(
+    room: NDArray[np.float32], seed: tuple[int, ...], spacing: Sequence[float]
+) -> tuple[int, ...]:
+    """Returns the voxel near a seed that is deepest in range: a seed may lie at a border."""
+    sides = [int(0.5 * NEIGHBOURHOOD / edge) for edge in reversed(spacing)]
+    low = [max(0, place - side) for place, side in zip(seed, sides, strict=True)]
+    box = tuple(
+        slice(begin, place + side + 1) for begin, place, side in zip(low, seed, sides, strict=True)
+    )
+    part = room[box]
+    found = np.unravel_index(int(part.argmax()), part.shape)
+    return tuple(int(begin + place) for begin, place in zip(low, found, strict=True))
+
+
+def _connected(room: NDArray[np.float32], starts: list[tuple[int, ...]], radius: float) -> Mask:
+    """Returns what hangs together with the seeds where a ball fits."""
+    sitk = simpleitk()
+    there = sitk.ConnectedThreshold(
+        sitk.GetImageFromArray((room > radius).astype(np.uint8)),
+        seedList=[[int(c) for c in reversed(start)] for start in starts if room[start] > radius],
+        lower=1,
+        upper=1,
+    )
+    found: Mask = sitk.GetArrayFromImage(there) != 0
+    return found

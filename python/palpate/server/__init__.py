@@ -1,0 +1,1 @@
+"""The server: what pages load, ask for and are told."""

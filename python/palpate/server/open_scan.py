@@ -1,0 +1,259 @@
+"""One open scan: its session, its recordings, its changes on disk, and what pages ask of it.
+
+An ASGI application below ``/api``; ``workbench`` holds it and exchanges it for another.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from datetime import datetime
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Self
+
+from numpy.typing import NDArray
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Route, Router, WebSocketRoute
+from starlette.types import Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from palpate.base.errors import OptionError
+from palpate.saved.journal import Journal
+from palpate.saved.scene_file import SavedScene
+from palpate.server.export import export_response
+from palpate.server.hello import hello_of
+from palpate.server.live import Live
+from palpate.server.recording import Recorder
+from palpate.server.scene import scene_response, view_response
+from palpate.server.second_scan import second_routes
+from palpate.server.voxel_data import parse_step, voxels_response
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+from palpate.volumes.second_scan import SecondScan
+
+__all__ = ["OpenScan"]
+
+Tell = Callable[[str], None]
+"""Takes a sentence for the person."""
+
+
+class OpenScan:
+    """A session and all that is kept and told of it."""
+
+    def __init__(
+        self,
+        session: Session,
+        *,
+        recorder: Recorder | None = None,
+        journal: Journal | None = None,
+        run: Path | None = None,
+        saved: SavedScene | None = None,
+        tell: Tell = print,
+    ) -> None:
+        """Takes a session that runs.
+
+        Recordings are those of ``recorder``; what ``journal`` offers, pages are asked about; the
+        file of a scenario's ``run`` is what they play; ``saved`` is the scene that was opened.
+        """
+        self.session = session
+        self.journal = journal
+        self.recorder = Recorder(session) if recorder is None else recorder
+        self.files: TemporaryDirectory[str] | None = None
+        """Where its files were put for as long as it is open; None where they stay."""
+        self._second_files: TemporaryDirectory[str] | None = None
+        self._tell = tell
+        looks = None if saved is None else saved.looks
+        self.live = Live(session, hello_of(session), self.recorder, journal=journal, looks=looks)
+        self._pump: asyncio.Task[None] | None = None
+        self._routes = Router(
+            [
+                *_data_routes(self, run=run, saved=saved),
+                WebSocketRoute("/live", self._messages),
+            ]
+        )
+
+    @classmethod
+    def begin(
+        cls,
+        scene: Scene,
+        *,
+        rate: int = 1000,
+        journalled: bool = False,
+        recover: bool | None = None,
+        run: Path | None = None,
+        saved: SavedScene | None = None,
+        tell: Tell = print,
+    ) -> Self:
+        """Starts a session of a scene.
+
+        Changes are ``journalled``; what an earlier session left is brought back (``recover``), kept
+        aside, or asked about on the page (None). A scene that was ``saved`` is brought back first.
+
+        Raises:
+            PalpateError: The scene that was saved is damaged.
+        """
+        session = Session(scene, options=SessionOptions(rate_hz=rate))
+        try:
+            # edits that are brought back are told from here on: there is no page yet
+            session.picture_changes()
+            if saved is not None:
+                saved.restore(session)
+            journal = Journal(session, tell=tell) if journalled else None
+            if journal is not None:
+                journal.start(recover=recover)
+                scene.second = journal.second or scene.second
+            return cls(session, journal=journal, run=run, saved=saved, tell=tell)
+        except BaseException:
+            session.stop()
+            raise
+
+    @property
+    def name(self) -> str:
+        """What a person calls the scan."""
+        return self.session.scene.volume.name
+
+    @property
+    def changed(self) -> bool:
+        """Whether something was changed that undo could take back."""
+        frame = self.session.frame()
+        return bool(frame["can_undo"] or frame["can_redo"])
+
+    @property
+    def keeps_changes(self) -> bool:
+        """Whether changes are kept on disk."""
+        return self.journal is not None and self.journal.problem is None
+
+    def show_second(
+        self, second: SecondScan, *, files: TemporaryDirectory[str] | None = None
+    ) -> None:
+        """Shows another scan with this one; ``files`` are its own for as long as it is open."""
+        old, self._second_files = self._second_files, files
+        self.live.show_second(second)
+        if old is not None:
+            old.cleanup()
+
+    async def start(self) -> None:
+        """Begins to tell pages what is."""
+        self._pump = asyncio.create_task(self.live.run())
+
+    async def stop(self, *, exchanged: bool = False) -> None:
+        """Takes the force away and ends what pages are told; they are told if it is exchanged."""
+        await run_in_threadpool(self.session.stop)
+        if self._pump is not None:
+            self._pump.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._pump
+        if exchanged:
+            await self.live.send_away()
+
+    def end(self) -> None:
+        """Keeps a recording that still runs, stops the session and closes what was kept of it."""
+        try:
+            if self.recorder.is_running:
+                _keep_unfinished(self.recorder, self._tell)
+        finally:
+            self.recorder.close()
+            self.session.stop()
+            if self.journal is not None:
+                self.journal.close()
+            for files in (self.files, self._second_files):
+                if files is not None:
+                    files.cleanup()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answers a request below ``/api``."""
+        await self._routes(scope, receive, send)
+
+    async def _messages(self, websocket: WebSocket) -> None:
+        await self.live.serve(websocket)
+
+
+def _keep_unfinished(recorder: Recorder, tell: Tell) -> None:
+    """Writes a recording that nobody has ended where the program was started."""
+    said = recorder.stop()
+    moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
+    target = Path.cwd() / f"{moment}-{recorder.file_name}"
+    recorder.keep(target)
+    tell(f"the recording that ran is in {target}: {said}")
+
+
+# --- what pages fetch beside the messages -------------------------------------------------
+
+
+def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None) -> list[Route]:
+    live, kept = opened.live, opened.recorder
+
+    async def volume(request: Request) -> Response:
+        # as edits have left it
+        return await _voxels(request, lambda: live.picture.values)
+
+    async def labels(request: Request) -> Response:
+        return await _voxels(request, live.segments.labels)
+
+    async def second(request: Request) -> Response:
+        shown = live.session.scene.second
+        if shown is None:
+            reason = "there is no second scan; allowed: after one was added"
+            return PlainTextResponse(reason, status_code=404)
+        return await _voxels(request, lambda: shown.volume.array)
+
+    async def recording(_: Request) -> Response:
+        # a page asks as soon as the recording has ended, which is before its file is written
+        return _recording_of(kept.file_name, await run_in_threadpool(kept.newest))
+
+    async def scenario(_: Request) -> Response:
+        return Response(status_code=204) if run is None else FileResponse(run)
+
+    async def scene(request: Request) -> Response:
+        body = await request.body()
+        passing = opened.files is not None
+        return await run_in_threadpool(
+            scene_response, live.session, live.segments, body, passing=passing
+        )
+
+    async def export(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(export_response, live.segments, live.picture.values, body)
+
+    async def view(_: Request) -> Response:
+        return view_response(None if saved is None else saved.view)
+
+    return [
+        Route("/volume", volume),
+        Route("/labels", labels),
+        Route("/second", second, methods=["GET"]),
+        *second_routes(live.session.scene, live.show_second),
+        Route("/registration", _registration_of(live), methods=["POST"]),
+        Route("/recording", recording),
+        Route("/scenario", scenario),
+        Route("/scene", scene, methods=["POST"]),
+        Route("/export", export, methods=["POST"]),
+        Route("/view", view),
+    ]
+
+
+def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
+    async def registration(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(live.registering.saved, body)
+
+    return registration
+
+
+async def _voxels(request: Request, array: Callable[[], NDArray[Any]]) -> Response:
+    try:
+        step = parse_step(request.query_params.get("step"))
+    except OptionError as error:
+        return PlainTextResponse(str(error), status_code=400)
+    return voxels_response(await run_in_threadpool(array), step=step)
+
+
+def _recording_of(name: str, file: Path | None) -> Response:
+    if file is None:
+        reason = "no recording was made yet; allowed: after one has ended"
+        return PlainTextResponse(reason, status_code=404)
+    return FileResponse(file, media_type="application/octet-stream", filename=name)

@@ -1,0 +1,56 @@
+"""Scenes for pages: the file that keeps one, and the view of one that was opened."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from starlette.responses import Response
+
+from palpate.saved.autosave import note_scene
+from palpate.saved.scene_file import ENDING, save_scene
+from palpate.server.download import file_name, file_response
+from palpate.server.segments import ShownSegments
+from palpate.session.session import Session
+
+__all__ = ["MOST_VIEW_BYTES", "scene_response", "view_response"]
+
+MOST_VIEW_BYTES = 1 << 16
+"""Of what a page asks to be kept; its view takes some 2 kB."""
+
+
+class WantedScene(msgspec.Struct, frozen=True):
+    """What a page asks to be saved."""
+
+    view: dict[str, Any]
+    """How it looks at the scan; only pages read it."""
+    copy: bool = False
+    """Whether the scan goes into the file."""
+
+
+def scene_response(
+    session: Session, segments: ShownSegments, body: bytes, *, passing: bool = False
+) -> Response:
+    """Saves a scene and answers with its file; one that cannot be is told as a sentence.
+
+    The file of a scan whose own files are ``passing`` holds the scan whether asked for or not.
+    """
+
+    def write(wanted: WantedScene, folder: Path) -> tuple[Path, list[str]]:
+        path = folder / f"{file_name(session.scene.volume.title, 'scene')}{ENDING}"
+        copy = wanted.copy or passing
+        scan = save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)
+        # the browser puts it where only it knows
+        note_scene(scan, path, passing=True)
+        return path, []
+
+    return file_response(body, WantedScene, write, most_bytes=MOST_VIEW_BYTES, called="view")
+
+
+def view_response(view: Mapping[str, Any] | None) -> Response:
+    """Answers with the view of a scene that was opened; with nothing where there is none."""
+    if view is None:
+        return Response(status_code=204)
+    return Response(msgspec.json.encode(view), media_type="application/json")

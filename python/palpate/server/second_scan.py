@@ -1,0 +1,91 @@
+"""The second scan for pages: what they are told of it, and how they move it or take it away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route
+
+from palpate import protocol
+from palpate.base.errors import OptionError, PalpateError
+from palpate.base.simpleitk import Transform
+from palpate.server.hello import scan_of
+from palpate.volumes.scene import Scene
+from palpate.volumes.second_scan import SecondScan, placed, read_transform
+
+__all__ = ["second_message", "second_routes"]
+
+MOST_TRANSFORM_BYTES = 1 << 28
+"""Of a transform's file; a field of displacements takes most."""
+TRANSFORM_ENDINGS = (".tfm", ".txt", ".h5", ".hdf5")
+
+Show = Callable[[SecondScan | None], None]
+
+
+def second_message(second: SecondScan | None, *, version: int) -> protocol.SecondScan:
+    """Returns what pages are told; another ``version`` has other values."""
+    if second is None:
+        return protocol.SecondScan(scan=None, second_from_first=[], is_moved=False, version=version)
+    return protocol.SecondScan(
+        scan=scan_of(second.volume),
+        second_from_first=[float(number) for number in second.second_from_first.ravel()],
+        is_moved=second.is_moved,
+        version=version,
+    )
+
+
+def second_routes(scene: Scene, show: Show) -> list[Route]:
+    """Returns what pages ask for: a transform's file, none any more, or no second scan."""
+
+    async def lay(request: Request) -> Response:
+        try:
+            transform = None
+            if request.method == "PUT":
+                name = request.query_params.get("name", "")
+                body = await _body(request)
+                transform = await run_in_threadpool(_transform_of, name, body)
+            await run_in_threadpool(_lay, scene, show, transform)
+        except (PalpateError, OSError) as error:
+            return PlainTextResponse(str(error), status_code=400)
+        return Response(status_code=204)
+
+    async def remove(_: Request) -> Response:
+        await run_in_threadpool(show, None)
+        return Response(status_code=204)
+
+    return [
+        Route("/second/transform", lay, methods=["PUT", "DELETE"]),
+        Route("/second", remove, methods=["DELETE"]),
+    ]
+
+
+def _lay(scene: Scene, show: Show, transform: Transform | None) -> None:
+    second = scene.second
+    if second is None:
+        raise OptionError("there is no second scan; allowed: add one first")
+    show(placed(scene.volume, second.as_read, transform))
+
+
+def _transform_of(name: str, content: bytes) -> Transform:
+    """Reads a transform from the content of a file that the page's person calls ``name``."""
+    ending = Path(name).suffix.lower()
+    if ending not in TRANSFORM_ENDINGS:
+        raise OptionError(f"{name!r} given; allowed: {', '.join(TRANSFORM_ENDINGS)}")
+    with TemporaryDirectory(prefix="palpate-") as folder:
+        path = Path(folder) / f"transform{ending}"
+        path.write_bytes(content)
+        return read_transform(path, called=name)
+
+
+async def _body(request: Request) -> bytes:
+    body = bytearray()
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > MOST_TRANSFORM_BYTES:
+            raise OptionError(f"more than {MOST_TRANSFORM_BYTES} bytes given; allowed: fewer")
+    return bytes(body)

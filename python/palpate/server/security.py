@@ -1,0 +1,153 @@
+"""Who may talk to the server: the page that the person opened, and nothing else.
+
+The server listens on 127.0.0.1 only. Other programs and other web pages of the same machine
+are kept out by a random token, and by comparing Host and Origin against DNS rebinding and
+cross-site requests. Every route passes here, the WebSocket too.
+
+Sources: RFC 6454 (Origin), RFC 6265bis (SameSite), W3C Content Security Policy Level 3.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import MutableMapping
+from dataclasses import dataclass, field
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qs
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from palpate.server.pages import refusal
+
+__all__ = ["RESUME", "Access", "AccessMiddleware"]
+
+HOSTS = ("127.0.0.1", "localhost")
+RESUME = "/api/resume"
+"""The one route without a token: there pages prove in another way that they were let in before."""
+
+
+@dataclass(frozen=True)
+class Access:
+    """What a request has to carry to be let in."""
+
+    port: int
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
+    key: str = field(default_factory=lambda: secrets.token_hex(32), repr=False)
+    """By which pages of an earlier start of this port come back."""
+
+    @property
+    def url(self) -> str:
+        """The address to open, token and all."""
+        return f"http://{HOSTS[0]}:{self.port}/?token={self.token}"
+
+    @property
+    def cookie(self) -> str:
+        """Name of the cookie: the port is in it, since ports share cookies."""
+        return f"palpate-{self.port}"
+
+    @property
+    def set_cookie(self) -> str:
+        """What has a browser keep the token, out of reach of scripts."""
+        return f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Strict"
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """Values of Host that are let in."""
+        return tuple(f"{host}:{self.port}" for host in HOSTS)
+
+    @property
+    def origins(self) -> tuple[str, ...]:
+        """Values of Origin that are let in."""
+        return tuple(f"http://{host}" for host in self.hosts)
+
+    def refuses(
+        self, headers: Headers, query: str, *, websocket: bool, resumes: bool = False
+    ) -> str | None:
+        """Says why a request is not let in; None where it is. One that ``resumes`` has no token."""
+        if headers.getlist("host") not in [[host] for host in self.hosts]:
+            return "this address is not the one that Palpate printed"
+        origin = headers.get("origin")
+        if origin not in self.origins and (origin is not None or websocket):
+            return "another page asked for this"
+        if not resumes and not self._knows(headers, query):
+            return "the token is missing or wrong"
+        return None
+
+    def gives_token(self, query: str) -> bool:
+        """Says whether the token stands in a query."""
+        return any(self._is_token(given) for given in parse_qs(query).get("token", []))
+
+    def _knows(self, headers: Headers, query: str) -> bool:
+        try:
+            cookies = SimpleCookie(headers.get("cookie", ""))
+        except CookieError:
+            cookies = SimpleCookie()
+        kept = cookies.get(self.cookie)
+        return self.gives_token(query) or (kept is not None and self._is_token(kept.value))
+
+    def _is_token(self, given: str) -> bool:
+        # takes the same time wherever the first difference is
+        return secrets.compare_digest(given.encode(), self.token.encode())
+
+    @property
+    def policy(self) -> str:
+        """Content security policy: everything from here, styles also in place."""
+        sockets = " ".join(f"ws://{host}" for host in self.hosts)
+        return (
+            "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+            f"img-src 'self' data: blob:; connect-src 'self' {sockets}; "
+            "worker-src 'self' blob:; font-src 'self'; base-uri 'none'; form-action 'none'; "
+            "frame-ancestors 'none'"
+        )
+
+
+class AccessMiddleware:
+    """Lets in who carries the token, and puts protective headers on every answer."""
+
+    def __init__(self, app: ASGIApp, *, access: Access) -> None:
+        """Stands before an app."""
+        self.app = app
+        self.access = access
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handles one connection, as ASGI asks for it."""
+        if scope["type"] == "lifespan":
+            await self.app(scope, receive, send)
+            return
+        query = scope["query_string"].decode("latin-1")
+        websocket = scope["type"] == "websocket"
+        resumes = not websocket and (scope["method"], scope["path"]) == ("POST", RESUME)
+        reason = self.access.refuses(
+            Headers(scope=scope), query, websocket=websocket, resumes=resumes
+        )
+        if reason is None:
+            await self.app(scope, receive, self._guarded(send, query))
+        elif websocket:
+            # closed before it was accepted: the browser sees 403
+            await receive()
+            await send({"type": "websocket.close", "code": 1008, "reason": reason})
+        else:
+            await refusal(reason)(scope, receive, self._guarded(send, ""))
+
+    def _guarded(self, send: Send, query: str) -> Send:
+        """Returns a ``send`` that adds headers, and the cookie where the token was given."""
+
+        async def guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                self._protect(message, query)
+            await send(message)
+
+        return guarded
+
+    def _protect(self, message: MutableMapping[str, Any], query: str) -> None:
+        headers = MutableHeaders(scope=message)
+        headers["Content-Security-Policy"] = self.access.policy
+        headers["Cache-Control"] = "no-store"
+        headers["X-Content-Type-Options"] = "nosniff"
+        headers["Referrer-Policy"] = "no-referrer"
+        headers["Cross-Origin-Opener-Policy"] = "same-origin"
+        headers["Cross-Origin-Resource-Policy"] = "same-origin"
+        if self.access.gives_token(query):
+            headers.append("Set-Cookie", self.access.set_cookie)

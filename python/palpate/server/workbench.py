@@ -1,0 +1,133 @@
+"""The workbench: it holds at most one open scan, and exchanges it for another.
+
+An ASGI application below ``/api`` that hands requests on to the scan that is open. The force of
+the old scan is gone before anything of the new one begins; its pages are sent away with a code of
+their own, and load themselves anew. The first scan may still be read while pages come: what they
+ask of it waits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import PlainTextResponse
+from starlette.types import Receive, Scope, Send
+
+from palpate.server.loading_scan import Coming
+from palpate.server.open_scan import OpenScan
+
+__all__ = ["Workbench"]
+
+
+class Workbench:
+    """At most one open scan; all but ``end`` belongs to the event loop that serves it."""
+
+    def __init__(
+        self,
+        opened: OpenScan | None = None,
+        *,
+        coming: Coming | None = None,
+        fixed: bool = False,
+        rate: int = 1000,
+        journalled: bool = True,
+    ) -> None:
+        """Begins with a scan, or without one.
+
+        Args:
+            opened: What is shown first.
+            coming: What is shown first, once it is read.
+            fixed: Whether that stays, as while it is recorded.
+            rate: Servo ticks a second, for scans that are opened later.
+            journalled: Whether their changes are kept on disk.
+        """
+        self.opened = opened
+        self.coming = coming
+        self.given_up: Callable[[], None] = lambda: None
+        """Called where what was to come does not."""
+        self.page_seconds = 0.0
+        """How long that waits for a page to be told of it."""
+        self.fixed = fixed
+        self.rate = rate
+        self.journalled = journalled
+        self._told: list[str] = []
+        self._exchange = asyncio.Lock()
+        self._bringing: asyncio.Task[None] | None = None
+
+    def tell(self, sentence: str) -> None:
+        """Keeps a sentence for the next page that asks."""
+        self._told.append(sentence)
+
+    def take_told(self) -> list[str]:
+        """Returns the sentences that no page was told yet."""
+        told, self._told = self._told, []
+        return told
+
+    async def start(self) -> None:
+        """Begins to serve what is open, or to read what is to come."""
+        if self.opened is not None:
+            await self.opened.start()
+        elif self.coming is not None:
+            # until it is there, whoever asks for it waits
+            await self._exchange.acquire()
+            self._bringing = asyncio.create_task(self._bring(self.coming))
+
+    async def _bring(self, coming: Coming) -> None:
+        try:
+            self.opened = await run_in_threadpool(coming.read)
+            if self.opened is not None:
+                await self.opened.start()
+                self.coming = None
+        finally:
+            self._exchange.release()
+        if self.opened is None:
+            if coming.failure is not None:
+                await run_in_threadpool(coming.failure_told, self.page_seconds)
+            self.given_up()
+
+    async def stop(self) -> None:
+        """Takes the force away and ends all messages."""
+        if self.coming is not None:
+            self.coming.cancel()
+        async with self._exchange:
+            if self.opened is not None:
+                await self.opened.stop()
+
+    def end(self) -> None:
+        """Keeps what is kept of the open scan; to be called once nothing is served any more."""
+        if self.opened is not None:
+            self.opened.end()
+
+    async def settled(self) -> OpenScan | None:
+        """Returns what is open, once no exchange is under way."""
+        async with self._exchange:
+            return self.opened
+
+    async def exchange(self, begin: Callable[[], OpenScan]) -> None:
+        """Closes the open scan and begins another; nothing is open where that fails."""
+        async with self._exchange:
+            old, self.opened = self.opened, None
+            if old is not None:
+                await old.stop(exchanged=True)
+                try:
+                    await run_in_threadpool(old.end)
+                except OSError as error:
+                    # what cannot be kept of the old one does not hold the new one up
+                    self.tell(f"Not all of {old.name} could be kept: {error}")
+            opened = await run_in_threadpool(begin)
+            await opened.start()
+            self.opened = opened
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Hands a request on to the scan that is open."""
+        opened = await self.settled()
+        if opened is not None:
+            await opened(scope, receive, send)
+        elif scope["type"] == "websocket":
+            # closed before it was accepted: the browser sees 403
+            await receive()
+            await send({"type": "websocket.close", "code": 1013, "reason": "no scan is open"})
+        else:
+            answer = PlainTextResponse("no scan is open; allowed: open one first", status_code=409)
+            await answer(scope, receive, send)

@@ -1,0 +1,281 @@
+"""Recordings as files: one NumPy archive with a column of numbers each, compressed.
+
+``numpy.load`` opens a ``.palpate-session`` file too. Ticks stand in columns of one row per tick;
+what else a replay needs (the state at the start, commands, bricks) in columns of its own, as the
+engine gives them; ``about`` holds UTF-8 JSON on where all that comes from. Nothing in a file is
+ever executed: arrays are read as plain numbers, and only where kind, shape and size are right.
+
+Frames: those of ``recording.py``.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, Any, BinaryIO
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import RecordingFormatError
+
+__all__ = [
+    "FORMAT",
+    "VERSION",
+    "About",
+    "AboutScan",
+    "AboutSegment",
+    "read_file",
+    "write_file",
+]
+
+FORMAT = "palpate-session"
+VERSION = 4
+"""Of the form of the file; an older Palpate refuses a newer form."""
+OLDEST_VERSION = 2
+"""The oldest form that is read: it does not know the tool, which counts as resting then."""
+
+Columns = dict[str, NDArray[Any]]
+
+TICKS: dict[str, tuple[str, int]] = {
+    "tick": ("<u8", 0),
+    "time": ("<f8", 0),
+    "device": ("<f8", 3),
+    "hand": ("<f8", 3),
+    "proxy": ("<f8", 3),
+    "force": ("<f8", 3),
+    "sent_force": ("<f8", 3),
+    "contact": ("|b1", 0),
+    "touched": ("|u1", 0),
+    "tool_volume": ("<f8", 0),
+    "tool_time": ("<f8", 0),
+    "tool_load": ("<f8", 0),
+    "command": ("<u8", 0),
+    "reading": ("<u8", 0),
+    "read_at": ("<f8", 0),
+    "position_in_device": ("<f8", 3),
+    "velocity_in_device": ("<f8", 3),
+    "orientation": ("<f8", 4),
+    "buttons": ("<u4", 0),
+    "hand_target": ("<f8", 3),
+    "hand_number": ("<u8", 0),
+    "has_room": ("|b1", 0),
+}
+"""Columns of the ticks: kind of number, and how many a row has; 0 is one without an axis."""
+
+SINCE_3 = ("tool_volume", "tool_time", "tool_load")
+"""Columns of the ticks that version 2 did not have."""
+
+TAPE: dict[str, tuple[str, int]] = {
+    "start": ("|u1", 0),
+    "commands": ("|u1", 0),
+    "command_ends": ("<u8", 0),
+    "brick_ends": ("<u8", 0),
+    "brick_segment": ("|u1", 0),
+    "brick_index": ("<u4", 0),
+    "brick_words": ("<u8", 8),
+    "solid_segment": ("|u1", 0),
+    "solid_index": ("<u4", 0),
+    "solid_words": ("<u8", 8),
+    "value_index": ("<u4", 0),
+    "value_stored": ("<i2", 512),
+    "share_ends": ("<u8", 0),
+    "share_segment": ("|u1", 0),
+    "share_index": ("<u4", 0),
+    "share_bytes": ("|u1", 512),
+    "known_segment": ("|u1", 0),
+    "known_index": ("<u4", 0),
+    "known_bytes": ("|u1", 512),
+}
+"""Columns of what else a replay needs."""
+
+SINCE_4 = tuple(name for name in TAPE if name.startswith(("share_", "known_")))
+"""Columns of these that version 3 did not have: nothing was known of the shares of masks."""
+
+MAGIC = b"\x93NUMPY\x01\x00"
+HEADER = re.compile(
+    rb"\{'descr': '([\x21-\x7e]{1,20})', 'fortran_order': False, "
+    rb"'shape': \(((?:\d{1,12}, ?)*\d{0,12})\), \} *\n"
+)
+"""What stands in front of the numbers of an array (NEP 1), as NumPy writes it."""
+
+MOST_BYTES = 1 << 32
+"""Unpacked; the longest recording takes a third of it."""
+
+MOST_ABOUT_BYTES = 1 << 20
+
+Vector = tuple[float, float, float]
+
+
+class AboutScan(msgspec.Struct, frozen=True):
+    """The scan that was touched; see ``Volume`` for what the fields mean."""
+
+    name: str
+    modality: str
+    unit: str
+    dimensions: tuple[int, int, int]
+    spacing: Vector
+    origin: Vector
+    direction: list[float]
+
+
+class AboutSegment(msgspec.Struct, frozen=True):
+    """A segment as it was when the recording began."""
+
+    id: int
+    name: str
+    touchable: bool
+    voxels: int
+    range: tuple[float, float] | None
+
+
+class About(msgspec.Struct, frozen=True):
+    """Where a recording comes from."""
+
+    format: str
+    version: int
+    palpate: str
+    build: str
+    recorded: str
+    device: str
+    rate_hz: int
+    real_time: bool
+    scan: AboutScan
+    segments: list[AboutSegment]
+    settings: dict[str, Any]
+
+
+def write_file(
+    path: Path, *, ticks: Mapping[str, NDArray[Any]], tape: Columns | None, about: About
+) -> None:
+    """Writes a recording; either all of it is there in the end, or nothing.
+
+    Raises:
+        OSError: The folder cannot be written.
+    """
+    columns = dict(ticks) | (tape or {})
+    columns["about"] = np.frombuffer(msgspec.json.encode(about), np.uint8)
+    handle, unfinished = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **columns)
+        Path(unfinished).chmod(0o644)
+        Path(unfinished).replace(path)
+    except BaseException:
+        Path(unfinished).unlink(missing_ok=True)
+        raise
+
+
+def read_file(path: Path) -> tuple[Columns, Columns | None, About]:
+    """Reads a recording: its ticks, what else a replay needs, and where it comes from.
+
+    Raises:
+        RecordingFormatError: The file is no recording, is cut off or damaged.
+        OSError: There is no such file, or it may not be read.
+    """
+    try:
+        with path.open("rb") as file:
+            return _read(path, file)
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        EOFError,
+        ValueError,
+        # what zipfile raises for ways of packing that it does not know
+        NotImplementedError,
+        RuntimeError,
+    ) as error:
+        if isinstance(error, RecordingFormatError):
+            raise
+        raise _refused(path, f"is damaged ({error})") from None
+
+
+def _read(path: Path, file: BinaryIO) -> tuple[Columns, Columns | None, About]:
+    if not zipfile.is_zipfile(file):
+        raise _refused(path, "is no recording, or was cut off")
+    with zipfile.ZipFile(file) as archive:
+        names = {name.removesuffix(".npy") for name in archive.namelist()}
+        size = sum(member.file_size for member in archive.infolist())
+        if size > MOST_BYTES:
+            raise _refused(path, f"unpacks to {size} bytes; allowed: at most {MOST_BYTES}")
+        if "about" not in names:
+            raise _refused(path, "is no recording")
+        about = _about(path, _column(archive, "about", ("|u1", 0)))
+
+        has_tape = not names.isdisjoint(TAPE)
+        told = [name for name in TICKS if about.version >= 3 or name not in SINCE_3]
+        taped = [name for name in TAPE if about.version >= 4 or name not in SINCE_4]
+        missing = (set(told) | (set(taped) if has_tape else set())) - names
+        if missing:
+            raise _refused(path, f"lacks {', '.join(sorted(missing))}")
+        ticks = {name: _column(archive, name, TICKS[name]) for name in told}
+        for name in set(TICKS) - set(told):
+            ticks[name] = np.zeros(len(ticks["tick"]))
+        tape = {name: _column(archive, name, TAPE[name]) for name in taped} if has_tape else {}
+        for name in set(TAPE) - set(taped):
+            kind, width = TAPE[name]
+            tape[name] = np.zeros((0, width) if width else 0, kind)
+    if len({len(column) for column in ticks.values()}) > 1:
+        raise _refused(path, "has columns of different length")
+    return ticks, tape if has_tape else None, about
+
+
+def _about(path: Path, packed: NDArray[Any]) -> About:
+    if len(packed) > MOST_ABOUT_BYTES:
+        raise _refused(path, "says too much about itself")
+    try:
+        about = msgspec.json.decode(packed.tobytes(), type=About)
+    except msgspec.MsgspecError as error:
+        raise _refused(path, f"is no recording ({error})") from None
+    if about.format != FORMAT:
+        raise _refused(path, f"is of the form {about.format!r}")
+    if not OLDEST_VERSION <= about.version <= VERSION:
+        raise RecordingFormatError(
+            f"{path} has version {about.version} of the form; allowed: version {OLDEST_VERSION} "
+            f"to {VERSION} "
+            f"(it was written by Palpate {about.palpate})"
+        )
+    return about
+
+
+def _column(archive: zipfile.ZipFile, name: str, kind: tuple[str, int]) -> NDArray[Any]:
+    """Reads one array; its kind and shape are known before its numbers are read."""
+    with archive.open(f"{name}.npy") as member:
+        given, shape = _header(name, member)
+        width = kind[1]
+        fits = len(shape) == (2 if width else 1) and (not width or shape[1] == width)
+        if given != kind[0] or not fits:
+            raise ValueError(f"{name} holds {given} of shape {list(shape)}")
+        # to the end, where the checksum is compared
+        numbers = member.read()
+    dtype = np.dtype(given)
+    if len(numbers) != math.prod(shape) * dtype.itemsize:
+        raise ValueError(f"{name} has {len(numbers)} bytes for {list(shape)}")
+    return np.frombuffer(numbers, dtype).reshape(shape)
+
+
+def _header(name: str, member: IO[bytes]) -> tuple[str, tuple[int, ...]]:
+    """Reads what stands before the numbers, in the one way in which NumPy writes it.
+
+    NumPy's own reader takes any literal of Python, and fails in many ways.
+    """
+    start = member.read(len(MAGIC) + 2)
+    length = int.from_bytes(start[len(MAGIC) :], "little")
+    header = HEADER.fullmatch(member.read(length))
+    if not start.startswith(MAGIC) or header is None:
+        raise ValueError(f"{name} has another form")
+    shape = tuple(int(count) for count in header[2].split(b",") if count)
+    return header[1].decode("ascii"), shape
+
+
+def _refused(path: Path, reason: str) -> RecordingFormatError:
+    return RecordingFormatError(
+        f"{path} {reason}; allowed: a .palpate-session file as `palpate record` writes it"
+    )

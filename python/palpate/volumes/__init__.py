@@ -1,0 +1,1 @@
+"""Scans and what is in them: volumes, segments, scenes, surfaces, meshes and materials."""

@@ -1,0 +1,62 @@
+"""Scans of fewer, larger voxels: what a finger feels is larger than a voxel of a fine scan.
+
+Values are means, and a mask is where most of the voxels belong to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.volumes.volume import Volume, VolumeTraits
+
+__all__ = ["merged"]
+
+Mask = NDArray[np.bool_]
+
+
+def merged(
+    volume: Volume, masks: Mapping[str, Mask], *, size: float
+) -> tuple[Volume, dict[str, Mask]]:
+    """Merges voxels along each axis until they are about as large as asked.
+
+    What does not fill a voxel at the upper ends is left out.
+
+    Args:
+        volume: The scan.
+        masks: By name, of its shape.
+        size: Of a voxel's side [mm]; sides that are as long are left as they are.
+    """
+    count = np.maximum(1, np.floor(size / np.array(volume.spacing[::-1]) + 0.5).astype(int))
+    if (count == 1).all():
+        return volume, dict(masks)
+    shape = np.maximum(1, np.array(volume.shape) // count)
+    count = np.minimum(count, np.array(volume.shape))
+
+    def mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
+        low, row, column = (slice(int(n)) for n in shape * count)
+        parts = np.stack([shape, count], axis=1).ravel().tolist()
+        return np.asarray(values[low, row, column].reshape(parts).mean(axis=(1, 3, 5)))
+
+    spacing = np.array(volume.spacing)
+    larger = spacing * count[::-1]
+    larger_volume = Volume(
+        np.rint(mean(volume.array.astype(np.float32))).astype(np.int16),
+        spacing=larger.tolist(),
+        origin=(np.array(volume.origin) + volume.direction @ ((larger - spacing) / 2)).tolist(),
+        direction=volume.direction,
+        slope=volume.slope,
+        intercept=volume.intercept,
+        traits=VolumeTraits(
+            name=volume.name,
+            modality=volume.modality,
+            unit=volume.unit,
+            warnings=volume.traits.warnings,
+            orientation_known=volume.traits.orientation_known,
+        ),
+    )
+    return larger_volume, {
+        name: mean(mask.astype(np.float32)) >= 0.5 for name, mask in masks.items()
+    }

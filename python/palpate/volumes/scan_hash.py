@@ -1,0 +1,22 @@
+"""What tells a scan from others: a hash of its values and its place."""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+
+import numpy as np
+
+from palpate.volumes.volume import Volume
+
+__all__ = ["scan_hash"]
+
+
+def scan_hash(volume: Volume) -> bytes:
+    """Returns 32 bytes that tell a scan from others by its stored values and its geometry."""
+    hasher = blake2b(digest_size=32)
+    hasher.update(np.asarray(volume.dimensions, "<i8").tobytes())
+    hasher.update(np.asarray(volume.patient_from_grid, "<f8").tobytes())
+    hasher.update(np.asarray([volume.slope, volume.intercept], "<f8").tobytes())
+    for plane in volume.array:
+        hasher.update(np.ascontiguousarray(plane, "<i2").data)
+    return hasher.digest()

@@ -1,0 +1,118 @@
+"""A slice of a scan along its own axes: its values, and where its voxels stand.
+
+Places in a slice are (column, row), whole at the middles of voxels. Points are in the patient [mm].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from palpate.base.errors import OptionError
+from palpate.volumes.volume import Volume
+
+__all__ = ["Places", "Point", "ScanSlice"]
+
+Places = NDArray[np.float64]
+"""Shape [count, 2]."""
+
+Point = Sequence[float] | NDArray[np.float64]
+"""x, y, z [patient]."""
+
+LEAST_COSINE = 0.999
+"""Between a slice's normal and an axis of the scan."""
+
+Box = tuple[slice, slice, slice]
+
+
+@dataclass(frozen=True)
+class ScanSlice:
+    """The voxels of a scan with one index along an axis."""
+
+    volume: Volume
+    axis: int
+    """0, 1, 2: x, y, z of the grid."""
+    number: int
+
+    @classmethod
+    def through(cls, volume: Volume, point: Point, *, normal: Sequence[float]) -> ScanSlice:
+        """Returns the slice that holds a point, across a normal of any length.
+
+        Raises:
+            OptionError: The point is not in the scan, or the slice lies along none of its axes.
+        """
+        length = float(np.linalg.norm(normal))
+        cosines = np.abs(volume.direction.T @ np.asarray(normal, np.float64)) / (length or np.nan)
+        axis = int(np.argmax(cosines))
+        if not cosines[axis] >= LEAST_COSINE:
+            raise OptionError(
+                f"a slice with normal {tuple(normal)} given; allowed: slices along the scan's own "
+                "axes: axial, coronal, sagittal"
+            )
+        index = np.floor(_index(volume, [point])[0] + 0.5)
+        if not (np.all(index >= 0) and np.all(index < volume.dimensions)):
+            raise OptionError(f"point {tuple(point)} given; allowed: a point in the scan")
+        return cls(volume, axis, int(index[axis]))
+
+    @cached_property
+    def values(self) -> NDArray[np.float32]:
+        """Shape [rows, columns] [unit of the scan]."""
+        stored = np.take(self.volume.array, self.number, axis=2 - self.axis).astype(np.float32)
+        values: NDArray[np.float32] = stored * np.float32(self.volume.slope)
+        values += np.float32(self.volume.intercept)
+        return values
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        rows, columns = (self.volume.dimensions[axis] for axis in reversed(self._along))
+        return rows, columns
+
+    @property
+    def edges(self) -> tuple[float, float]:
+        """Sides of a voxel along a column and along a row [mm], in the order of ``shape``."""
+        height, width = (self.volume.spacing[axis] for axis in reversed(self._along))
+        return height, width
+
+    @property
+    def box(self) -> Box:
+        """Its voxels in the scan's array."""
+        box = [slice(0, count) for count in self.volume.shape]
+        box[2 - self.axis] = slice(self.number, self.number + 1)
+        return box[0], box[1], box[2]
+
+    def places(self, points: Sequence[Point] | NDArray[np.float64]) -> Places:
+        """Returns where points stand, those beside the slice straight over it."""
+        index: Places = _index(self.volume, points)[:, self._along]
+        return index
+
+    def points(self, places: ArrayLike) -> NDArray[np.float64]:
+        """Returns the points in the middle of the slice that stand at places, shape [count, 3]."""
+        at = np.asarray(places, np.float64).reshape(-1, 2)
+        index = np.full((len(at), 3), float(self.number))
+        index[:, self._along] = at
+        matrix = self.volume.patient_from_grid
+        points: NDArray[np.float64] = (index + 0.5) @ matrix[:3, :3].T + matrix[:3, 3]
+        return points
+
+    def key(self) -> tuple[int, int]:
+        """Tells it from other slices of the scan."""
+        return self.axis, self.number
+
+    @property
+    def _along(self) -> list[int]:
+        """The grid's axes along a row and along a column."""
+        return [axis for axis in range(3) if axis != self.axis]
+
+
+def _index(volume: Volume, points: Sequence[Point] | NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns indices of points, whole at the middles of voxels, shape [count, 3]."""
+    matrix = np.linalg.inv(volume.patient_from_grid)
+    at = np.asarray(cast("ArrayLike", points), np.float64).reshape(-1, 3)
+    index: NDArray[np.float64] = at @ matrix[:3, :3].T + matrix[:3, 3] - 0.5
+    return index

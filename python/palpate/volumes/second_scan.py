@@ -1,0 +1,117 @@
+"""A second scan that is shown with the first one: where each of its values belongs in the first.
+
+A transform is read as SimpleITK and ITK write it (``.tfm``, ``.h5``): it maps points of the first
+(fixed) scan to the second's. Frames: patient of each scan, LPS [mm].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.simpleitk import Transform, image_on, reason_of, simpleitk
+from palpate.volumes.volume import Volume
+
+__all__ = ["SecondScan", "placed", "read_transform"]
+
+LEAST_DETERMINANT = 1e-6
+"""A transform that flattens more has lost the scan."""
+
+
+@dataclass(frozen=True)
+class SecondScan:
+    """A scan beside the first, where it lies as it is; ``second_from_first`` has shape [4, 4]."""
+
+    volume: Volume
+    second_from_first: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    unbent: Volume | None = None
+    """What was bent onto the first scan's grid; None where nothing was."""
+
+    @property
+    def as_read(self) -> Volume:
+        """The scan before any transform."""
+        return self.volume if self.unbent is None else self.unbent
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether a transform holds it elsewhere than its own place in the patient says."""
+        return self.unbent is not None or not np.array_equal(self.second_from_first, np.eye(4))
+
+
+def placed(first: Volume, second: Volume, transform: Transform | None = None) -> SecondScan:
+    """Returns a scan as it lies with the first one.
+
+    Where the transform is rigid or affine, or where there is none, the values stay as they are and
+    a matrix tells where they belong; else they are laid on the first scan's grid, linearly.
+
+    Args:
+        first: The scan that stays where it is.
+        second: The scan that is shown with it.
+        transform: A ``SimpleITK.Transform`` from points of the first to the second's.
+
+    Raises:
+        OptionError: The transform is none of space, or has no inverse.
+    """
+    if transform is None:
+        return SecondScan(second)
+    if transform.GetDimension() != 3:
+        dimension = transform.GetDimension()
+        raise OptionError(f"a transform of {dimension} dimensions given; allowed: of 3")
+    if transform.IsLinear():
+        return SecondScan(second, _matrix_of(transform))
+    return SecondScan(_resampled(first, second, transform), unbent=second)
+
+
+def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:
+    """Returns the ``SimpleITK.Transform`` of a file, which errors name as it was ``called``.
+
+    Raises:
+        FileNotFoundError: There is none.
+        VolumeFormatError: It is no transform.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise FileNotFoundError(f"no transform at {file}")
+    try:
+        read: Transform = simpleitk().ReadTransform(str(file))
+    except RuntimeError as error:
+        raise VolumeFormatError(
+            f"{called or file} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
+            "or .h5 as SimpleITK writes it"
+        ) from None
+    return read
+
+
+def _matrix_of(transform: Transform) -> NDArray[np.float64]:
+    """Returns what a linear transform does to points as a matrix, shape [4, 4]."""
+    origin = np.array(transform.TransformPoint((0.0, 0.0, 0.0)))
+    ends = np.array([transform.TransformPoint(tuple(axis)) for axis in np.eye(3)])
+    matrix = np.eye(4)
+    matrix[:3, :3] = (ends - origin).T
+    matrix[:3, 3] = origin
+    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < LEAST_DETERMINANT:
+        raise OptionError("a transform that flattens the scan given; allowed: one with an inverse")
+    return matrix
+
+
+def _resampled(first: Volume, second: Volume, transform: Transform) -> Volume:
+    """Returns the second scan on the grid of the first; its lowest value outside of it."""
+    module = simpleitk()
+    reference = image_on(first, first.array)
+    moving = image_on(second, second.array)
+    lowest = float(second.array.min())
+    image = module.Resample(moving, reference, transform, module.sitkLinear, lowest)
+    return Volume(
+        module.GetArrayFromImage(image),
+        spacing=first.spacing,
+        origin=first.origin,
+        direction=first.direction,
+        slope=second.slope,
+        intercept=second.intercept,
+        traits=second.traits,
+    )

@@ -1,0 +1,158 @@
+"""The surface of a segment: triangles in the patient, LPS [mm]."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate import _core
+from palpate.base.errors import EmptySegmentError, MeshFormatError, OptionError
+
+if TYPE_CHECKING:
+    from palpate.volumes.segment import Segment
+    from palpate.volumes.volume import Volume
+
+__all__ = ["Mesh", "Source", "Surface", "voxelise"]
+
+Source = Literal["intensities", "bits"]
+"""What surfaces are made from; touch has the same choice for its smoothing."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles with shared vertices, in the patient."""
+
+    vertices: NDArray[np.float64]
+    """Positions [mm], shape [vertex_count, 3]."""
+    normals: NDArray[np.float32]
+    """Unit normals to the outside, shape [vertex_count, 3]."""
+    triangles: NDArray[np.uint32]
+    """Vertices of each triangle, counter-clockwise from outside, shape [triangle_count, 3]."""
+
+
+class Surface:
+    """The surface of a segment, smoothed without shrinking."""
+
+    def __init__(
+        self,
+        segment: Segment,
+        *,
+        step: int | None = None,
+        smoothing: int | None = None,
+        mode: Literal["global", "local"] = "global",
+        source: Source = "intensities",
+    ) -> None:
+        """Makes the whole surface.
+
+        Args:
+            segment: Whose surface it is.
+            step: Edge of a cell [voxels]: 1, 2 or 4.
+            smoothing: Degree, 0 to 12; 0 shows the voxels as they are.
+            mode: "global" smooths across patches, "local" each patch alone.
+            source: What it is made from: "intensities" the scan's values where a threshold made
+                the segment, else its bits; "bits" its bits alone. Where bits were edited, both
+                are as the bits.
+
+        Raises:
+            OptionError: A setting is not allowed.
+        """
+        volume = segment.volume
+        if source not in get_args(Source):
+            allowed = ", ".join(get_args(Source))
+            raise OptionError(f"source {source!r} given; allowed: {allowed}")
+        try:
+            self._internal = _core.Surface(
+                segment._internal,  # noqa: SLF001
+                volume.spacing,
+                volume.origin,
+                direction_of(volume),
+                step,
+                smoothing,
+                mode == "local",
+                _values_of(segment) if source == "intensities" else None,
+            )
+        except (ValueError, OverflowError) as error:
+            raise OptionError(str(error)) from None
+
+    def mesh(self) -> Mesh:
+        """Returns all of it as one mesh.
+
+        Raises:
+            EmptySegmentError: The segment has no surface.
+        """
+        vertices, normals, triangles = self._internal.mesh()
+        if len(triangles) == 0:
+            raise EmptySegmentError("the segment has no surface; allowed: one with voxels")
+        return Mesh(vertices, normals, triangles)
+
+    @property
+    def triangle_count(self) -> int:
+        """How many triangles it has."""
+        return self._internal.triangle_count
+
+    @property
+    def area(self) -> float:
+        """Of all triangles [mm²]."""
+        return self._internal.area()
+
+    @property
+    def volume(self) -> float:
+        """What it encloses [mm³]."""
+        return self._internal.volume()
+
+
+def _values_of(segment: Segment) -> tuple[_core.Volume, tuple[float, float]] | None:
+    """Returns what says where between voxels the surface of a segment is, if a threshold did."""
+    if segment.made_by is None:
+        return None
+    volume, (low, high) = segment.volume, segment.made_by
+    lowest, highest = volume.range
+    # an end that no value is beyond limits nothing
+    limits = (-math.inf if low <= lowest else low, math.inf if high >= highest else high)
+    if limits[0] == limits[1]:
+        return None
+    return volume._internal, limits  # noqa: SLF001
+
+
+def voxelise(mesh: Mesh, volume: Volume, *, name: str, as_shell: bool = False) -> Segment:
+    """Returns the voxels of a scan that a mesh encloses; what lies beyond the scan is cut.
+
+    Args:
+        mesh: Closed, or a shell of its surface is taken.
+        volume: On whose grid.
+        name: What to call the segment.
+        as_shell: Take only the voxels that triangles meet.
+
+    Raises:
+        MeshFormatError: The mesh has vertices that are nowhere, or triangles without vertices.
+        EmptySegmentError: No voxel lies in the mesh.
+    """
+    from palpate.volumes.segment import Segment
+
+    try:
+        internal = _core.voxelise_mesh(
+            np.ascontiguousarray(mesh.vertices, dtype=np.float64),
+            np.ascontiguousarray(mesh.triangles, dtype=np.uint32),
+            volume.dimensions,
+            volume.spacing,
+            volume.origin,
+            direction_of(volume),
+            as_shell,
+        )
+    except ValueError as error:
+        raise MeshFormatError(str(error)) from None
+    if internal.voxel_count == 0:
+        raise EmptySegmentError(
+            f"mesh {name!r} encloses no voxel of {volume.name!r}; allowed: a mesh within the scan, "
+            "thicker than a voxel (or as a shell)"
+        )
+    return Segment(internal, name=name, volume=volume, range=None)
+
+
+def direction_of(volume: Volume) -> tuple[float, ...]:
+    """Returns the direction of a scan, row by row."""
+    return tuple(float(cosine) for cosine in volume.direction.ravel())

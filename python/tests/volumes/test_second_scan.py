@@ -1,0 +1,147 @@
+"""A second scan: where a transform's file puts it, what pages are told, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import SimpleITK
+from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.volumes.second_scan import SecondScan, placed, read_transform
+from palpate.volumes.volume import Volume
+from running_server import voxels
+
+
+def slopes(*, spacing: float = 2.0, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Volume:
+    """A scan whose value is x + 10 y + 100 z of a voxel's number."""
+    z, y, x = np.mgrid[0:9, 0:9, 0:9]
+    return Volume((x + 10 * y + 100 * z).astype(np.int16), spacing=[spacing] * 3, origin=origin)
+
+
+def written(transform: Any, folder: Path) -> Any:
+    """A transform as it comes back from its file."""
+    path = folder / "t.tfm"
+    SimpleITK.WriteTransform(transform, str(path))
+    return read_transform(path)
+
+
+def test_a_rigid_transform_is_a_matrix_and_the_values_stay(tmp_path: Path) -> None:
+    rigid = SimpleITK.Euler3DTransform((4.0, 5.0, 6.0), 0.1, -0.2, 0.3, (1.0, 2.0, 3.0))
+    both = SimpleITK.CompositeTransform([rigid, SimpleITK.TranslationTransform(3, (7.0, 0.0, 0.0))])
+    second = slopes()
+    for transform in (rigid, both):
+        shown = placed(slopes(spacing=1.0), second, written(transform, tmp_path))
+        assert shown.volume is second
+        point = np.array([3.0, -8.0, 11.0])
+        expected = transform.TransformPoint(tuple(point))
+        np.testing.assert_allclose((shown.second_from_first @ [*point, 1.0])[:3], expected)
+
+
+def test_without_a_transform_both_lie_in_one_patient() -> None:
+    np.testing.assert_array_equal(placed(slopes(), slopes()).second_from_first, np.eye(4))
+
+
+def test_what_bends_is_laid_on_the_first_scans_grid(tmp_path: Path) -> None:
+    first = slopes(spacing=1.0, origin=(2.0, 2.0, 2.0))
+    bent = SimpleITK.BSplineTransformInitializer(
+        SimpleITK.Image([9, 9, 9], SimpleITK.sitkInt16), [3, 3, 3], 3
+    )
+    # all nodes alike: a shift by 2 mm along x, which no one can tell from the file
+    nodes = len(bent.GetParameters()) // 3
+    bent.SetParameters([2.0] * nodes + [0.0] * (2 * nodes))
+    shown = placed(first, slopes(), written(bent, tmp_path))
+    assert shown.volume.dimensions == first.dimensions
+    assert shown.volume.origin == first.origin
+    np.testing.assert_array_equal(shown.second_from_first, np.eye(4))
+    # voxel (2, 0, 0) of the first stands at 4, 2, 2 mm: in the second at 6, 2, 2, its voxel 3, 1, 1
+    assert shown.volume.array[0, 0, 2] == 3 + 10 + 100
+
+
+def test_what_is_no_transform_of_space_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        read_transform(tmp_path / "none.tfm")
+    damaged = tmp_path / "damaged.tfm"
+    damaged.write_text("#Insight Transform File V1.0\nTransform: Affine")
+    with pytest.raises(VolumeFormatError, match=r"allowed: \.tfm"):
+        read_transform(damaged)
+    flat = SimpleITK.AffineTransform(3)
+    flat.SetMatrix([1, 0, 0, 0, 1, 0, 0, 0, 0])
+    with pytest.raises(OptionError, match="flattens"):
+        placed(slopes(), slopes(), flat)
+    with pytest.raises(OptionError, match="of 2 dimensions given"):
+        placed(slopes(), slopes(), SimpleITK.TranslationTransform(2, (1.0, 1.0)))
+
+
+def test_pages_are_told_of_a_second_scan_and_where_it_goes(server: Any) -> None:
+    assert server.get("/api/second").status_code == 404
+    second = slopes()
+    with server.page() as page:
+        live = server.live
+        live.show_second(SecondScan(second))
+        told = page.receive("second_scan")
+        assert told["scan"]["dimensions"] == [9, 9, 9]
+        moved = np.eye(4)
+        moved[0, 3] = 5.0
+        live.show_second(SecondScan(second, moved))
+        again = page.receive("second_scan")
+        assert again["second_from_first"] == moved.ravel().tolist()
+        # the same values: nothing is fetched again
+        assert again["version"] == told["version"]
+        np.testing.assert_array_equal(voxels(server, "/api/second", "<i2"), second.array)
+        with server.page() as other:
+            assert other.receive("second_scan")["second_from_first"] == moved.ravel().tolist()
+        live.show_second(None)
+        gone = page.receive("second_scan")
+        assert gone["scan"] is None
+        assert gone["version"] > told["version"]
+
+
+def transform_file(transform: Any, folder: Path) -> bytes:
+    path = folder / "t.tfm"
+    SimpleITK.WriteTransform(transform, str(path))
+    return path.read_bytes()
+
+
+def test_a_page_lays_the_second_scan_elsewhere_and_takes_it_away(
+    server: Any, tmp_path: Path
+) -> None:
+    rigid = SimpleITK.Euler3DTransform((0.0, 0.0, 0.0), 0.1, 0.0, 0.0, (7.0, 0.0, 0.0))
+    bent = SimpleITK.BSplineTransformInitializer(
+        SimpleITK.Image([9, 9, 9], SimpleITK.sitkInt16), [3, 3, 3], 3
+    )
+    moved = "/api/second/transform?name=turn.tfm"
+    with server.page() as page:
+        refused = server.ask("PUT", moved, transform_file(rigid, tmp_path))
+        assert (refused.status_code, refused.text[:24]) == (400, "there is no second scan;")
+        second = slopes()
+        server.live.show_second(SecondScan(second))
+        told = page.receive("second_scan")
+        assert not told["is_moved"]
+
+        assert server.ask("PUT", moved, transform_file(rigid, tmp_path)).status_code == 204
+        told = page.receive("second_scan")
+        assert told["is_moved"]
+        point = np.array(told["second_from_first"]).reshape(4, 4) @ [1.0, 2.0, 3.0, 1.0]
+        np.testing.assert_allclose(point[:3], rigid.TransformPoint((1.0, 2.0, 3.0)))
+
+        # what bends is laid on the first scan's grid, and can be laid as it was again
+        assert server.ask("PUT", moved, transform_file(bent, tmp_path)).status_code == 204
+        told = page.receive("second_scan")
+        assert told["is_moved"]
+        assert tuple(told["scan"]["dimensions"]) == server.session.scene.volume.dimensions
+        assert server.ask("DELETE", "/api/second/transform").status_code == 204
+        told = page.receive("second_scan")
+        assert (told["is_moved"], told["scan"]["dimensions"]) == (False, [9, 9, 9])
+
+        for name, content, reason in (
+            ("turn.tfm", b"nothing", "turn.tfm cannot be read as a transform"),
+            ("turn.png", b"", "'turn.png' given; allowed: .tfm"),
+        ):
+            refused = server.ask("PUT", f"/api/second/transform?name={name}", content)
+            assert refused.status_code == 400
+            assert refused.text.startswith(reason)
+        assert server.ask("DELETE", "/api/second").status_code == 204
+        assert page.receive("second_scan")["scan"] is None
+        assert server.get("/api/second").status_code == 404

@@ -1,0 +1,127 @@
+/**
+ * Marks that a person sets on a scan: single points, distances and angles, and what they measure.
+ *
+ * Frame: scene, LPS [mm]; angles [rad].
+ */
+import { distance, dot, isPoint, length, subtract, type Vec3 } from "../geometry/vector";
+
+export const markKinds = ["point", "distance", "angle"] as const;
+export type MarkKind = (typeof markKinds)[number];
+
+export interface Mark {
+  readonly id: number;
+  readonly kind: MarkKind;
+  readonly name: string;
+  /** In the order in which they were set; of an angle the second is its vertex. */
+  readonly points: readonly Vec3[];
+  readonly visible: boolean;
+}
+
+/** Points that make a mark whole. */
+export const pointsOf: Readonly<Record<MarkKind, number>> = { point: 1, distance: 2, angle: 3 };
+
+const kindNames: Readonly<Record<MarkKind, string>> = { point: "Point", distance: "Distance", angle: "Angle" };
+
+/** Longer names are cut. */
+const longestName = 80;
+
+/** Marks with one more, named after its kind. */
+export function withMark(marks: readonly Mark[], kind: MarkKind, points: readonly Vec3[]): readonly Mark[] {
+  const id = Math.max(0, ...marks.map((mark) => mark.id)) + 1;
+  const names = new Set(marks.map(({ name }) => name));
+  let number = 1;
+  while (names.has(`${kindNames[kind]} ${String(number)}`)) {
+    number += 1;
+  }
+  return [...marks, { id, kind, name: `${kindNames[kind]} ${String(number)}`, points, visible: true }];
+}
+
+export function withoutMark(marks: readonly Mark[], id: number): readonly Mark[] {
+  return marks.filter((mark) => mark.id !== id);
+}
+
+/** Marks of which one is changed in part. An empty name keeps the one before. */
+export function changedMark(
+  marks: readonly Mark[],
+  id: number,
+  part: Partial<Pick<Mark, "name" | "visible" | "points">>,
+): readonly Mark[] {
+  const name = (part.name ?? "").trim().slice(0, longestName);
+  return marks.map((mark) => (mark.id === id ? { ...mark, ...part, name: name === "" ? mark.name : name } : mark));
+}
+
+/** Marks of which one point stands elsewhere. */
+export function withPointAt(marks: readonly Mark[], id: number, index: number, point: Vec3): readonly Mark[] {
+  const points = marks.find((mark) => mark.id === id)?.points ?? [];
+  return changedMark(marks, id, { points: points.map((other, i) => (i === index ? point : other)) });
+}
+
+/** Angle at a vertex between the ways to two points [rad]; 0 where one of them is the vertex itself. */
+export function angleAt(vertex: Vec3, a: Vec3, b: Vec3): number {
+  const [toA, toB] = [subtract(a, vertex), subtract(b, vertex)];
+  const size = length(toA) * length(toB);
+  // rounding can lead out of what has an arc cosine
+  return size > 0 ? Math.acos(Math.min(1, Math.max(-1, dot(toA, toB) / size))) : 0;
+}
+
+/** What a mark measures: a length [mm], an angle [rad], nothing of a point or while points are missing. */
+export function measured({ kind, points }: Pick<Mark, "kind" | "points">): number | null {
+  const [first, second, third] = points;
+  if (kind === "distance" && first !== undefined && second !== undefined) {
+    return distance(first, second);
+  }
+  if (kind === "angle" && first !== undefined && second !== undefined && third !== undefined) {
+    return angleAt(second, first, third);
+  }
+  return null;
+}
+
+const degrees = (angle: number): number => (angle * 180) / Math.PI;
+
+/** "12.3 mm", "47.1°"; empty where nothing is measured. */
+export function formatMeasured(mark: Pick<Mark, "kind" | "points">): string {
+  const value = measured(mark);
+  if (value === null) {
+    return "";
+  }
+  return mark.kind === "angle" ? `${degrees(value).toFixed(1)}°` : `${value.toFixed(1)} mm`;
+}
+
+/**
+ * A table of marks for a spreadsheet (RFC 4180): a line each, lengths in mm, angles in degrees; places along the
+ * scan's own axes where the sides of the body are not known.
+ */
+export function marksTable(marks: readonly Mark[], known: boolean): string {
+  const axes = known ? ["L", "P", "S"] : ["x", "y", "z"];
+  const head = ["name", "kind", "value", "unit", ...[1, 2, 3].flatMap((i) => axes.map((axis) => `${axis}${String(i)} (mm)`))];
+  const rows = marks.map((mark) => {
+    const value = measured(mark);
+    const number = value === null ? "" : (mark.kind === "angle" ? degrees(value) : value).toFixed(2);
+    const unit = value === null ? "" : mark.kind === "angle" ? "deg" : "mm";
+    const places = [0, 1, 2].flatMap((i) => mark.points[i]?.map((c) => c.toFixed(2)) ?? ["", "", ""]);
+    return [mark.name, mark.kind, number, unit, ...places];
+  });
+  return [head, ...rows].map((row) => `${row.map(cell).join(",")}\r\n`).join("");
+}
+
+function cell(text: string): string {
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
+/** Marks that were kept, without what is none: files and storage may hold anything. */
+export function saneMarks(given: unknown): readonly Mark[] {
+  return Array.isArray(given) ? given.flatMap((each, i) => saneMark(each, i + 1)) : [];
+}
+
+/** Numbers are given anew, so that no two are the same. */
+function saneMark(given: unknown, id: number): readonly Mark[] {
+  if (typeof given !== "object" || given === null) {
+    return [];
+  }
+  const { kind: wanted, name, points, visible } = given as Partial<Record<keyof Mark, unknown>>;
+  const kind = markKinds.find((known) => known === wanted);
+  if (kind === undefined || typeof name !== "string" || !Array.isArray(points) || points.length !== pointsOf[kind] || !points.every(isPoint)) {
+    return [];
+  }
+  return [{ id, kind, name: name.slice(0, longestName), points, visible: visible !== false }];
+}

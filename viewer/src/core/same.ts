@@ -1,4 +1,0 @@
-/** Whether two values of plain data say the same. */
-export function same(a: unknown, b: unknown): boolean {
-  return a === b || JSON.stringify(a) === JSON.stringify(b);
-}

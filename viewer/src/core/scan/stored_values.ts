@@ -1,0 +1,49 @@
+/**
+ * The scan's values as page and GPU hold them: unsigned 16 bit, stored value + 32768.
+ *
+ * x runs fastest, then y, then z. On a little-endian machine the same bytes serve as R16
+ * texels and as RG8 texels (red the low byte, green the high one).
+ */
+import type { Vec3 } from "../geometry/vector";
+
+/** Added to a signed stored value. */
+export const bias = 32768;
+
+/** Largest biased value; a texture gives `biased / 65535`. */
+export const largest = 65535;
+
+/** How physical values come from stored ones: value = slope · stored + intercept. */
+export interface Rescale {
+  readonly slope: number;
+  readonly intercept: number;
+}
+
+export interface StoredVolume {
+  readonly dimensions: Vec3;
+  /** Biased values, shape [z, y, x]. */
+  readonly values: Uint16Array;
+}
+
+/** Turns signed 16-bit values into biased ones in place, whole or in part. */
+export function biasInPlace(values: Uint16Array): void {
+  for (let i = 0; i < values.length; ++i) {
+    values[i] = (values[i] ?? 0) ^ bias;
+  }
+}
+
+/** Physical value of a biased one. */
+export function physical(biased: number, { slope, intercept }: Rescale): number {
+  return slope * (biased - bias) + intercept;
+}
+
+/** Biased value (a real number) of a physical one. */
+export function biasedOf(value: number, { slope, intercept }: Rescale): number {
+  return (value - intercept) / slope + bias;
+}
+
+/** A physical range as a rising biased range, also where the slope is negative. */
+export function biasedRange(low: number, high: number, rescale: Rescale): readonly [number, number] {
+  const a = biasedOf(low, rescale);
+  const b = biasedOf(high, rescale);
+  return a <= b ? [a, b] : [b, a];
+}

@@ -1,0 +1,118 @@
+/**
+ * Constants of tissue as a person reads and types them: names, units, what is allowed, and why
+ * something else is refused.
+ */
+import type { Constants } from "../protocol";
+
+/** How one constant is written. */
+export interface WrittenConstant {
+  readonly key: keyof Constants;
+  readonly label: string;
+  /** What it stands for. */
+  readonly title: string;
+  /** "" for a number without one. */
+  readonly unit: string;
+  /** One of this unit in that of `Constants`. */
+  readonly scale: number;
+  /** What may be typed [unit]; the engine's own bounds are as wide or wider. */
+  readonly min: number;
+  readonly max: number;
+  /** What a field without a number means; null where there must be one. */
+  readonly none: string | null;
+}
+
+export const writtenConstants: readonly WrittenConstant[] = [
+  {
+    key: "young",
+    label: "Modulus E",
+    title: "Young's modulus: how stiff it is against pulling",
+    unit: "kPa",
+    scale: 1000,
+    min: 0.001,
+    max: 2e9,
+    none: null,
+  },
+  {
+    key: "poisson",
+    label: "Poisson's ν",
+    title: "Poisson's ratio: how much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes 0.25 to 0.45, and the nearest of these beyond; particles have that of their lattice",
+    unit: "",
+    scale: 1,
+    min: -0.99,
+    max: 0.499,
+    none: null,
+  },
+  {
+    key: "density",
+    label: "Density ρ",
+    title: "Mass by volume: kept with the material. No model reads it: matter is brought to rest, where mass counts for nothing",
+    unit: "g/cm³",
+    scale: 1000,
+    min: 0.0001,
+    max: 23,
+    none: null,
+  },
+  {
+    key: "breaking_strain",
+    label: "Breaks at",
+    title: "Breaking strain: how much longer than at first a bond of the lattice becomes before it breaks; without a number none does",
+    unit: "%",
+    scale: 0.01,
+    min: 0.1,
+    max: 10_000,
+    none: "never",
+  },
+  {
+    key: "friction",
+    label: "Friction",
+    title: "How much of the pressing force holds a tool back sideways, four fifths of it where the tool slides; more than 200 % counts as that. A segment's own friction, under Segments, goes before it",
+    unit: "%",
+    scale: 0.01,
+    min: 0,
+    max: 1000,
+    none: null,
+  },
+];
+
+/** What a segment begins with that was rigid and gets constants of a person's own: as soft as muscle. */
+export const customTissue: Constants = { young: 12_000, poisson: 0.45, density: 1050, breaking_strain: null, friction: 0.2 };
+
+/** The number of a constant in its unit, as text; "" where it has none. */
+export function written({ key, scale }: WrittenConstant, constants: Constants): string {
+  const value = constants[key];
+  return value === null ? "" : plain(value / scale);
+}
+
+/** What was typed for a constant: the constants with it, or why it is refused. */
+export function typed(constant: WrittenConstant, text: string, constants: Constants): { readonly constants: Constants } | { readonly refused: string } {
+  const { key, label, unit, scale, min, max, none } = constant;
+  const value = Number(text.trim() === "" ? NaN : text);
+  if (text.trim() === "" && none !== null) {
+    return { constants: { ...constants, [key]: null } };
+  }
+  if (value >= min && value <= max) {
+    // 34 % is 0.34 and not 0.34 and a little
+    return { constants: { ...constants, [key]: Number((value * scale).toPrecision(12)) } };
+  }
+  const given = text.trim() === "" ? "no number" : text.trim();
+  const allowed = `${grouped(min)} to ${grouped(max)}${unit === "" ? "" : ` ${unit}`}`;
+  return { refused: `${label}: ${given} given; allowed: ${allowed}${none === null ? "" : `, nothing for ${none}`}` };
+}
+
+/** "1.06 g/cm³", "0.45", "never" */
+export function described(constant: WrittenConstant, constants: Constants): string {
+  const text = written(constant, constants);
+  return text === "" ? (constant.none ?? "") : `${grouped(Number(text))}${constant.unit === "" ? "" : ` ${constant.unit}`}`;
+}
+
+/** With six digits at most, and no exponent. */
+function plain(value: number): string {
+  const rounded = Number(value.toPrecision(6));
+  return Math.abs(rounded) < 1e-6 ? rounded.toFixed(9).replace(/\.?0+$/, "") : rounded.toString();
+}
+
+/** Thin spaces between groups of three digits before the point. */
+function grouped(value: number): string {
+  const [whole = "", rest] = plain(value).split(".");
+  return [whole.replace(/\B(?=(\d{3})+$)/g, "\u2009"), ...(rest === undefined ? [] : [rest])].join(".");
+}

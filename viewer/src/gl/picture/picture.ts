@@ -1,0 +1,451 @@
+/**
+ * The 3-D picture: scan and markers on one canvas, for one eye or for two. Nothing is drawn unless
+ * something has changed; the engine's rates never depend on it.
+ */
+import * as THREE from "three";
+import type { BrickRanges } from "../../core/scan/bricks";
+import type { Camera, Extent } from "../../core/geometry/camera";
+import type { Plane } from "../../core/view/clip";
+import type { Displacements } from "../../core/scan/displacements";
+import type { Appearance } from "../../core/appearance/appearance";
+import { isGrey } from "../../core/appearance/optics";
+import type { Rect } from "../../core/view/picture_layout";
+import { firstQuality, restingPictures, type QualityChoice } from "../../core/view/quality";
+import type { MovedPose, Segment } from "../../core/protocol";
+import type { ScanVolume } from "../../core/scan/scan_volume";
+import { drawnFromVoxels, type InsideModes } from "../../core/segments/shown_segments";
+import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../../core/view/stereo";
+import type { SurfaceChange } from "../../core/surfaces/surface_patches";
+import type { Vec3 } from "../../core/geometry/vector";
+import type { Box, LabelVolume } from "../../core/scan/voxel_change";
+import { Compositor } from "./compositor";
+import { DrawnScan } from "../textures/drawn_scan";
+import { DrawnScreen } from "./drawn_screen";
+import { fieldFormatFor, type FieldFormat } from "../textures/field_texture";
+import { GpuClock } from "../base/gpu_clock";
+import type { GpuSupport } from "../base/gpu_support";
+import { LabelTexture } from "../textures/label_texture";
+import { labelColours } from "../textures/lookup_textures";
+import type { MarkerState } from "../markers/markers";
+import { RayMarcher } from "../march/ray_marcher";
+import { Refiner, type Shown } from "./refiner";
+import { sameInView, type ShownSecond } from "../textures/second_texture";
+import { Snapshot, type SnapshotWish } from "./snapshot";
+import { Slices, type ShownSlice, type SliceLook } from "./slices";
+import { Surfaces } from "../surfaces/surfaces";
+import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
+import { ViewPane } from "./view_pane";
+
+/** Cells along the scan's longest edge in which its light is worked out. */
+const lightCells = { gpu: 128, software: 64 } as const;
+
+export interface PictureOptions {
+  readonly support: GpuSupport;
+  /** Device pixels per CSS pixel, at most. */
+  readonly mostPixelRatio: number;
+  /** Another format for the scan's values than the GPU's best. */
+  readonly format?: FieldFormat;
+}
+
+export class Picture {
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly marcher: RayMarcher;
+  private readonly compositor = new Compositor();
+  private readonly surfaces: Surfaces;
+  private readonly refiner: Refiner;
+  private readonly pane: ViewPane;
+  private readonly slices: Slices;
+  private readonly screen: DrawnScreen;
+  private readonly support: GpuSupport;
+  /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
+  suspended = false;
+  private readonly scan: DrawnScan;
+  /** The GPU has the programs for a first picture, or cannot have them before it. */
+  private prepared = false;
+  private quality: QualityChoice;
+  private gives = false;
+  /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
+  private begun = false;
+  private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
+  /** A snapshot is drawn: the screen waits. */
+  private snapping = false;
+  private readonly closing = new AbortController();
+  private labels: LabelTexture | null = null;
+  private second: ShownSecond | null = null;
+  private colours: THREE.DataTexture | null = null;
+
+  constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
+    const { support } = options;
+    this.support = support;
+    this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
+    this.marcher = new RayMarcher({ software: support.software, lightCells: support.software ? lightCells.software : lightCells.gpu });
+    this.slices = new Slices(this.marcher);
+    this.renderer = new THREE.WebGLRenderer({
+      canvas,
+      // smooth edges of the markers; the scan's own are smoothed by averaging
+      antialias: !support.software,
+      alpha: false,
+      stencil: false,
+      powerPreference: "high-performance",
+      // where the CPU draws, only what has changed around the markers is drawn again
+      preserveDrawingBuffer: support.software,
+    });
+    this.renderer.autoClear = false;
+    this.renderer.outputColorSpace = THREE.SRGBColorSpace;
+    this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
+    this.quality = firstQuality(support.software);
+    const means = { software: support.software, halfFloat: support.halfFloatTarget };
+    this.refiner = new Refiner(
+      this.renderer,
+      new GpuClock(this.gl),
+      this.marcher,
+      this.surfaces,
+      means,
+      (eye) => {
+        this.aimEye(eye);
+      },
+      () => this.begun && !this.suspended && !this.snapping,
+    );
+    this.setQuality(this.quality);
+    this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
+    this.screen = new DrawnScreen(this.renderer, this.pane, this.slices, support.software, options.mostPixelRatio);
+    const programs = [this.refiner.prepare(this.scan.format), this.compositor.prepare(this.renderer)];
+    void Promise.allSettled(programs).then(() => {
+      this.prepared = true;
+    });
+  }
+
+  get isPrepared(): boolean {
+    return this.prepared;
+  }
+
+  /** Share of the scan that is on the GPU. */
+  get uploaded(): number {
+    return this.scan.uploaded;
+  }
+
+  /** Planes that are drawn with their own values; in others something stands in for them. */
+  get arrived(): number {
+    return this.scan.arrived;
+  }
+
+  /** A picture of the scan, with all of the values that were given, is on the screen. */
+  get hasPicture(): boolean {
+    return !this.scan.isComing && this.scan.ready && this.refiner.drawnPieces > 0;
+  }
+
+  /** With what the picture on display was drawn, and whether it is final. */
+  get shown(): Shown & { readonly finished: boolean } {
+    const whole = this.begun && !this.scan.isComing && !this.screen.stale && !this.slices.isStale && !this.marcher.second.isAwaited;
+    return { ...this.refiner.shown, finished: this.refiner.finished && whole };
+  }
+
+  /** How fine pictures are at rest, those that are saved too, and how long they may take while the view moves. */
+  setQuality(quality: QualityChoice): void {
+    this.quality = quality;
+    this.refiner.setQuality(restingPictures[quality.quality], quality.frameBudget);
+  }
+
+  set jitter(on: boolean) {
+    if (on !== this.refiner.jitter) {
+      this.refiner.jitter = on;
+      this.refiner.restart();
+    }
+  }
+
+  /** Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU. */
+  setScan(volume: ScanVolume, bricks: BrickRanges): void {
+    if (volume.frame === this.scan.frame) {
+      this.scan.bring(volume, bricks, volume.dimensions[2]);
+      return;
+    }
+    const field = this.scan.begin(volume);
+    this.refiner.recount();
+    this.marcher.setField(field, bricks);
+    this.slices.follow(volume.frame);
+    this.surfaces.setFrame(volume.frame);
+    this.refiner.restart();
+  }
+
+  /**
+   * Shows more finely what is drawn of a scan; nothing else is drawn by that.
+   *
+   * @param volume the same object each time, with more values.
+   * @param bricks ranges that cover all of them.
+   * @param arrived planes, from the first on, that have their own values; what stands in for others does not change.
+   */
+  refineScan(volume: ScanVolume, bricks: BrickRanges, arrived: number): void {
+    if (volume.frame === this.scan.frame) {
+      this.scan.bring(volume, bricks, arrived);
+    }
+  }
+
+  setLook(look: Appearance): void {
+    this.marcher.setLook(look);
+    this.compositor.bendsHighlights = !isGrey(look.optics.blend);
+    this.refiner.restart();
+  }
+
+  /** Segments that are no threshold; null where there are none. */
+  setLabels(volume: LabelVolume | null): void {
+    this.labels?.dispose();
+    this.labels = volume === null ? null : new LabelTexture(volume);
+    this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
+    this.slices.follow(this.scan.frame);
+    this.refiner.restart();
+  }
+
+  /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
+  setSecond(shown: ShownSecond | null): void {
+    this.marcher.setSecond(shown);
+    this.slices.follow(this.scan.frame);
+    if (!sameInView(shown, this.second)) {
+      this.refiner.restart();
+    }
+    this.second = shown;
+  }
+
+  /** How segments are shown, from their voxels and as surfaces. */
+  setSegments(segments: readonly Segment[], modes: InsideModes = {}): void {
+    this.colours?.dispose();
+    this.colours = labelColours(segments, drawnFromVoxels, modes);
+    this.marcher.setLabelColours(this.colours);
+    this.surfaces.setSegments(segments, modes);
+    this.slices.setSegments(segments);
+    this.refiner.restart();
+  }
+
+  /** Values, labels or both have changed in a box of the arrays that this picture was given. */
+  changeVoxels(box: Box, what: { readonly values: boolean; readonly labels: boolean }): void {
+    if (what.values) {
+      this.scan.uploadBox(this.renderer, box);
+    }
+    if (what.labels) {
+      this.labels?.uploadBox(this.renderer, box);
+    }
+    if (this.scan.isComing) {
+      // it is drawn with the scan that comes
+      return;
+    }
+    this.marcher.changeVoxels(box, this.renderer);
+    this.slices.changed();
+    this.refiner.restart();
+  }
+
+  /** Exchanges patches of surfaces. */
+  changeSurfaces(changes: readonly SurfaceChange[]): void {
+    this.surfaces.apply(this.renderer, changes);
+    this.refiner.restart();
+  }
+
+  /** Whether a model of deformation is at work: only then tissue can be displaced. */
+  setGives(gives: boolean): void {
+    if (gives !== this.gives) {
+      this.gives = gives;
+      this.marcher.setGives(gives);
+      this.slices.follow(this.scan.frame);
+      this.refiner.restart();
+    }
+  }
+
+  /** Displacements of tissue from its voxels; null where there are none. */
+  setDisplaced(displaced: Displacements | null): void {
+    this.marcher.setDisplaced(displaced);
+    this.slices.changed();
+    this.refiner.restart();
+  }
+
+  /** Where moved segments stand now. */
+  setPoses(poses: readonly MovedPose[]): void {
+    if (this.surfaces.setPoses(poses)) {
+      this.refiner.restart();
+    }
+  }
+
+  setCamera(camera: Camera, extent: Extent): void {
+    this.view = { camera, extent };
+    this.refiner.restart();
+  }
+
+  /** Cuts away what lies before planes of the scene. */
+  setClip(planes: readonly Plane[]): void {
+    this.marcher.setClip(planes);
+    this.surfaces.setClip(planes);
+    this.refiner.restart();
+  }
+
+  /** Points of each mark that is shown, in their order; scene [mm]. */
+  setMarks(lines: readonly (readonly Vec3[])[]): void {
+    this.pane.setMarks(lines);
+  }
+
+  setMarkers(state: MarkerState): void {
+    this.pane.setMarkers(state);
+  }
+
+  /** Which slices are seen beside the 3-D view. */
+  setSlices(shown: readonly ShownSlice[]): void {
+    if (this.slices.show(shown)) {
+      this.screen.stale = true;
+    }
+  }
+
+  setSliceLook(look: SliceLook): void {
+    this.slices.setLook(look);
+  }
+
+  /** One picture, or one for each eye; followed by `resize`. */
+  setStereo(stereo: Stereo): void {
+    if (stereo !== this.pane.stereo) {
+      this.pane.setStereo(stereo);
+      this.refiner.eyes = eyesOf(stereo, this.pane.rect).length;
+    }
+  }
+
+  /** Follows the size of the canvas on the page and the place of the 3-D view on it [CSS pixels]. */
+  resize(width: number, height: number, pane: Rect = { x: 0, y: 0, width, height }): void {
+    const ratio = this.screen.resize({ width, height }, pane);
+    const drawn = eyesOf(this.pane.stereo, pane)[0]?.rect ?? pane;
+    this.refiner.resize(Math.floor(drawn.width * ratio), Math.floor(drawn.height * ratio));
+  }
+
+  /** Does the work of one frame; `now` [ms]. */
+  advance(now: number): void {
+    this.upload();
+    if (!this.scan.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
+      return;
+    }
+    if (this.scan.comesWhole && !this.refiner.isStale) {
+      // all of the scan is drawn soon: what is on display stays until then, however fine it could be
+      return;
+    }
+    if (this.marcher.second.isAwaited) {
+      if (this.marcher.uploadSecond(this.renderer)) {
+        this.slices.follow(this.scan.frame);
+        this.refiner.restart();
+      }
+      return;
+    }
+    const drawn = this.refiner.advance(now);
+    this.screen.fit(this.refiner.shown.divisor);
+    if (this.begun) {
+      this.screen.draw(drawn, () => (this.surfaces.stray ? null : this.marcher.outline));
+    } else {
+      this.begin(drawn);
+    }
+  }
+
+  /**
+   * Draws a view of the scan and its surfaces into a canvas, for one eye or for two; the screen stays as it is meanwhile.
+   *
+   * @throws where there is no picture yet, a snapshot is drawn already or the wish is aborted.
+   */
+  async snapshot(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
+    if (!this.scan.ready || this.view === null || this.snapping) {
+      throw new Error("the picture is not ready");
+    }
+    const { software, halfFloatTarget: halfFloat } = this.support;
+    const { camera, size, stereo } = wish;
+    const quality = { ...restingPictures[this.quality.quality], software, halfFloat };
+    const { extent } = this.view;
+    const eyes = eyesOf(stereo, size);
+    const seen = viewportOf(stereo, size);
+    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, quality, (eye) => {
+      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height, eye);
+    });
+    this.snapping = true;
+    try {
+      await this.refiner.complete();
+      await snapshot.draw(context, { ...wish, signal: AbortSignal.any([wish.signal, this.closing.signal]) });
+    } finally {
+      snapshot.dispose();
+      this.snapping = false;
+      this.screen.stale = true;
+      this.refiner.restart();
+    }
+  }
+
+  /** Pictures and strips that the GPU has drawn to the end. */
+  get pieces(): number {
+    return this.refiner.drawnPieces;
+  }
+
+  /** Draws the view once, away from the screen; null before there is one. */
+  drawTimed(wish: TimedWish): TimedPicture | null {
+    if (!this.scan.ready || this.view === null) {
+      return null;
+    }
+    this.aim(this.view.camera, this.view.extent, wish.width / wish.height);
+    const drawn = drawTimed(this.renderer, this.marcher, this.surfaces, wish);
+    this.refiner.restart();
+    return drawn;
+  }
+
+  dispose(): void {
+    this.closing.abort(new Error("the graphics were reset"));
+    this.refiner.dispose();
+    this.marcher.dispose();
+    this.surfaces.dispose();
+    this.slices.dispose();
+    this.compositor.dispose();
+    this.pane.dispose();
+    this.scan.dispose();
+    this.labels?.dispose();
+    this.colours?.dispose();
+    this.renderer.dispose();
+  }
+
+  /** Sends the next values to the GPU, and draws what has come there from now on. */
+  private upload(): void {
+    const taken = this.snapping ? null : this.scan.upload(this.renderer);
+    if (taken === null) {
+      return;
+    }
+    if (taken.isNew) {
+      this.marcher.setField(taken.field, taken.bricks);
+    } else {
+      this.marcher.setBricks(taken.bricks);
+    }
+    this.slices.changed();
+    if (taken.isWhole) {
+      this.marcher.light.changed();
+      this.refiner.recount();
+      this.refiner.restart();
+    } else {
+      this.refiner.renew();
+    }
+  }
+
+  /** Turns to what an eye sees: picture and markers change their view in the same frame. */
+  private aimEye(eye: number): void {
+    const { rect, stereo } = this.pane;
+    const place = eyesOf(stereo, rect)[eye];
+    if (this.view !== null && place !== undefined) {
+      const { camera, extent } = this.view;
+      const { width, height } = viewportOf(stereo, rect);
+      this.pane.shownCamera = camera;
+      this.aim(eyeCamera(camera, place.aside), extent, width / height, eye);
+    }
+  }
+
+  /** Takes ray caster, surfaces and markers to a view. */
+  private aim(camera: Camera, extent: Extent, aspect: number, eye = 0): void {
+    const drawn = this.pane.cameraOf(eye);
+    this.marcher.setCamera(camera, extent, aspect);
+    drawn.update(camera, extent, aspect);
+    this.surfaces.setCamera(camera, drawn.camera);
+  }
+
+  private get gl(): WebGL2RenderingContext {
+    return this.renderer.getContext() as WebGL2RenderingContext;
+  }
+
+  /** Draws the picture of the scan alone; once it stands all else follows. */
+  private begin(drawn: boolean): void {
+    if (drawn) {
+      this.screen.drawPicture();
+    }
+    this.begun = this.refiner.drawnPieces > 0;
+    this.screen.stale = this.begun;
+  }
+}

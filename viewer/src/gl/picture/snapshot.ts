@@ -1,0 +1,179 @@
+/**
+ * Draws a view as a picture of any size, tile by tile, so that neither the GPU's textures nor the time
+ * of a frame limits it, for one eye or for two. Nothing in it is random, and steps and passes go by the quality alone:
+ * what a GPU draws differs from what a CPU draws only by its rounding and by the cells in which light is worked out.
+ */
+import * as THREE from "three";
+import type { Camera, Viewport } from "../../core/geometry/camera";
+import { halton } from "../../core/view/halton";
+import { tilesOf, type Tile } from "../../core/view/image_size";
+import type { Rect } from "../../core/view/picture_layout";
+import type { RestingPicture } from "../../core/view/quality";
+import { eyesOf, type Stereo } from "../../core/view/stereo";
+import { Anaglyph } from "./anaglyph";
+import type { Compositor } from "./compositor";
+import { GpuClock } from "../base/gpu_clock";
+import { PictureTarget } from "./picture_target";
+import type { RayMarcher, Shift } from "../march/ray_marcher";
+import { mostLayers } from "../surfaces/surface_layers";
+import type { Surfaces } from "../surfaces/surfaces";
+
+export interface SnapshotWish {
+  /** As seen from between the eyes. */
+  readonly camera: Camera;
+  /** Whether it is a picture for each eye, and where they go. */
+  readonly stereo: Stereo;
+  /** Of the whole picture [pixels]. */
+  readonly size: Viewport;
+  /** Without the page's background. */
+  readonly transparent: boolean;
+  readonly signal: AbortSignal;
+  /** Told the share that is done, 0..1. */
+  readonly progress?: (share: number) => void;
+}
+
+/** A tile of what one eye sees, or two whose pictures are mixed. */
+interface Part {
+  readonly tile: Tile;
+  readonly eyes: readonly number[];
+  /** Where their whole picture goes [pixels from the upper left]. */
+  readonly rect: Rect;
+}
+
+/** How fine a picture is, and what draws it. */
+interface SnapshotQuality extends RestingPicture {
+  readonly software: boolean;
+  /** Without it an average would be one of rounded bytes: there is one pass then. */
+  readonly halfFloat: boolean;
+}
+
+/** Edge of a tile [pixels]: the page stays fluent between tiles. No pixel depends on it. */
+const tileEdge = { gpu: 512, software: 192 } as const;
+
+/** Layers of the light volume that are worked out at once. */
+const lightLayers = 8;
+
+export class Snapshot {
+  private readonly drawn: PictureTarget;
+  private readonly shown = new THREE.WebGLRenderTarget(1, 1, { generateMipmaps: false });
+  private readonly anaglyph = new Anaglyph();
+  private readonly clock: GpuClock;
+
+  /** @param aim turns ray caster and surfaces to what an eye sees. */
+  constructor(
+    private readonly renderer: THREE.WebGLRenderer,
+    private readonly marcher: RayMarcher,
+    private readonly surfaces: Surfaces,
+    private readonly compositor: Compositor,
+    private readonly quality: SnapshotQuality,
+    private readonly aim: (eye: number) => void,
+  ) {
+    this.drawn = new PictureTarget(quality.halfFloat);
+    this.clock = new GpuClock(renderer.getContext() as WebGL2RenderingContext);
+  }
+
+  /**
+   * Draws the view of the ray caster and of the surfaces into a canvas of that size.
+   *
+   * @throws the signal's reason where it is aborted.
+   */
+  async draw(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
+    const { signal, progress } = wish;
+    const parts = partsOf(wish, this.quality.software ? tileEdge.software : tileEdge.gpu);
+    this.aim(0);
+    while (this.marcher.light.pending) {
+      signal.throwIfAborted();
+      this.marcher.light.advance(this.renderer, lightLayers);
+      await new Promise((resolve) => setTimeout(resolve));
+    }
+    for (const [i, part] of parts.entries()) {
+      signal.throwIfAborted();
+      await this.drawPart(part, wish);
+      const { tile, rect } = part;
+      context.putImageData(this.read(tile), rect.x + tile.x, rect.y + rect.height - tile.y - tile.height);
+      progress?.((i + 1) / parts.length);
+    }
+    signal.throwIfAborted();
+  }
+
+  dispose(): void {
+    this.clock.forget();
+    this.drawn.dispose();
+    this.shown.dispose();
+    this.anaglyph.dispose();
+  }
+
+  private async drawPart({ tile, eyes, rect }: Part, { signal, transparent }: SnapshotWish): Promise<void> {
+    const { anaglyph, drawn, renderer, shown } = this;
+    const { width, height } = tile;
+    if (drawn.target.width !== width || drawn.target.height !== height) {
+      drawn.resize(width, height);
+      shown.setSize(width, height);
+    }
+    drawn.tile = { width: rect.width, height: rect.height, x: tile.x, y: tile.y };
+    if (eyes.length > 1) {
+      anaglyph.resize(width, height);
+    }
+    for (const eye of eyes) {
+      this.aim(eye);
+      await this.drawTile(tile, signal);
+      const into = eyes.length > 1 ? anaglyph.eyes[eye === 0 ? 0 : 1] : shown;
+      this.compositor.draw(renderer, drawn, { into, pane: { corner: [0, 0], size: [drawn.target.width, drawn.target.height] }, transparent });
+    }
+    if (eyes.length > 1) {
+      anaglyph.draw(renderer, [0, 0], shown);
+    }
+  }
+
+  /** @throws the signal's reason where it is aborted. */
+  private async drawTile(tile: Tile, signal: AbortSignal): Promise<void> {
+    const { halfFloat, passes, software, stepsPerVoxel } = this.quality;
+    const averaged = halfFloat ? passes : 1;
+    const { drawn, marcher, renderer, surfaces } = this;
+    drawn.useLevel(1);
+    drawn.useRows(0, tile.height);
+    for (let count = 1; count <= averaged; ++count) {
+      if (count > 1 && software) {
+        // all passes at once would hold the page up
+        await this.done(signal);
+      }
+      const shift: Shift = averaged === 1 ? [0, 0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5, 0];
+      surfaces.draw(renderer, drawn, { divisor: 1, stepsPerVoxel, shift, depth: mostLayers, detail: "all" });
+      marcher.blend = count === 1 ? null : 1 / count;
+      marcher.draw(renderer, drawn, { stepsPerVoxel, jitter: false }, shift);
+      marcher.blend = null;
+    }
+    await this.done(signal);
+  }
+
+  /**
+   * Waits, while the page stays fluent, until the GPU has drawn what it was given.
+   *
+   * @throws the signal's reason where it is aborted.
+   */
+  private async done(signal: AbortSignal): Promise<void> {
+    await new Promise<void>((resolve) => {
+      signal.addEventListener("abort", () => { resolve(); }, { once: true });
+      this.clock.start(() => { resolve(); });
+    });
+    signal.throwIfAborted();
+  }
+
+  /** The tile as a canvas takes it: rows from the top, colours not multiplied by opacity. */
+  private read({ width, height }: Tile): ImageData {
+    const bytes = new Uint8Array(4 * width * height);
+    this.renderer.readRenderTargetPixels(this.shown, 0, 0, width, height, bytes);
+    const image = new ImageData(width, height);
+    for (let y = 0; y < height; ++y) {
+      image.data.set(bytes.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)), 4 * width * y);
+    }
+    return image;
+  }
+}
+
+/** Pictures that are mixed are drawn tile by tile, the others one after the other. */
+function partsOf({ size, stereo }: SnapshotWish, edge: number): readonly Part[] {
+  const eyes = eyesOf(stereo, size).map(({ rect }, eye) => ({ rect, eyes: [eye] }));
+  const pictures = stereo.mode === "anaglyph" ? eyes.slice(0, 1).map(({ rect }) => ({ rect, eyes: [0, 1] })) : eyes;
+  return pictures.flatMap((picture) => tilesOf(picture.rect, edge).map((tile) => ({ ...picture, tile })));
+}

@@ -1,0 +1,62 @@
+/** Has the engine write segments or scan for other programs, and the browser keep the file. */
+import { fetchFile } from "../../state/download";
+import { recall, remember } from "../../state/remembered";
+import type { Session } from "../../state/session.svelte";
+
+export const formats = [
+  { name: "slicer", label: "Segments for 3D Slicer", kind: "seg-nrrd", says: "A .seg.nrrd with names, colours, codes and overlaps." },
+  { name: "labels", label: "Segments as NIfTI labels", kind: "labels", says: "A zip with the label map and a table of names." },
+  { name: "scan", label: "Scan with edits, NIfTI", kind: "scan", says: "The values as the tools have left them." },
+  {
+    name: "share",
+    label: "DICOM, to share",
+    kind: "dicom",
+    says: "A zip with scan, SEG and RTSTRUCT, de-identified together: their references hold.",
+  },
+  { name: "seg", label: "DICOM SEG, for the archive", kind: "dicom-seg", says: "Names the patient, and refers to the scan in the archive." },
+  {
+    name: "labelmap",
+    label: "DICOM label map, for the archive",
+    kind: "dicom-labelmap",
+    says: "Names the patient; segments may not overlap.",
+  },
+  { name: "rtstruct", label: "RTSTRUCT, for the archive", kind: "rtstruct", says: "Outlines in each slice; names the patient." },
+] as const;
+
+export type Format = (typeof formats)[number];
+
+export class Exporter {
+  busy = $state.raw(false);
+  private chosen = $state.raw(recall("export", { format: "slicer" }).format);
+  readonly format: Format = $derived(formats.find(({ name }) => name === this.chosen) ?? formats[0]);
+
+  constructor(
+    private readonly session: Session,
+    private readonly token: string,
+  ) {}
+
+  choose(name: string): void {
+    this.chosen = name;
+    remember("export", { format: name });
+  }
+
+  async export(): Promise<void> {
+    if (this.busy) {
+      return;
+    }
+    this.busy = true;
+    const { kind, label } = this.format;
+    try {
+      const headers = await fetchFile("/api/export", this.token, { kind }, "export");
+      const notes = decodeURIComponent(headers.get("x-palpate-notes") ?? "");
+      for (const note of notes.split("\n").filter((line) => line !== "")) {
+        this.session.notify("warning", `${label}: ${note}.`);
+      }
+    } catch (error) {
+      const reason = error instanceof Error ? error.message : String(error);
+      this.session.notify("error", `Nothing was exported: ${reason}`);
+    } finally {
+      this.busy = false;
+    }
+  }
+}

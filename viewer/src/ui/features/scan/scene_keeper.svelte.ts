@@ -1,0 +1,102 @@
+/**
+ * Saves the scene with the view that this page has of it, and takes the view of one that was opened.
+ */
+import { saneCamera } from "../../../core/geometry/camera";
+import type { Scan } from "../../../core/protocol";
+import { isPoint } from "../../../core/geometry/vector";
+import { apiAddress } from "../../../live/connection";
+import { fetchFile } from "../../state/download";
+import { handOver, takeHandover } from "../../state/page_handover";
+import { bring, keptOf, recall, remember } from "../../state/remembered";
+import type { Session } from "../../state/session.svelte";
+import type { Stage } from "../../app/stage.svelte";
+
+export class SceneKeeper {
+  saving = $state.raw(false);
+  /** The scan goes into the file, which then stands alone. */
+  withScan = $state.raw(recall("scene", { withScan: false }).withScan);
+
+  /** What the page before this one had shown when its engine ended; null where there was none. */
+  private passed = takeHandover();
+  /** The view of the opened scene, on its way from the beginning on: a page takes it once. */
+  private asked: Promise<Response> | null;
+
+  constructor(
+    private readonly session: Session,
+    private readonly stage: Stage,
+    private readonly token: string,
+  ) {
+    this.asked = fetch(apiAddress("/api/view", this.token));
+    // who takes it is told
+    this.asked.catch(() => undefined);
+  }
+
+  chooseWithScan(on: boolean): void {
+    this.withScan = on;
+    remember("scene", { withScan: on });
+  }
+
+  /** Has the engine make the scene's file, and the browser keep it. */
+  async save(): Promise<void> {
+    const { scan } = this.session;
+    if (scan === null || this.saving) {
+      return;
+    }
+    this.saving = true;
+    try {
+      const view = this.viewOf(scan);
+      await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
+    } catch (error) {
+      const reason = error instanceof Error ? error.message : String(error);
+      this.session.notify("error", `The scene was not saved: ${reason}`);
+    } finally {
+      this.saving = false;
+    }
+  }
+
+  /** Keeps the view for the page that takes the place of this one once the engine is back. */
+  passOn(): void {
+    const { scan } = this.session;
+    if (scan !== null) {
+      handOver({ scan: JSON.stringify(scan), view: this.viewOf(scan) });
+    }
+  }
+
+  /** Whether this page goes on with a scan that was open when the engine ended. */
+  goesOnWith(scan: Scan | null): boolean {
+    return this.passed !== null && this.passed.scan === JSON.stringify(scan);
+  }
+
+  /** Opens a scan, the first time as the scene that was opened has it, or the page before has shown it. */
+  async open(scan: Scan): Promise<void> {
+    const saved = await this.view();
+    const view = this.goesOnWith(scan) ? { ...this.passed?.view } : saved;
+    bring(scan.name, view["remembered"]);
+    this.stage.second.again();
+    await this.stage.open(scan);
+    const camera = saneCamera(view["camera"]);
+    if (camera !== null) {
+      this.stage.view.camera = camera;
+    }
+    const crosshair = view["crosshair"];
+    if (isPoint(crosshair)) {
+      this.stage.slices.goTo(crosshair);
+    }
+  }
+
+  private viewOf(scan: Scan): Record<string, unknown> {
+    const { slices, view } = this.stage;
+    return { camera: view.camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
+  }
+
+  private async view(): Promise<Record<string, unknown>> {
+    const { asked } = this;
+    if (asked === null) {
+      return {};
+    }
+    this.asked = null;
+    const answer = await asked;
+    const told: unknown = answer.status === 200 ? await answer.json() : {};
+    return typeof told === "object" && told !== null ? { ...told } : {};
+  }
+}

@@ -1,0 +1,201 @@
+/**
+ * Registration in a person's hand: what is chosen, pairs of points that are set by clicks in slices, and
+ * what the engine tells of it. Each registration is one step of the page's undo.
+ */
+import { transformPoint } from "../../../core/geometry/affine";
+import type { Mark } from "../../../core/marks/measure";
+import type { PointPair, Registration, RegistrationKind, RegistrationMetric, RegistrationStart } from "../../../core/protocol";
+import { apart, leastPairs, mostPairs, pairsOfDistances, sanePairs, seenAt } from "../../../core/second/registration";
+import { placeOf } from "../../../core/second/second_scan";
+import type { Vec3 } from "../../../core/geometry/vector";
+import { fetchFile } from "../../state/download";
+import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
+import { recall, remember } from "../../state/remembered";
+import type { SecondControl } from "./second_control.svelte";
+import type { Session } from "../../state/session.svelte";
+
+export interface RegistrationHabits {
+  readonly kind: RegistrationKind;
+  readonly metric: RegistrationMetric;
+  readonly start: RegistrationStart;
+  /** Of the resampled scan's file. */
+  readonly ending: ".nii.gz" | ".nrrd";
+}
+
+const usual: RegistrationHabits = { kind: "rigid", metric: "automatic", start: "as-it-stands", ending: ".nii.gz" };
+
+/** A pair as it stands now [scene mm], and how far its points are apart [mm]. */
+export interface ShownPair {
+  readonly first: Vec3;
+  readonly second: Vec3;
+  readonly apart: number;
+}
+
+const takenBack = { type: "undo_registration" } as const;
+const made = { type: "redo_registration" } as const;
+type Asked = typeof takenBack | typeof made;
+
+export class RegistrationControl implements StepOwner<Asked> {
+  /** As the engine has told; null before it has. */
+  told = $state.raw<Registration | null>(null);
+  habits = $state.raw<RegistrationHabits>(recall("registration", usual));
+  /** A pair whose points are clicked; `first` is set already where it is not null. */
+  placing = $state.raw<{ readonly first: Vec3 | null } | null>(null);
+  saving = $state.raw(false);
+  private pairs = $state.raw<readonly PointPair[]>([]);
+  private pairsOf = "";
+
+  constructor(
+    private readonly session: Session,
+    private readonly second: SecondControl,
+    private readonly outside: { readonly steps: PageSteps; readonly token: string },
+  ) {}
+
+  /** Takes what the engine tells. */
+  take(told: Registration): void {
+    const steps = this.told?.steps ?? 0;
+    // undo and redo are told too, but only a search ends
+    if (this.running && told.doing === null && told.steps > steps) {
+      this.outside.steps.add(this, { name: "registration", before: takenBack, after: made });
+    }
+    this.told = told;
+  }
+
+  /** Takes up what was set for this scan; another one has pairs of its own. */
+  follow(name: string | null): void {
+    if (name !== this.pairsOf) {
+      this.pairsOf = name ?? "";
+      this.pairs = name === null ? [] : sanePairs(recall<{ list: unknown }>(this.key, { list: [] }).list);
+      this.cancel();
+    }
+  }
+
+  get running(): boolean {
+    return (this.told?.doing ?? null) !== null;
+  }
+
+  readonly shownPairs = $derived.by((): readonly ShownPair[] => {
+    const place = this.place;
+    return place === null
+      ? []
+      : this.pairs.map((pair) => ({ first: pair[0], second: seenAt(pair[1], place), apart: apart(pair, place) }));
+  });
+
+  /** Whether all is there that a search needs. */
+  get ready(): boolean {
+    return !this.running && this.second.told !== null && (this.habits.start !== "landmarks" || this.pairs.length >= leastPairs);
+  }
+
+  change(part: Partial<RegistrationHabits>): void {
+    this.habits = { ...this.habits, ...part };
+    remember("registration", this.habits);
+    if (this.habits.start !== "landmarks") {
+      this.cancel();
+    }
+  }
+
+  run(): void {
+    if (this.ready) {
+      this.cancel();
+      const { kind, metric, start } = this.habits;
+      this.session.send({ type: "register", kind, metric, start, pairs: start === "landmarks" ? [...this.pairs] : [] });
+    }
+  }
+
+  stop(): void {
+    this.session.send({ type: "stop_registration" });
+  }
+
+  show(which: "before" | "after"): void {
+    this.session.send({ type: "show_registration", which });
+  }
+
+  undo(): void {
+    this.hold(takenBack);
+  }
+
+  redo(): void {
+    this.hold(made);
+  }
+
+  hold(asked: Asked): void {
+    this.session.send(asked);
+  }
+
+  /** Whether one is made, or taken back: the panel does that too. */
+  stands(asked: Asked): boolean {
+    return (asked === made ? this.told?.steps : this.told?.undone) !== 0;
+  }
+
+  // --- pairs of points ---------------------------------------------------------------------
+
+  /** Waits for a click on a place of the first scan, then on the same of the second. */
+  startPair(): void {
+    if (this.pairs.length < mostPairs) {
+      this.placing = { first: null };
+      this.second.only = "first";
+    }
+  }
+
+  put(point: Vec3): void {
+    const { placing, place } = this;
+    if (placing === null || place === null) {
+      return;
+    }
+    if (placing.first === null) {
+      this.placing = { first: point };
+      this.second.only = "second";
+    } else {
+      this.setPairs([...this.pairs, [placing.first, transformPoint(place, point)]]);
+      // three are needed at least: the next one is asked for at once
+      if (this.pairs.length < leastPairs) this.startPair();
+      else this.cancel();
+    }
+  }
+
+  cancel(): void {
+    this.placing = null;
+    this.second.only = null;
+  }
+
+  remove(index: number): void {
+    this.setPairs(this.pairs.filter((_, i) => i !== index));
+  }
+
+  addDistances(marks: readonly Mark[]): void {
+    const { place } = this;
+    if (place !== null) {
+      this.setPairs([...this.pairs, ...pairsOfDistances(marks, place)].slice(0, mostPairs));
+    }
+  }
+
+  private setPairs(pairs: readonly PointPair[]): void {
+    this.pairs = pairs;
+    remember(this.key, { list: pairs });
+  }
+
+  private get place(): ReturnType<typeof placeOf> {
+    return this.second.told === null ? null : placeOf(this.second.told);
+  }
+
+  private get key(): string {
+    return `landmarks.${this.pairsOf}`;
+  }
+
+  // --- files -------------------------------------------------------------------------------
+
+  /** Has the browser keep the transform as it stands, or the second scan on the first one's grid. */
+  async save(what: "transform" | "scan"): Promise<void> {
+    if (this.saving) {
+      return;
+    }
+    this.saving = true;
+    try {
+      await fetchFile("/api/registration", this.outside.token, { what, ending: this.habits.ending }, what);
+    } catch (error) {
+      this.session.notify("error", `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`);
+    } finally {
+      this.saving = false;
+    }
+  }
+}

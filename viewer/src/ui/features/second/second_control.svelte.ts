@@ -1,0 +1,281 @@
+/**
+ * The second scan on the page: its values, and how a person wants it shown; remembered for the first scan.
+ */
+import { transformPoint } from "../../../core/geometry/affine";
+import { isCurve, transferFunctionOfCurve, type Curve } from "../../../core/appearance/curve";
+import { curveOfPreset, presets } from "../../../core/appearance/curve_presets";
+import { valueInVoxel } from "../../../core/scan/field";
+import { valueAbove } from "../../../core/scan/histogram";
+import { firstChoice, firstTissue, type OpticsChoice } from "../../../core/appearance/optics";
+import type { Scan, SecondScan } from "../../../core/protocol";
+import { frameOf } from "../../../core/scan/scan_volume";
+import { fusions, placeOf, tints, type Fusion, type SecondLook, type Tint } from "../../../core/second/second_scan";
+import { subsamplingStep } from "../../../core/scan/subsampling";
+import { KeepEqual } from "../../../core/base/keep_equal";
+import type { Vec3 } from "../../../core/geometry/vector";
+import { firstWindow, type WindowLevel } from "../../../core/appearance/window_level";
+import type { ShownSecond } from "../../../gl/textures/second_texture";
+import { moveSecond, removeSecond } from "../../../live/second_requests";
+import { downloadVolume, type DownloadedScan } from "../../../live/volume_download";
+import { PageState } from "../../state/page_state.svelte";
+import type { PageSteps } from "../../state/page_steps.svelte";
+import { recall, remember } from "../../state/remembered";
+
+/** What a person chooses. */
+export interface SecondChoice {
+  readonly inView: boolean;
+  readonly inSlices: boolean;
+  /** How view and slices show both. */
+  readonly fusion: Fusion;
+  /** Transfer function of the 3-D view: one by name, or points of its own that began as that. */
+  readonly preset: string;
+  readonly curve: Curve | null;
+  readonly density: number;
+  /** Value of its iso-surface. */
+  readonly iso: number;
+  /** Of the modes that show one value of each ray. */
+  readonly windows: OpticsChoice["windows"];
+  /** Of slices. */
+  readonly window: number;
+  readonly level: number;
+  readonly tint: Tint;
+  readonly opacity: number;
+  readonly square: number;
+}
+
+/** What of it is changed, as a step of undo says it. */
+const partNames: Readonly<Record<keyof SecondChoice, string>> = {
+  inView: "shown in the view",
+  inSlices: "shown in slices",
+  fusion: "fusion",
+  preset: "transfer function",
+  curve: "transfer function",
+  density: "density",
+  iso: "iso-value",
+  windows: "window and level in the view",
+  window: "window",
+  level: "level",
+  tint: "colour",
+  opacity: "opacity",
+  square: "squares",
+};
+
+/** Until the other one of two is seen [ms]. */
+const flickerTime = 700;
+
+/** Values between which a full boundary lies, per mm, as a share of those of tissue and bone. */
+const edgeShare = 0.2;
+
+/** Share of the voxels that may be brighter than the brightest of a preset. */
+const fewVoxels = 2e-4;
+
+interface Outside {
+  readonly steps: PageSteps;
+  readonly token: string;
+  /** Name of the first scan. */
+  readonly first: () => string;
+  /** Largest scan that the GPU takes. */
+  readonly limits: { readonly edge: number; readonly values: number };
+  readonly complain: (text: string) => void;
+}
+
+export class SecondControl {
+  /** As the engine has told; null where there is none. */
+  told = $state.raw<SecondScan | null>(null);
+  /** Share that has arrived; null where all has. */
+  progress = $state.raw<number | null>(null);
+  /** The scan that slices show alone for now; null where they show both as was chosen. */
+  only = $state.raw<SecondLook["turn"] | null>(null);
+  /** The engine is laying it elsewhere. */
+  busy = $state.raw(false);
+  /** How it is shown: each change is a step of undo, a whole drag too; null where there is none. */
+  private readonly state: PageState<SecondChoice | null>;
+  private held = $state.raw<DownloadedScan | null>(null);
+  private turn = $state.raw<SecondLook["turn"]>("second");
+  private timer: ReturnType<typeof setInterval> | null = null;
+  private readonly sameFunction = new KeepEqual<SecondLook["transferFunction"]>();
+
+  constructor(private readonly outside: Outside) {
+    this.state = new PageState<SecondChoice | null>(null, outside.steps, this.keep.bind(this));
+  }
+
+  get choice(): SecondChoice | null {
+    return this.state.now;
+  }
+
+  /** Takes what the engine tells: another scan, another place of it, or none any more. */
+  async take(told: SecondScan): Promise<void> {
+    const before = this.told;
+    const { scan } = told;
+    this.told = scan === null ? null : told;
+    if (scan === null) {
+      this.state.open(null);
+      this.held = null;
+      this.progress = null;
+    } else if (before?.version !== told.version) {
+      await this.open(scan, told.version);
+    }
+    this.follow();
+  }
+
+  /** Points of its transfer function; null before there is one. */
+  readonly curve = $derived.by((): Curve | null => {
+    const { choice, told } = this;
+    const scan = told?.scan ?? null;
+    const preset = presets.find(({ name }) => name === choice?.preset);
+    if (choice === null || scan === null || preset === undefined) {
+      return null;
+    }
+    const anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
+    return choice.curve ?? curveOfPreset(preset, anchors, scan.range[0], valueAbove(scan.histogram, fewVoxels));
+  });
+
+  /** All that is shown of it; null before it is here. */
+  readonly shown = $derived.by((): ShownSecond | null => {
+    const { choice, curve, held, told, turn, only } = this;
+    const place = told === null ? null : placeOf(told);
+    const scan = told?.scan ?? null;
+    if (choice === null || curve === null || held === null || scan === null || place === null) {
+      return null;
+    }
+    const anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
+    const transferFunction = this.sameFunction.of(transferFunctionOfCurve(curve), JSON.stringify(curve));
+    const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
+    const { inView, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
+    const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
+    const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
+    const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
+    return { ...held, place, look: { inView, viewFusion: fusion, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
+  });
+
+  /** Its value at a point of the first scan's scene; null outside of it and before it is here. */
+  valueAt(point: Vec3): number | null {
+    const { shown } = this;
+    return shown && valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)));
+  }
+
+  /** Lays it where a transform's file says; null: as its own file does. */
+  async moveBy(transform: File | null): Promise<void> {
+    await this.ask(moveSecond(this.outside.token, transform));
+  }
+
+  async remove(): Promise<void> {
+    await this.ask(removeSecond(this.outside.token));
+  }
+
+  /** Shows it otherwise; numbers and windows have sliders. */
+  change(part: Partial<SecondChoice>): void {
+    const keys = Object.keys(part) as (keyof SecondChoice)[];
+    const slides = Object.values(part).every((value) => typeof value === "number" || typeof value === "object");
+    this.set(part, keys.map((key) => partNames[key]).join(", "), slides);
+  }
+
+  /** The transfer function of this name, without changes. */
+  usePreset(preset: string): void {
+    this.set({ preset, curve: null }, "transfer function", false);
+  }
+
+  /** Other points of its transfer function; while they are dragged all are one step of undo. */
+  drawPoints(curve: Curve, live: boolean): void {
+    this.set({ curve }, "transfer function", live);
+  }
+
+  /** Shows it as was remembered meanwhile. */
+  again(): void {
+    const scan = this.told?.scan ?? null;
+    if (scan !== null) {
+      this.state.open(choiceFor(scan, this.outside.first()));
+      this.follow();
+    }
+  }
+
+  private set(part: Partial<SecondChoice>, name: string, slides: boolean): void {
+    if (this.choice !== null) {
+      this.state.change(`second scan, ${name}`, { ...this.choice, ...part }, slides);
+    }
+  }
+
+  private keep(choice: SecondChoice | null): void {
+    const scan = this.told?.scan ?? null;
+    if (choice !== null && scan !== null) {
+      remember(`second.${this.outside.first()}`, { ...choice, of: scan.name });
+      this.follow();
+    }
+  }
+
+  private async ask(answer: Promise<void>): Promise<void> {
+    this.busy = true;
+    try {
+      await answer;
+    } catch (error) {
+      this.outside.complain(error instanceof Error ? error.message : String(error));
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  private async open(scan: Scan, version: number): Promise<void> {
+    const frame = frameOf(scan);
+    this.state.open(choiceFor(scan, this.outside.first()));
+    this.held = null;
+    this.progress = 0;
+    const still = (): boolean => this.told?.version === version;
+    try {
+      const step = subsamplingStep(frame.dimensions, this.outside.limits);
+      const held = await downloadVolume(frame, step, this.outside.token, {
+        path: "/api/second",
+        progress: (share) => {
+          this.progress = still() ? share : this.progress;
+        },
+      });
+      this.held = still() ? held : this.held;
+    } catch (error) {
+      if (still()) {
+        this.outside.complain(`The second scan did not arrive: ${error instanceof Error ? error.message : String(error)}`);
+      }
+    }
+    this.progress = still() ? null : this.progress;
+  }
+
+  /** Lets two scans take turns where they are to. */
+  private follow(): void {
+    const { choice } = this;
+    const isSeen = choice !== null && (choice.inSlices || choice.inView);
+    const flickers = this.told !== null && isSeen && choice.fusion === "flicker";
+    if (flickers && this.timer === null) {
+      this.timer = setInterval(() => {
+        this.turn = this.turn === "second" ? "first" : "second";
+      }, flickerTime);
+    } else if (!flickers && this.timer !== null) {
+      clearInterval(this.timer);
+      this.timer = null;
+      this.turn = "second";
+    }
+  }
+}
+
+/** As it was shown last with this first scan, else as fits it. */
+function choiceFor(scan: Scan, first: string): SecondChoice {
+  const { window, level }: WindowLevel = firstWindow(scan);
+  const { windows } = firstChoice({ softTissue: scan.soft_tissue, bone: scan.bone }, valueAbove(scan.histogram, fewVoxels));
+  const fitting: SecondChoice = {
+    inView: true,
+    inSlices: true,
+    preset: scan.unit === "HU" ? "CT-Bone" : "MR-Default",
+    curve: null,
+    // the first scan is seen through it
+    density: 0.4,
+    iso: scan.bone,
+    windows,
+    window,
+    level,
+    fusion: "blend",
+    tint: "warm",
+    opacity: 0.6,
+    square: 20,
+  };
+  const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
+  const named = fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  const known = of === scan.name && named && (kept.curve === null || isCurve(kept.curve));
+  return known ? kept : fitting;
+}

@@ -1,0 +1,237 @@
+/**
+ * The slices beside the 3-D view: how the picture is divided, where they lie, and how they look.
+ * All of them go through one point, the crosshair.
+ */
+import { transformPoint } from "../../../core/geometry/affine";
+import type { Camera } from "../../../core/geometry/camera";
+import { layouts, panesOf, type Layout, type Panes } from "../../../core/view/picture_layout";
+import type { Scan } from "../../../core/protocol";
+import { frameOf, type ScanFrame } from "../../../core/scan/scan_volume";
+import {
+  fitSlice,
+  panSlice,
+  planeThrough,
+  sliceAxes,
+  sliceStep,
+  zoomSlice,
+  type SliceAxes,
+  type SliceName,
+  type SlicePlane,
+  type SliceView,
+} from "../../../core/slices/slice_plane";
+import { addScaled, distance, type Vec3 } from "../../../core/geometry/vector";
+import { draggedWindow, firstWindow, type WindowLevel } from "../../../core/appearance/window_level";
+import type { ShownSlice, SliceLook } from "../../../gl/picture/slices";
+import { PageState } from "../../state/page_state.svelte";
+import type { PageSteps } from "../../state/page_steps.svelte";
+import { recall, remember } from "../../state/remembered";
+
+/** What is shown, and not how: remembered whatever scan is open. */
+interface Habits {
+  readonly layout: Layout;
+  /** The slice that is seen where there is only one. */
+  readonly single: SliceName;
+  /** Slices go where the probe goes. */
+  readonly follows: boolean;
+}
+
+const firstHabits: Habits = { layout: "view", single: "axial", follows: true };
+
+/** Slabs and segments on slices, remembered with the habits. */
+type Drawing = Pick<SliceLook, "slab" | "slabMode" | "fill" | "outline">;
+
+const firstDrawing: Drawing = { slab: 0, slabMode: "mean", fill: 0.15, outline: 0.9 };
+
+/** What of it is changed, as a step of undo says it. */
+const drawingNames: Readonly<Record<keyof Drawing, string>> = {
+  slab: "slab of slices",
+  slabMode: "what slabs show",
+  fill: "fill of segments",
+  outline: "outline of segments",
+};
+
+/** The probe has moved: less is the rest of a force that settles [mm]. */
+const leastMove = 0.05;
+
+export class SliceControl {
+  habits = $state.raw<Habits>(recalledHabits(firstHabits));
+  /** Through which all slices go [scene mm]; null before there is a scan. */
+  crosshair = $state.raw<Vec3 | null>(null);
+  /** Size of the whole picture [CSS pixels]. */
+  size = $state.raw({ width: 1, height: 1 });
+
+  private frame = $state.raw<ScanFrame | null>(null);
+  private views = $state.raw<Partial<Record<SliceName, SliceView>>>({});
+  private scanName = "";
+  /** How slices look: each change is a step of undo, a whole drag too. */
+  private readonly state: PageState<SliceLook>;
+  private followed: Vec3 | null = null;
+  private readonly kept: Partial<Record<SliceName, ShownSlice>> = {};
+
+  /** @param camera of the 3-D view now, along which the oblique slice lies; null before there is a scan. */
+  constructor(
+    steps: PageSteps,
+    private readonly camera: () => Camera | null,
+  ) {
+    this.state = new PageState<SliceLook>({ window: 400, level: 40, ...recalledDrawing() }, steps, () => {
+      this.keep();
+    });
+  }
+
+  readonly panes = $derived.by((): Panes => panesOf(this.habits.layout, this.size, this.habits.single));
+
+  /** The slices as they are seen now; one that has not changed is the same object as before. */
+  readonly shown = $derived.by((): readonly ShownSlice[] =>
+    this.panes.slices.flatMap(({ name, rect }) => {
+      const plane = this.planeOf(name);
+      if (plane === null) {
+        return [];
+      }
+      const slice = { name, rect, plane };
+      const before = this.kept[name];
+      if (before !== undefined && JSON.stringify(before) === JSON.stringify(slice)) {
+        return [before];
+      }
+      this.kept[name] = slice;
+      return [slice];
+    }),
+  );
+
+  get look(): SliceLook {
+    return this.state.now;
+  }
+
+  /** Begins with another scan: its middle, all of each slice. */
+  open(scan: Scan): void {
+    this.frame = frameOf(scan);
+    this.scanName = scan.name;
+    this.habits = recalledHabits(this.habits);
+    this.views = {};
+    this.followed = null;
+    const middle = scan.dimensions.map((n) => n / 2) as unknown as Vec3;
+    this.crosshair = transformPoint(this.frame.sceneFromGrid, middle);
+    this.state.open({ ...recall(`window.${scan.name}`, firstWindow(scan)), ...recalledDrawing() });
+  }
+
+  change(part: Partial<Habits>): void {
+    this.habits = { ...this.habits, ...part };
+    this.keep();
+  }
+
+  /** Slabs and segments; what is chosen of a list is a step of its own. */
+  draw<Key extends keyof Drawing>(key: Key, value: Drawing[Key]): void {
+    this.state.change(drawingNames[key], { ...this.look, [key]: value }, key !== "slabMode");
+  }
+
+  nextLayout(): void {
+    const next = (layouts.indexOf(this.habits.layout) + 1) % layouts.length;
+    this.change({ layout: layouts[next] ?? "view" });
+  }
+
+  setWindow({ window, level }: WindowLevel): void {
+    this.state.change("window and level of slices", { ...this.look, window, level }, true);
+  }
+
+  dragWindow(right: number, down: number): void {
+    this.setWindow(draggedWindow(this.look, right, down));
+  }
+
+  /** Moves the crosshair, as far as the scan goes. */
+  goTo(point: Vec3): void {
+    const { frame } = this;
+    if (frame !== null) {
+      const grid = transformPoint(frame.gridFromScene, point).map((c, axis) =>
+        Math.min(Math.max(c, 0), frame.dimensions[axis] ?? 0),
+      ) as unknown as Vec3;
+      this.crosshair = transformPoint(frame.sceneFromGrid, grid);
+    }
+  }
+
+  /** Takes the crosshair along with the probe, where it moves and slices are to follow. */
+  follow(probe: Vec3): void {
+    const { followed } = this;
+    if (followed !== null && distance(followed, probe) < leastMove) {
+      return;
+    }
+    this.followed = probe;
+    // where it stands first is no move of it
+    if (followed !== null && this.habits.follows) {
+      this.goTo(probe);
+    }
+  }
+
+  /** Goes through the scan by whole slices, toward the person. */
+  scroll(name: SliceName, slices: number): void {
+    const axes = this.axesOf(name);
+    if (axes !== null && this.frame !== null && this.crosshair !== null) {
+      this.goTo(addScaled(this.crosshair, axes.toward, slices * sliceStep(axes, this.frame)));
+    }
+  }
+
+  pan(name: SliceName, x: number, y: number): void {
+    const plane = this.planeOf(name);
+    if (plane !== null) {
+      this.views = { ...this.views, [name]: panSlice(plane, x, y) };
+    }
+  }
+
+  zoom(name: SliceName, factor: number, x: number, y: number): void {
+    const plane = this.planeOf(name);
+    const rect = this.rectOf(name);
+    if (plane !== null && rect !== null) {
+      this.views = { ...this.views, [name]: zoomSlice(plane, factor, x, y, rect) };
+    }
+  }
+
+  /** Shows all of each slice. */
+  fit(): void {
+    this.views = {};
+  }
+
+  /** A slice as it is seen; null before there is a scan or where it is not shown. */
+  planeOf(name: SliceName): SlicePlane | null {
+    const axes = this.axesOf(name);
+    const rect = this.rectOf(name);
+    const { crosshair, frame } = this;
+    if (axes === null || rect === null || crosshair === null || frame === null) {
+      return null;
+    }
+    // a part of the scan that was chosen stays in the middle when the pane changes its size
+    const view = this.views[name] ?? fitSlice(axes, cornersOf(frame), rect);
+    return planeThrough(crosshair, axes, view);
+  }
+
+  private keep(): void {
+    const { window, level, slab, slabMode, fill, outline } = this.look;
+    remember(`window.${this.scanName}`, { window, level });
+    remember("slices", { ...this.habits, slab, slabMode, fill, outline });
+  }
+
+  private axesOf(name: SliceName): SliceAxes | null {
+    const camera = this.camera();
+    return this.frame === null || camera === null ? null : sliceAxes(name, this.frame.axes, camera);
+  }
+
+  private rectOf(name: SliceName): { readonly width: number; readonly height: number } | null {
+    return this.panes.slices.find((slice) => slice.name === name)?.rect ?? null;
+  }
+}
+
+function recalledHabits(fallback: Habits): Habits {
+  const { layout, single, follows } = recall("slices", fallback);
+  return { layout, single, follows };
+}
+
+function recalledDrawing(): Drawing {
+  const { slab, slabMode, fill, outline } = recall("slices", firstDrawing);
+  return { slab, slabMode, fill, outline };
+}
+
+/** The corners of a scan in the scene. */
+function cornersOf({ dimensions, sceneFromGrid }: ScanFrame): Vec3[] {
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((bits) => {
+    const corner = dimensions.map((n, axis) => ((bits >> axis) & 1 ? n : 0)) as unknown as Vec3;
+    return transformPoint(sceneFromGrid, corner);
+  });
+}
+

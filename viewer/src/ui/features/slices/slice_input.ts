@@ -1,0 +1,298 @@
+/**
+ * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius; with the
+ * live wire a click sets a point, a double click or Enter closes it, Backspace takes a point back; a level is painted
+ * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or
+ * grows a region, right drag sets window and level, middle or
+ * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
+ * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
+ * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
+ */
+import type { Rect } from "../../../core/view/picture_layout";
+import { pointOnSlice, type SliceName, type SlicePlane } from "../../../core/slices/slice_plane";
+import { addScaled, type Vec3 } from "../../../core/geometry/vector";
+import type { HandControl } from "../touch/hand_control.svelte";
+import { clickReach, wheelPixels } from "../../widgets/mouse";
+import type { OutlineControl } from "../segments/outline_control.svelte";
+import type { SliceControl } from "./slice_control.svelte";
+import type { Stage } from "../../app/stage.svelte";
+
+type Drag = "crosshair" | "window" | "pan" | "paint";
+
+/** Pixels of the wheel for a slice. */
+const pixelsPerSlice = 60;
+const zoomSpeed = 0.0014;
+/** Zoom by a press of a key. */
+const zoomStep = 1.15;
+/** Move of the picture by a press of a key, as a drag would [pixels]. */
+const panStep = 24;
+const panKeys: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowRight: [panStep, 0],
+  ArrowLeft: [-panStep, 0],
+  ArrowDown: [0, panStep],
+  ArrowUp: [0, -panStep],
+};
+
+export class SliceInput {
+  private drag: Drag | null = null;
+  private last: readonly [number, number] | null = null;
+  private turned = 0;
+  /** Where the left button went down, as long as that may be a click. */
+  private pressed: readonly [number, number] | null = null;
+  /** The last click has set a point of a mark: a second one makes no double click of it. */
+  private marked = false;
+  private readonly slices: SliceControl;
+
+  constructor(
+    private readonly pane: HTMLElement,
+    private readonly name: SliceName,
+    private readonly stage: Stage,
+    private readonly hand: HandControl,
+    private readonly pointed: (point: Vec3 | null) => void,
+  ) {
+    this.slices = stage.slices;
+  }
+
+  /** Listens until the returned function is called. */
+  listen(): () => void {
+    const aborter = new AbortController();
+    const on = <K extends keyof HTMLElementEventMap>(type: K, act: (event: HTMLElementEventMap[K]) => void): void => {
+      this.pane.addEventListener(type, act, { signal: aborter.signal, passive: false });
+    };
+    on("pointerdown", this.press.bind(this));
+    on("pointermove", this.move.bind(this));
+    on("pointerup", this.release.bind(this));
+    on("pointercancel", (event) => {
+      this.stage.brush.cancel();
+      this.release(event);
+    });
+    on("pointerenter", () => {
+      // so that its keys are those of the brush
+      if (this.brushes && document.activeElement === document.body) {
+        this.pane.focus({ preventScroll: true });
+      }
+    });
+    on("pointerleave", () => {
+      this.last = null;
+      this.pointed(null);
+      this.outline?.leave();
+    });
+    on("click", this.click.bind(this));
+    on("dblclick", (event) => {
+      const point = this.pointAt(event);
+      if (this.outline?.close() !== true && point !== null && !this.marked && !this.brushes) {
+        this.stage.readout.close();
+        this.hand.place(point);
+      }
+    });
+    on("wheel", this.wheel.bind(this));
+    on("keydown", this.key.bind(this));
+    on("contextmenu", (event) => {
+      event.preventDefault();
+    });
+    return () => {
+      aborter.abort();
+    };
+  }
+
+  private get plane(): SlicePlane | null {
+    return this.slices.planeOf(this.name);
+  }
+
+  private pointAt(event: MouseEvent): Vec3 | null {
+    const { plane } = this;
+    const { width, height } = this.pane.getBoundingClientRect();
+    const { x, y } = this.placeOf(event);
+    return plane === null ? null : pointOnSlice(plane, x, y, { width, height });
+  }
+
+  private placeOf(event: MouseEvent): Pick<Rect, "x" | "y"> {
+    const { left, top } = this.pane.getBoundingClientRect();
+    return { x: event.clientX - left, y: event.clientY - top };
+  }
+
+  private press(event: PointerEvent): void {
+    this.pane.focus({ preventScroll: true });
+    this.pane.setPointerCapture(event.pointerId);
+    if (event.button === 2) {
+      this.drag = "window";
+    } else if (event.button === 1 || event.ctrlKey) {
+      this.drag = "pan";
+      event.preventDefault();
+    } else if (event.button === 0 && this.brushes && this.outline === null) {
+      const { plane } = this;
+      const point = this.pointAt(event);
+      if (plane !== null && point !== null) {
+        this.drag = "paint";
+        this.stage.brush.begin(point, plane.toward);
+      }
+    } else if (event.button === 0 && !this.leads(event) && !this.marking && this.outline === null) {
+      this.drag = "crosshair";
+      this.moveCrosshair(event);
+    }
+    this.last = [event.clientX, event.clientY];
+    this.pressed = event.button === 0 && (this.drag === "crosshair" || this.marking || this.outlines(event)) ? this.last : null;
+  }
+
+  private move(event: PointerEvent): void {
+    const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
+    const [x, y] = [event.clientX - lastX, event.clientY - lastY];
+    this.last = [event.clientX, event.clientY];
+    this.pointed(this.pointAt(event));
+    if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
+      this.pressed = null;
+    }
+    if (x === 0 && y === 0) {
+      return;
+    }
+    if (this.drag === "paint") {
+      const point = this.pointAt(event);
+      if (point !== null) this.stage.brush.move(point);
+    } else if (this.drag === "crosshair") {
+      this.moveCrosshair(event);
+    } else if (this.drag === "window") {
+      this.slices.dragWindow(x, y);
+    } else if (this.drag === "pan") {
+      this.slices.pan(this.name, x, y);
+    } else if (this.leads(event)) {
+      this.leadHand(x, y);
+    } else {
+      this.show(event);
+    }
+  }
+
+  /** Shows where an outline would go. */
+  private show(event: PointerEvent): void {
+    const [{ plane }, point] = [this, this.pointAt(event)];
+    if (plane !== null && point !== null) {
+      this.outline?.point(this.name, point, plane.toward);
+    }
+  }
+
+  private release(event: PointerEvent): void {
+    if (this.drag === "paint") {
+      this.stage.brush.end();
+    }
+    this.drag = null;
+    if (this.pane.hasPointerCapture(event.pointerId)) {
+      this.pane.releasePointerCapture(event.pointerId);
+    }
+  }
+
+  /** Says what is there, sets a point of a mark, or grows a region. */
+  private click(event: MouseEvent): void {
+    const point = this.pointAt(event);
+    if (this.pressed === null || point === null || event.detail > 1) {
+      return;
+    }
+    this.pressed = null;
+    const { growing, marks, readout, registration } = this.stage;
+    this.marked = this.marking;
+    if (registration.placing !== null) {
+      registration.put(point);
+    } else if (this.marked) {
+      marks.put(point);
+    } else if (growing.armed) {
+      growing.from(point);
+    } else if (this.outline !== null) {
+      this.outline.click(this.name, point, this.plane?.toward ?? [0, 0, 1]);
+    } else {
+      const name = this.stage.picker.segmentAt(point)?.name ?? null;
+      readout.show({ pane: this.name, point, value: this.stage.picker.valueAt(point), name, scan: "first" });
+    }
+  }
+
+  private get marking(): boolean {
+    return this.stage.marks.placing !== null || this.stage.registration.placing !== null;
+  }
+
+  /** Whether the left button paints: what waits for a click comes first. */
+  private get brushes(): boolean {
+    return this.stage.brush.ready && !this.marking && !this.stage.growing.armed;
+  }
+
+  /** What draws outlines by clicks; null where the left button does something else. */
+  private get outline(): OutlineControl | null {
+    const { habits, outline } = this.stage.brush;
+    return this.brushes && habits.way !== "brush" ? outline : null;
+  }
+
+  /** Whether a press may be a click that draws an outline. */
+  private outlines(event: MouseEvent): boolean {
+    return this.outline !== null && this.drag === null && !event.ctrlKey;
+  }
+
+  /** Whether moves of the mouse lead the hand. */
+  private leads(event: MouseEvent): boolean {
+    return !this.brushes && (event.shiftKey || this.hand.touchMode);
+  }
+
+  private moveCrosshair(event: MouseEvent): void {
+    const point = this.pointAt(event);
+    if (point !== null) {
+      this.slices.goTo(point);
+    }
+  }
+
+  /** Moves the hand by pixels of this slice. */
+  private leadHand(right: number, down: number): void {
+    const { plane } = this;
+    if (plane !== null) {
+      this.hand.moveBy(addScaled(addScaled([0, 0, 0], plane.right, right * plane.pixel), plane.up, -down * plane.pixel));
+    }
+  }
+
+  private wheel(event: WheelEvent): void {
+    event.preventDefault();
+    const turned = wheelPixels(event);
+    const { plane } = this;
+    if (event.ctrlKey) {
+      const { x, y } = this.placeOf(event);
+      this.slices.zoom(this.name, Math.exp(turned * zoomSpeed), x, y);
+    } else if (event.shiftKey && this.brushes) {
+      this.stage.brush.resize(-Math.sign(turned));
+    } else if (this.leads(event) && plane !== null) {
+      this.hand.moveBy(addScaled([0, 0, 0], plane.toward, (turned / pixelsPerSlice) * plane.pixel * 3));
+    } else {
+      this.turned += turned / pixelsPerSlice;
+      const whole = Math.trunc(this.turned);
+      this.turned -= whole;
+      this.slices.scroll(this.name, -whole);
+    }
+  }
+
+  private key(event: KeyboardEvent): void {
+    const { width, height } = this.pane.getBoundingClientRect();
+    const slices = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    const size = this.brushes ? { "[": -1, "]": 1 }[event.key] : undefined;
+    const factor = { "+": 1 / zoomStep, "=": 1 / zoomStep, "-": zoomStep }[event.key];
+    const drawn = this.outline !== null ? { Enter: "close", Backspace: "back" }[event.key] : undefined;
+    if (drawn !== undefined) {
+      const does = drawn === "close" ? this.outline?.close() : this.outline?.back();
+      if (does === true) {
+        event.preventDefault();
+        event.stopPropagation();
+      }
+      return;
+    }
+    const move = panKeys[event.key];
+    if ((event.ctrlKey || event.metaKey) && move !== undefined) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.slices.pan(this.name, ...move);
+      return;
+    }
+    if (event.ctrlKey || event.metaKey || (slices === undefined && factor === undefined && size === undefined)) {
+      return;
+    }
+    // else the key would move the hand or change the probe
+    event.preventDefault();
+    event.stopPropagation();
+    if (size !== undefined) {
+      this.stage.brush.resize(size);
+    } else if (slices !== undefined) {
+      this.slices.scroll(this.name, slices);
+    } else if (factor !== undefined) {
+      this.slices.zoom(this.name, factor, width / 2, height / 2);
+    }
+  }
+}

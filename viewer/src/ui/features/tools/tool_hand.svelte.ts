@@ -1,0 +1,199 @@
+/**
+ * The tool in the person's hand: which one, how large, what it works on, and when it is pressed.
+ */
+import { likelyLayer, type Layer } from "../../../core/tools/needle";
+import type { Segment, State, TissueName, ToolKind } from "../../../core/protocol";
+import { fittingRadius, segmentsOf, type ToolName, type Works } from "../../../core/tools/tools";
+import { recall, remember } from "../../state/remembered";
+import type { Session } from "../../state/session.svelte";
+import type { TouchPaint } from "./touch_paint.svelte";
+
+type Radii = Partial<Record<ToolName, number>>;
+
+export class ToolHand {
+  kind = $state<ToolKind>("none");
+  works = $state<Works>("touched");
+  /** Whether a stroke is on, as far as this page is concerned. */
+  pressed = $state(false);
+  /** What segments are to a needle, by their names, as far as the person has said. */
+  private layers = $state.raw<Readonly<Record<string, Layer>>>(recall<Record<string, Layer>>("needle", {}));
+  private radii = $state.raw<Radii>(recall<Radii>("tools", {}));
+
+  /** The segment that is touched, or was last. */
+  private touched = 0;
+  /** What the engine was told last, as text. */
+  private told = "";
+  /** What is to be done once there is a segment to paint with. */
+  private waiting: "tool" | "stroke" | null = null;
+  /** The probe's radius before it took that of the burr [mm]; null where it has its own. */
+  private ownRadius: number | null = null;
+
+  constructor(
+    private readonly session: Session,
+    readonly paint: TouchPaint,
+  ) {
+    session.onState((state) => {
+      this.follow(state);
+    });
+    paint.onChange(() => {
+      this.tell();
+    });
+  }
+
+  /** Radius of the tool in the hand [mm]; 0 of none. */
+  get radius(): number {
+    const { scan } = this.session;
+    return this.kind === "none" || scan === null
+      ? 0
+      : fittingRadius(this.kind, scan.spacing, this.radii[this.kind] ?? null);
+  }
+
+  choose(kind: ToolKind): void {
+    this.release();
+    this.kind = kind;
+    if (this.isPrepared("tool")) {
+      this.tell();
+    }
+    this.fitProbe();
+  }
+
+  setRadius(radius: number): void {
+    if (this.kind !== "none") {
+      this.radii = { ...this.radii, [this.kind]: radius };
+      remember("tools", this.radii);
+      this.tell();
+      this.fitProbe();
+    }
+  }
+
+  setWorks(works: Works): void {
+    this.works = works;
+    this.tell();
+  }
+
+  /** What a segment is to a needle. */
+  layerOf(segment: Segment): Layer {
+    return this.layers[segment.name] ?? likelyLayer(segment);
+  }
+
+  setLayer(segment: Segment, layer: Layer): void {
+    this.layers = { ...this.layers, [segment.name]: layer };
+    remember("needle", this.layers);
+    this.tell();
+  }
+
+  /** Begins a stroke; false where there is no tool to begin it with. */
+  press(): boolean {
+    if (this.kind === "none") {
+      return false;
+    }
+    if (!this.pressed && this.isPrepared("stroke") && this.tell()) {
+      this.pressed = true;
+      if (this.kind === "painter") {
+        this.paint.makeTouchable();
+      }
+      this.session.send({ type: "stroke", on: true });
+    }
+    return true;
+  }
+
+  release(): void {
+    this.waiting &&= "tool";
+    if (this.pressed) {
+      this.pressed = false;
+      this.session.send({ type: "stroke", on: false });
+    }
+  }
+
+  /** Whether there is what the tool needs; else that comes first, and then what is wanted. */
+  private isPrepared(wanted: "tool" | "stroke"): boolean {
+    this.waiting = this.kind === "painter" && !this.paint.prepare() ? wanted : null;
+    return this.waiting === null;
+  }
+
+  /** Tells the engine what is chosen, where it does not know; false where there is nothing to work on. */
+  private tell(): boolean {
+    const { kind, radius } = this;
+    const [segments, tissues] = this.worked();
+    if (kind !== "none" && segments.length === 0) {
+      this.session.notify("info", nothingToWorkOn(kind, this.session.segments));
+      return false;
+    }
+    const how = kind === "painter" ? this.paint.how : { depth: null, overlaps: false };
+    const text = JSON.stringify([this.session.greetings, kind, radius, segments, tissues, how]);
+    if (text !== this.told) {
+      this.told = text;
+      this.session.send({ type: "tool", kind, radius: kind === "none" ? 1 : radius, segments, tissues, ...how });
+    }
+    return true;
+  }
+
+  /** The segments that the tool works on, and what they are to a needle. */
+  private worked(): [number[], TissueName[]] {
+    const { kind, works, touched } = this;
+    const { segments } = this.session;
+    if (kind === "none") {
+      return [[], []];
+    }
+    if (kind === "painter") {
+      return [[...this.paint.worked(works)], []];
+    }
+    if (kind !== "needle") {
+      return [[...segmentsOf(kind, works, segments, touched)], []];
+    }
+    const soft = segments.flatMap((segment) => {
+      const layer = this.layerOf(segment);
+      return segment.touchable && layer !== "hard" ? [{ id: segment.id, layer }] : [];
+    });
+    return [soft.map(({ id }) => id), soft.map(({ layer }) => layer)];
+  }
+
+  /** With the drill the probe has the burr's radius, so that it sinks in as the burr does. */
+  private fitProbe(): void {
+    const { settings } = this.session;
+    if (settings === null) {
+      return;
+    }
+    if (this.kind !== "drill") {
+      if (this.ownRadius !== null) {
+        this.session.changeSettings({ probe_radius: this.ownRadius });
+        this.ownRadius = null;
+      }
+      return;
+    }
+    if (this.ownRadius === null) {
+      this.ownRadius = settings.probe_radius;
+      this.session.notify("info", `The probe is as large as the burr now: ${this.radius.toFixed(1)} mm.`);
+    }
+    this.session.changeSettings({ probe_radius: this.radius });
+  }
+
+  private follow(state: State): void {
+    if (state.touched !== 0) {
+      this.touched = state.touched;
+    }
+    const { waiting } = this;
+    if (waiting !== null && this.paint.ready) {
+      this.waiting = null;
+      if (waiting === "stroke") {
+        this.press();
+      } else {
+        this.tell();
+      }
+    }
+  }
+}
+
+function nothingToWorkOn(kind: ToolKind, segments: readonly Segment[]): string {
+  if (kind !== "needle" && segments.some(({ touchable, locked }) => touchable && locked)) {
+    return "There is nothing to work on: what can be touched is locked. The lock in a segment's row opens it.";
+  }
+  switch (kind) {
+    case "needle":
+      return "Nothing here is soft for the needle: choose a tissue for a segment that can be touched.";
+    case "painter":
+      return "There is nothing to paint: it takes a segment that can be touched, and another one to paint with.";
+    default:
+      return "There is no segment to work on: add one by a threshold.";
+  }
+}

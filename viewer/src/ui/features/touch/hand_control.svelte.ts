@@ -1,0 +1,124 @@
+/**
+ * The hand of a person with a mouse and keys: collects its moves and tells the engine where
+ * the hand is, at most once a frame.
+ */
+import { moveAlong, moveInDepth, moveInView } from "../../../core/touch/hand";
+import type { Vec3 } from "../../../core/geometry/vector";
+import type { Session } from "../../state/session.svelte";
+import type { Stage } from "../../app/stage.svelte";
+
+/** After a pause this long the hand is where the engine says it is [ms], as soon as it knows all moves. */
+const resumeAfter = 400;
+
+export class HandControl {
+  /** Every move of the mouse moves the hand, no button needed. */
+  touchMode = $state(false);
+  /** The person has moved the hand at least once. */
+  used = $state(false);
+
+  /** The hand moves without the probe. */
+  private clutched = false;
+  private hand: Vec3 | null = null;
+  private movedAt = -Infinity;
+  private sending = false;
+  /** Moves and placements that were sent, and those of them that the engine has told of. */
+  private sent = 0;
+  private known = 0;
+  private asking = false;
+
+  constructor(
+    private readonly session: Session,
+    private readonly stage: Stage,
+  ) {}
+
+  /** Moves the hand by pixels to the right, downward, and away from the viewer. */
+  move(right: number, down: number, away: number): void {
+    const { camera, viewport } = this.stage.view;
+    if (camera !== null) {
+      this.lead((from, probe) => {
+        const sideways = moveInView(from, probe, right, down, camera, viewport);
+        return moveInDepth(sideways, probe, away, camera, viewport);
+      });
+    }
+  }
+
+  /** Moves the hand along a vector of the scene [mm]. */
+  moveBy(way: Vec3): void {
+    this.lead((from, probe) => moveAlong(from, probe, way));
+  }
+
+  /** Has the hand move without the probe, or with it again. */
+  clutch(on: boolean): void {
+    if (on !== this.clutched) {
+      this.clutched = on;
+      this.hand = null;
+      this.session.send({ type: "clutch", on });
+    }
+  }
+
+  /** Puts the hand at a point of the scene [mm]. */
+  goTo(hand: Vec3): void {
+    this.stage.player.release();
+    this.hand = hand;
+    this.movedAt = performance.now();
+    this.used = true;
+    if (!this.sending) {
+      this.sending = true;
+      requestAnimationFrame(() => {
+        this.sending = false;
+        if (this.hand !== null) {
+          this.session.send({ type: "hand", target: this.hand });
+          this.follow();
+        }
+      });
+    }
+  }
+
+  /** Brings probe, device and hand to a point, or next to it. */
+  place(point: Vec3): void {
+    this.stage.player.release();
+    this.hand = null;
+    this.used = true;
+    this.session.send({ type: "place", point });
+    this.follow();
+  }
+
+  /** Moves the hand from where it is, as far as that is known. */
+  private lead(to: (from: Vec3, probe: Vec3) => Vec3): void {
+    const state = this.session.latest;
+    if (state === null) {
+      return;
+    }
+    if (this.clutched || state.clutched) {
+      this.hand = null;
+      return;
+    }
+    if (this.hand === null && this.known < this.sent) {
+      // where the hand was placed is not known yet
+      return;
+    }
+    const now = performance.now();
+    const rested = this.known === this.sent && now - this.movedAt > resumeAfter;
+    const from = this.hand === null || rested ? state.hand : this.hand;
+    this.goTo(to(from, state.proxy));
+  }
+
+  /** Learns when the engine has told of all that was sent, with one question at a time. */
+  private follow(): void {
+    this.sent += 1;
+    this.ask();
+  }
+
+  private ask(): void {
+    if (this.asking || this.known === this.sent) {
+      return;
+    }
+    this.asking = true;
+    const { sent } = this;
+    this.session.whenTold(() => {
+      this.asking = false;
+      this.known = sent;
+      this.ask();
+    });
+  }
+}

@@ -1,0 +1,99 @@
+import { expect, test } from "vitest";
+import { contentHull } from "../../../src/core/scan/content_hull";
+import { firstView, extentOf } from "../../../src/core/geometry/camera";
+import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSeconds, formatSpacing, formatValue } from "../../../src/core/base/format";
+import { farthestAhead, moveInDepth, moveInView } from "../../../src/core/touch/hand";
+import { histogramPath, shareWithin } from "../../../src/core/scan/histogram";
+import { scaleBar } from "../../../src/core/view/scale_bar";
+import { rangeHolding, shownRanges } from "../../../src/core/segments/shown_segments";
+import { subsamplingStep } from "../../../src/core/scan/subsampling";
+import { distance, dot, subtract, type Vec3 } from "../../../src/core/geometry/vector";
+import { Random } from "../../support/random";
+import { scanOf, segment, volumeOf } from "../../support/volumes";
+
+test("the scale bar is round, fits, and uses its room", () => {
+  const random = new Random(41);
+  for (let i = 0; i < 300; ++i) {
+    const mmPerPixel = 10 ** random.between(-3, 2);
+    const { pixels, label } = scaleBar(mmPerPixel, 120);
+    expect(pixels).toBeLessThanOrEqual(120 * (1 + 1e-12));
+    // between two round lengths lies a factor of 2.5 at most
+    expect(pixels).toBeGreaterThan(120 / 2.5 - 1e-9);
+    expect(label).toMatch(/^(1|2|5)0* cm$|^(1|2|5)0* mm$|^0\.0*(1|2|5) mm$/);
+  }
+  expect(scaleBar(0.5, 120)).toEqual({ pixels: 100, label: "5 cm" });
+});
+
+test("a scan is subsampled only as far as the GPU needs it", () => {
+  const limits = { edge: 2048, values: 2 ** 29 };
+  expect(subsamplingStep([512, 512, 512], limits)).toBe(1);
+  expect(subsamplingStep([3000, 100, 100], limits)).toBe(2);
+  expect(subsamplingStep([1024, 1024, 1024], limits)).toBe(2);
+});
+
+test("the histogram's drawing stays inside its frame and closes at the bottom", () => {
+  const path = histogramPath({ low: 0, high: 100, counts: [5, 0, 100000, 7] }, [0, 100], { width: 200, height: 50 });
+  const numbers = [...path.matchAll(/-?[\d.]+/g)].map(Number);
+  expect(Math.max(...numbers)).toBeLessThanOrEqual(200);
+  expect(Math.min(...numbers)).toBeGreaterThanOrEqual(0);
+  expect(path).toMatch(/^M0,50\.0L.*L200\.0,50\.0Z$/);
+});
+
+test("shares of values are counted inside the bins too", () => {
+  const histogram = { low: 0, high: 4, counts: [10, 10, 10, 10] };
+  expect(shareWithin(histogram, 1, 3)).toBeCloseTo(0.5);
+  expect(shareWithin(histogram, 0.5, 1)).toBeCloseTo(0.125);
+});
+
+test("where segments share a value the visible one wins", () => {
+  const scan = scanOf([8, 8, 8], [1, 1, 1]);
+  const ranges = shownRanges(
+    [
+      { ...segment, id: 1, visible: false, range: [0, 100] },
+      { ...segment, id: 2, visible: true, range: [50, 200] },
+      { ...segment, id: 3, visible: true, range: null },
+    ],
+    scan,
+  );
+  expect(ranges.map(({ id }) => id)).toEqual([1, 2]);
+  expect(rangeHolding(ranges, 32768 + 75)?.id).toBe(2);
+  expect(rangeHolding(ranges, 32768 + 25)?.id).toBe(1);
+  expect(rangeHolding(ranges, 32768 + 250)).toBeUndefined();
+});
+
+test("content is framed by its own outline, not by the air around it", () => {
+  const scan = scanOf([64, 64, 64], [1, 1, 1]);
+  const volume = volumeOf(scan, (p) => (distance(p, [20, 40, 30]) < 10 ? 500 : -1000));
+  const hull = contentHull(volume.bricks, 1, [1, 1, 1], (_low, high) => high > 32768);
+  const { centre, radius } = extentOf(hull);
+  // bricks of 8 voxels blur the outline by one brick
+  expect(distance(centre, [20, 40, 30])).toBeLessThan(8);
+  expect(radius).toBeLessThan(24);
+  expect(contentHull(volume.bricks, 1, [1, 1, 1], () => false)).toHaveLength(8);
+});
+
+test("the hand follows the view's axes and stays within reach of the probe", () => {
+  const outline: Vec3[] = [[0, 0, 0], [100, 100, 100]];
+  const viewport = { width: 800, height: 600 };
+  const camera = firstView(extentOf(outline), viewport);
+  const probe: Vec3 = [50, 50, 50];
+  const right = subtract(moveInView(probe, probe, 10, 0, camera, viewport), probe);
+  expect(dot(right, camera.right)).toBeGreaterThan(0);
+  expect(Math.abs(dot(right, camera.up)) + Math.abs(dot(right, camera.back))).toBeLessThan(1e-9);
+  const away = subtract(moveInDepth(probe, probe, 10, camera, viewport), probe);
+  expect(dot(away, camera.back)).toBeLessThan(0);
+  expect(distance(moveInDepth(probe, probe, 1e6, camera, viewport), probe)).toBeCloseTo(farthestAhead);
+});
+
+test("numbers are written with units and a fixed number of digits", () => {
+  expect(formatPoint([-12.345, 4, 806.06])).toBe("-12.3 4.0 806.1");
+  expect(formatCount(1234567)).toBe("1\u2009234\u2009567");
+  expect(formatMillilitres(12.345)).toBe("12.3 ml");
+  expect(formatMillilitres(2054.4)).toBe("2\u2009054 ml");
+  expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5 mm");
+  expect(formatValue(3071)).toBe("3071");
+  expect(formatValue(1288.3400000001)).toBe("1288.34");
+  expect([0, 7.99, 61, 754].map(formatSeconds)).toEqual(["0:00", "0:07", "1:01", "12:34"]);
+  expect(formatBytes(15 * 2 ** 20)).toBe("15 MiB");
+  expect(formatBytes(3 * 2 ** 30)).toBe("3.0 GiB");
+});

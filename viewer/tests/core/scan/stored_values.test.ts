@@ -1,0 +1,24 @@
+import { expect, test } from "vitest";
+import { biasedOf, biasedRange, biasInPlace, physical } from "../../../src/core/scan/stored_values";
+
+test("biasing turns signed values into unsigned ones of the same order", () => {
+  const signed = Int16Array.from([-32768, -1024, -1, 0, 1, 3071, 32767]);
+  const values = new Uint16Array(signed.buffer);
+  biasInPlace(values);
+  expect([...values]).toEqual([0, 31744, 32767, 32768, 32769, 35839, 65535]);
+});
+
+test("the bytes of biased values are RG8 texels with the low byte in red", () => {
+  const values = Uint16Array.from([0x1234]);
+  expect([...new Uint8Array(values.buffer)]).toEqual([0x34, 0x12]);
+});
+
+test("physical values come back from biased ones, also with a slope and an intercept", () => {
+  const rescale = { slope: 0.5, intercept: -1000 };
+  expect(physical(32768, rescale)).toBe(-1000);
+  expect(biasedOf(physical(40000, rescale), rescale)).toBe(40000);
+});
+
+test("a range stays rising where the slope is negative", () => {
+  expect(biasedRange(10, 20, { slope: -1, intercept: 0 })).toEqual([32748, 32758]);
+});

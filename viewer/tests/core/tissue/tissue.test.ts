@@ -1,0 +1,89 @@
+import { expect, test } from "vitest";
+import { decodeDisplacements } from "../../../src/core/scan/displacements";
+import {
+  AnswerRate,
+  constantsOf,
+  describeMaterial,
+  edgeOf,
+  formatModulus,
+  oddEdge,
+  presetsFor,
+  presetTitle,
+  suggestedPreset,
+} from "../../../src/core/tissue/tissue";
+import { decodeParticles } from "../../../src/core/tissue/particles";
+import type { Constants, DeformationModel, Displaced, MaterialPreset, MatterParts } from "../../../src/core/protocol";
+
+const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
+const yields = { least: 0.005, most: 0.5 };
+
+const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
+const hard: Constants = { ...soft, young: 21e9, poisson: 0.32 };
+const presets: readonly MaterialPreset[] = [
+  { name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft },
+  { name: "thesis-bone", source: "thesis", needs_hounsfield: true, low: { ...hard, young: 5e9, poisson: 0.3 }, high: hard },
+];
+const models: readonly DeformationModel[] = [
+  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false },
+  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null, calibration: true, motion: false },
+];
+
+test("moduli are written with three digits and the unit that fits", () => {
+  expect([500, 999.6, 5500, 4.2e5, 18.6e9].map(formatModulus)).toEqual(["500 Pa", "1.00 kPa", "5.50 kPa", "420 kPa", "18.6 GPa"]);
+});
+
+test("a material that follows HU is told from one end to the other and has no constants to change", () => {
+  const [liver, bone] = presets.map((preset) => ({ ...preset, preset: preset.name }));
+  expect(liver && describeMaterial(liver)).toBe("5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %, friction 20 %");
+  expect(bone && describeMaterial(bone)).toBe("5.00 GPa to 21.0 GPa, ν 0.3 to 0.32, 1.06 g/cm³, breaks at 34 %, friction 20 %");
+  expect(describeMaterial({ low: { ...soft, breaking_strain: null }, high: { ...soft, breaking_strain: null } })).toContain("never breaks");
+  expect(presets.map(presetTitle)).toEqual(["Liver", "Thesis bone (by HU)"]);
+  expect(liver && constantsOf(liver)).toEqual(soft);
+  expect(bone && constantsOf(bone)).toBeNull();
+  expect(presetsFor(presets, "")).toEqual(presets.slice(0, 1));
+  expect(presetsFor(presets, "HU")).toEqual(presets);
+});
+
+test("a segment's name suggests a tissue only where it is offered", () => {
+  expect(suggestedPreset("Liver, part 3", presets)).toBe("liver");
+  expect(suggestedPreset("left gluteus maximus", presets)).toBeNull();
+  expect(suggestedPreset("bone", presets)).toBeNull();
+});
+
+test("the edge of a box is odd and within what the model can have", () => {
+  const [lattice, whole] = models;
+  expect([edgeOf(lattice, null), edgeOf(lattice, 31), edgeOf(whole, 31), edgeOf(undefined, 31)]).toEqual([21, 31, null, null]);
+  expect([1, 20, 22.4, 99].map((edge) => lattice?.boxes && oddEdge(edge, lattice.boxes))).toEqual([9, 21, 23, 41]);
+});
+
+test("answers are counted over the last second, and begin anew with another session", () => {
+  const rate = new AnswerRate();
+  expect(rate.hz).toBe(0);
+  for (let i = 0; i <= 300; ++i) {
+    rate.add(i / 100, Math.floor((30 * i) / 100));
+  }
+  expect(rate.hz).toBeCloseTo(30, 0);
+  for (let i = 301; i <= 420; ++i) {
+    rate.add(i / 100, 90);
+  }
+  expect(rate.hz).toBe(0);
+  rate.add(0.1, 0);
+  rate.add(0.2, 4);
+  expect(rate.hz).toBeCloseTo(40);
+});
+
+test("displacements whose bytes do not fit are refused, and none is none", () => {
+  const moved = new Uint8Array(new Uint16Array([0x3c00, 0, 0, 0, 0, 0, 0, 0]).buffer);
+  const sent: Displaced = { origin: [0, 0, 0], step: [1, 1, 2], size: [2, 1, 1], moved };
+  expect([...(decodeDisplacements(sent)?.moved ?? [])]).toEqual([0x3c00, 0, 0, 0, 0, 0, 0, 0]);
+  expect(decodeDisplacements({ ...sent, size: [0, 0, 0], moved: new Uint8Array(0) })).toBeNull();
+  expect(() => decodeDisplacements({ ...sent, moved: new Uint8Array(15) })).toThrow("15 bytes of displacements for 2 x 1 x 1 nodes, 8 each");
+  expect(() => decodeDisplacements({ ...sent, step: [1, 0, 1] })).toThrow("1, 0, 1 voxels apart");
+});
+
+test("parts are read where each has a place", () => {
+  const bytes = { places: new Uint8Array(12), strains: Uint8Array.from([127, 129]) };
+  const parts: MatterParts = { type: "matter_parts", origin: [0, 0, 0], size: [1, 1, 1], apart: 1, ...bytes };
+  expect([...(decodeParticles(parts)?.strains ?? [])]).toEqual([127, -127]);
+  expect(decodeParticles({ ...parts, places: new Uint8Array(11) })).toBeNull();
+});

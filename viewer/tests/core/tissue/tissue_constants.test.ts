@@ -1,0 +1,45 @@
+import { expect, test } from "vitest";
+import { described, customTissue, typed, writtenConstants, written } from "../../../src/core/tissue/tissue_constants";
+import type { Constants } from "../../../src/core/protocol";
+
+const liver: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
+const bone: Constants = { young: 18.6e9, poisson: 0.3, density: 1900, breaking_strain: null, friction: 0.3 };
+
+function of(key: keyof Constants): (typeof writtenConstants)[number] {
+  const found = writtenConstants.find((each) => each.key === key);
+  if (found === undefined) throw new Error(`${key} is not written`);
+  return found;
+}
+
+test("each constant is written in its unit, and read back as it was", () => {
+  const fields = writtenConstants.map((each) => written(each, liver));
+  expect(fields).toEqual(["5.5", "0.45", "1.06", "34", "20"]);
+  expect(writtenConstants.map((each) => described(each, bone))).toEqual(["18\u2009600\u2009000 kPa", "0.3", "1.9 g/cm³", "never", "30 %"]);
+  for (const constants of [liver, bone, customTissue]) {
+    for (const each of writtenConstants) {
+      expect(typed(each, written(each, constants), customTissue)).toEqual({ constants: { ...customTissue, [each.key]: constants[each.key] } });
+    }
+  }
+});
+
+test.each([
+  ["young", "0", "Modulus E: 0 given; allowed: 0.001 to 2\u2009000\u2009000\u2009000 kPa"],
+  ["poisson", "0.5", "Poisson's ν: 0.5 given; allowed: -0.99 to 0.499"],
+  ["density", "", "Density ρ: no number given; allowed: 0.0001 to 23 g/cm³"],
+  ["breaking_strain", "-3", "Breaks at: -3 given; allowed: 0.1 to 10\u2009000 %, nothing for never"],
+  ["friction", "soft", "Friction: soft given; allowed: 0 to 1\u2009000 %"],
+] as const)("%s of %o is refused with what is allowed", (key, text, refused) => {
+  expect(typed(of(key), text, liver)).toEqual({ refused });
+});
+
+test("without a breaking strain no bond breaks", () => {
+  expect(typed(of("breaking_strain"), " ", liver)).toEqual({ constants: { ...liver, breaking_strain: null } });
+});
+
+test("what may be typed the engine takes", () => {
+  const engine = { young: [1, 2e12], poisson: [-0.999999, 0.499999], density: [0.1, 23_000], breaking_strain: [1e-9, 1e6], friction: [0, 10] };
+  for (const { key, scale, min, max } of writtenConstants) {
+    const [low = NaN, high = NaN] = engine[key];
+    expect([min * scale >= low * (1 - 1e-9), max * scale <= high * (1 + 1e-9)], key).toEqual([true, true]);
+  }
+});

@@ -1,0 +1,76 @@
+/** How the scan is shown: every gesture is one step of undo, and what is remembered follows. */
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import type { Scan } from "../../../../src/core/protocol";
+import { anatomy, AppearanceControl } from "../../../../src/ui/features/appearance/appearance_control.svelte";
+import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
+import { SliceControl } from "../../../../src/ui/features/slices/slice_control.svelte";
+import { scanOf } from "../../../support/volumes";
+
+let kept = new Map<string, string>();
+const scan: Scan = { ...scanOf([40, 40, 40], [1, 1, 1]), name: "head", unit: "HU", range: [-1000, 2000], soft_tissue: 40, bone: 250 };
+
+beforeEach(() => {
+  kept = new Map();
+  vi.stubGlobal("localStorage", {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem: (key: string, value: string) => kept.set(key, value),
+  });
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+function opened() {
+  const steps = new PageSteps(() => 0);
+  const looks = new AppearanceControl(steps);
+  const slices = new SliceControl(steps, () => null);
+  looks.open(scan);
+  slices.open(scan);
+  return { steps, looks, slices };
+}
+
+test("each gesture is one step, in one order, and what is remembered is what is seen", () => {
+  const { steps, looks, slices } = opened();
+  const shown = (): unknown => [looks.choice, looks.appearance, looks.curveChoice, looks.lighting, looks.inside, slices.look];
+  const gestures: readonly (() => void)[] = [
+    () => { looks.choose("blend", "mip"); },
+    () => { [1, 2, 3].forEach(() => { looks.drag(5, 2); }); },
+    () => { looks.choose("blend", "composite"); },
+    () => { looks.drag(5, 2); looks.drag(3, 1); },
+    () => { looks.usePreset("CT-Bone"); },
+    () => { looks.drag(5, 2); looks.drag(3, 1); },
+    () => { [0.2, 0.4].forEach((specular) => { looks.light({ specular }); }); },
+    () => { looks.setInside(2, "tinted"); },
+    () => { slices.setWindow({ window: 1400, level: -500 }); },
+    () => { [1, 2].forEach(() => { slices.dragWindow(9, 9); }); },
+    () => { slices.draw("fill", 0.5); slices.draw("fill", 0.6); },
+    () => { slices.draw("slabMode", "largest"); },
+    () => { looks.reset(); },
+  ];
+  const states = [shown()];
+  for (const gesture of gestures) {
+    gesture();
+    steps.endGesture();
+    states.push(shown());
+  }
+  for (const before of states.slice(0, -1).reverse()) {
+    steps.undo();
+    expect(shown()).toEqual(before);
+    const next = opened();
+    expect([next.looks.choice, next.looks.curveChoice, next.slices.look]).toEqual([looks.choice, looks.curveChoice, slices.look]);
+  }
+  expect(steps.canUndo).toBe(false);
+  for (const after of states.slice(1)) {
+    steps.redo();
+    expect(shown()).toEqual(after);
+  }
+  expect(looks.curveChoice.name).toBe(anatomy);
+});
+
+test("how the picture is divided is no step", () => {
+  const { steps, slices } = opened();
+  slices.change({ layout: "four" });
+  expect(steps.canUndo).toBe(false);
+  expect(opened().slices.habits.layout).toBe("four");
+});
