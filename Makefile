@@ -32,6 +32,9 @@ WHEEL_READY := dist/.wheel
 # first line of a recipe: its name; the rest is one script, timed (scripts/stage.sh)
 step = @source scripts/stage.sh "$(1)"
 
+# two steps at a time, the output of each in one piece
+TWO := --jobs=2 --output-sync=target --no-print-directory
+
 .PHONY: help
 help: ## this list
 	@echo "Palpate: examine medical scans by touch"
@@ -133,27 +136,57 @@ lint-rust:
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 
+# the unit tests of what changed since the branch left main (scripts/changed.py)
+.PHONY: check changed check-rust check-python check-viewer
+check: ## in three minutes: formats, lints, types, and unit tests of what changed
+	@scripts/stages.sh --begin
+	trap scripts/stages.sh EXIT
+	$(MAKE) $(TWO) changed TOGETHER=changed
+
+changed: check-rust lint check-python check-viewer
+
+check-rust: $(VENV_READY)
+	$(call step,Rust: tests of crates that changed)
+	crates=$$($(BIN)/python scripts/changed.py crates)
+	test -z "$$crates" || cargo test --locked --quiet --tests $${crates//palpate-/--package palpate-}
+
+# where the engine changed too, it is built first
+check-python: $(VENV_READY)
+	$(call step,Python: tests of what changed)
+	tests=$$($(BIN)/python scripts/changed.py python)
+	test -z "$$tests" || $(MAKE) --no-print-directory $(QUICK_ENGINE_READY)
+	test -z "$$tests" || $(BIN)/pytest -q -m "not wheel and not browser" --numprocesses 2 --dist loadfile $$tests
+
+check-viewer: $(VENV_READY) $(NODE_READY)
+	$(call step,viewer: tests of what changed)
+	commit=$$($(BIN)/python scripts/changed.py commit)
+	cd viewer
+	npx vitest run --changed "$$commit" tests/core tests/ui tests/live
+
 # --- tests ------------------------------------------------------------------------------
 
 .PHONY: test test-long everything test-rust test-python test-viewer test-wheel test-browser
-# two steps at a time, each with its output in one piece, and the times of all at the end
+# the times of all steps stand at the end
 test: ## all tests and checks
 	@scripts/stages.sh --begin
 	trap scripts/stages.sh EXIT
-	$(MAKE) --jobs=2 --output-sync=target --no-print-directory everything TOGETHER=1
+	$(MAKE) $(TWO) everything TOGETHER=everything
 	printf '\n\033[1m== make test: everything passed\033[0m\n'
 
-everything: prerequisites chromium data lint-rust test-rust lint test-python test-viewer test-wheel test-browser
+everything: test-rust lint test-python test-viewer test-wheel test-browser
 
-# One after the other: what takes the same lock of cargo, and what fills both cores by itself.
-# Pages are looked at when nothing else runs.
+# Beside one another, two at a time, but what takes the same lock of cargo or fills both cores;
+# pages are looked at when nothing else runs.
 ifdef TOGETHER
-lint lint-rust lint-python lint-viewer lint-repository test-rust $(VENV_READY) $(NODE_READY): | chromium data
-test-rust: | lint-rust
-test-python: | lint-python lint-viewer
+lint-rust $(VENV_READY) $(NODE_READY): | prerequisites
+test-rust check-rust: | lint-rust
+test-python check-python: | lint-python lint-viewer
 test-viewer: | test-python
 test-wheel: | test-viewer
 test-browser: | test-rust test-wheel
+endif
+ifeq ($(TOGETHER),everything)
+prerequisites: | chromium data
 endif
 
 test-long: export PALPATE_LONG := 1
