@@ -5,8 +5,7 @@ use palpate_deform::material::{
 };
 use palpate_deform::model::{MODELS, Registered};
 use palpate_deform::model_options::{Calibration, ModelOptions, Motion, Prony, Range};
-use palpate_engine::deformable::deformable_view::ShownParts;
-use palpate_engine::deformable::deformation::{DeformationStatus, ForceSource};
+use palpate_engine::deformable::{DeformationStatus, ForceSource, ShownParts};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;
