@@ -6,12 +6,11 @@ use std::sync::mpsc::Sender;
 
 use glam::DVec3;
 
-use crate::deformable::deformation::DeformationStatus;
+use crate::deformable::DeformationStatus;
 use crate::notice::Notice;
 use crate::picture::scene_updates::SceneUpdate;
-use crate::scene::tool_status::ToolStatus;
-use crate::touch::moved_poses::CurrentPoses;
-use crate::touch::needle::NeedleDisplay;
+use crate::scene::ToolStatus;
+use crate::touch::{CurrentPoses, NeedleDisplay};
 
 /// What the picture shows of the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -13,32 +13,24 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use triple_buffer::{Input, triple_buffer};
 
-use crate::deformable::deformable_view::DeformableView;
-use crate::deformable::deformation::Deformation;
+use crate::deformable::{DeformableView, Deformation};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::frame_collector::{FrameCollector, FrameSources, RateReaders};
-use crate::picture::simulation_status::{PictureEnds, SimulationStatus};
-use crate::picture::surface_loop::{SurfaceLoop, SurfacePace};
-use crate::picture::surfaces::Surfaces;
-use crate::replay::tape::TapeRecorder;
-use crate::scene::mask_fractions::MaskFractions;
-use crate::scene::{Properties, Scene, Step};
-use crate::servo::channels::{Channels, SimulationChannels};
-use crate::servo::device_loop::DeviceLoop;
-use crate::servo::inputs::HandTarget;
-use crate::servo::mapping::{Mapping, view_from_the_front};
-use crate::servo::shared::Shared;
-use crate::servo::{ServoLoop, ServoStart};
+use crate::picture::{
+    FrameCollector, FrameSources, PictureEnds, RateReaders, SimulationStatus, SurfaceLoop,
+    SurfacePace, Surfaces,
+};
+use crate::replay::TapeRecorder;
+use crate::scene::{MaskFractions, Properties, Scene, Step};
+use crate::servo::{
+    Channels, DeviceLoop, HandTarget, Mapping, ServoLoop, ServoStart, Shared, SimulationChannels,
+    view_from_the_front,
+};
 use crate::session::config::{Reference, SessionConfig};
 use crate::session::live::Loops;
-use crate::simulation::Simulation;
-use crate::simulation::touch_sender::touchable_of;
-use crate::threads::change_signal::ChangeSignal;
-use crate::threads::pacing::{PICTURE_HZ, SIMULATION_HZ};
-use crate::threads::rate::RateMeter;
-use crate::touch::placement::{REACH, free_point, in_front_of};
-use crate::touch::settings::Settings;
+use crate::simulation::{Simulation, touchable_of};
+use crate::threads::{ChangeSignal, PICTURE_HZ, RateMeter, SIMULATION_HZ};
+use crate::touch::{PLACEMENT_REACH, Settings, free_point, in_front_of};
 
 /// A session before it runs.
 pub struct Assembly {
@@ -189,7 +181,7 @@ fn first_point(scene: &Scene, start: Option<DVec3>, radius: f64) -> Result<DVec3
     let touchable = touchable_of(scene, radius);
     free_point(&touchable.scene(grid), point).ok_or(SessionError::NoFreeVoxel {
         point,
-        reach: REACH,
+        reach: PLACEMENT_REACH,
     })
 }
 

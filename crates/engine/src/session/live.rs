@@ -11,19 +11,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use crate::deformable::deformation_loop::{DeformationLoop, WakeUp};
+use crate::deformable::{DeformationLoop, WakeUp};
 use crate::error::SessionError;
-use crate::picture::frame_collector::FrameCollector;
-use crate::picture::surface_loop::SurfaceLoop;
-use crate::scene::mask_fractions::FractionLoop;
-use crate::servo::ServoLoop;
-use crate::servo::device_loop::DeviceLoop;
-use crate::servo::shared::Shared;
+use crate::picture::{FrameCollector, SurfaceLoop};
+use crate::scene::FractionLoop;
+use crate::servo::{DeviceLoop, ServoLoop, Shared};
 use crate::simulation::Simulation;
-use crate::threads::clock;
-use crate::threads::pacing::{PICTURE_HZ, Pacer, SIMULATION_HZ};
-use crate::threads::priority::{self, Priority};
-use crate::threads::rate::RateMeter;
+use crate::threads::priority::{self};
+use crate::threads::{PICTURE_HZ, Pacer, Priority, RateMeter, SIMULATION_HZ, clock};
 
 /// From the start of the threads to their first tick [ns].
 const HEAD_START_NS: u64 = 20_000_000;
@@ -74,7 +69,6 @@ pub struct Live {
     questions: Mutex<Sender<Question>>,
     threads: Mutex<Vec<(&'static str, JoinHandle<()>)>>,
     shared: Arc<Shared>,
-    start_ns: u64,
 }
 
 /// What every thread needs.
@@ -110,7 +104,6 @@ impl Live {
             questions: Mutex::new(questions),
             threads: Mutex::new(Vec::with_capacity(7)),
             shared,
-            start_ns: context.start_ns,
         };
         let Loops {
             device,
@@ -142,18 +135,12 @@ impl Live {
             while !shared.stopping() && deformation.wait(PATIENCE) {}
         })?;
         let shared = Arc::clone(&live.shared);
-        live.spawn("shares", move || {
+        live.spawn("fractions", move || {
             while !shared.stopping() && fractions.wait(PATIENCE) {}
         })?;
 
         let granted = outcome_of_both(&results);
         Ok((live, granted))
-    }
-
-    /// The session's time zero, on the monotonic clock [ns].
-    #[must_use]
-    pub fn start_ns(&self) -> u64 {
-        self.start_ns
     }
 
     /// Has the simulation thread do something; false where it runs no more.

@@ -5,11 +5,11 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::picture::frame_collector::FrameCollector;
-use crate::servo::shared::Shared;
+use crate::picture::FrameCollector;
+use crate::servo::Shared;
 use crate::session::live::{Loops, Paces, message_of};
 use crate::simulation::Simulation;
-use crate::threads::pacing::{PICTURE_HZ, SIMULATION_HZ, Start};
+use crate::threads::{PICTURE_HZ, SIMULATION_HZ, TickStart};
 
 /// The loops and how far they are.
 pub struct Offline {
@@ -114,8 +114,8 @@ impl Offline {
 }
 
 /// A tick of a loop that is never late.
-fn in_time(tick: u64, rate_hz: u64) -> Start {
-    Start {
+fn in_time(tick: u64, rate_hz: u64) -> TickStart {
+    TickStart {
         began_ns: tick * 1_000_000_000 / rate_hz,
         late_ns: 0,
         skipped: 0,

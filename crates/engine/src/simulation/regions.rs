@@ -5,7 +5,7 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformable::rigid_regions::{Regions, SharedChange, changed_bricks, rigid_mask};
+use crate::deformable::{Regions, SharedChange, changed_bricks, rigid_mask};
 use crate::error::SessionError;
 use crate::scene::{Step, TouchChange};
 
@@ -87,13 +87,11 @@ mod tests {
     use super::*;
     use std::sync::mpsc;
 
-    use crate::deformable::deformation::Deformation;
-    use crate::deformable::rigid_regions::SharedRegionChanges;
-    use crate::picture::simulation_status::SimulationStatus;
-    use crate::scene::mask_fractions::MaskFractions;
-    use crate::scene::{Properties, Scene};
-    use crate::servo::channels::Channels;
-    use crate::touch::settings::Settings;
+    use crate::deformable::{Deformation, SharedRegionChanges};
+    use crate::picture::SimulationStatus;
+    use crate::scene::{MaskFractions, Properties, Scene};
+    use crate::servo::Channels;
+    use crate::touch::Settings;
     use glam::{DMat3, DVec3, IVec3, UVec3};
     use oorandom::Rand64;
     use palpate_deform::material::preset;

@@ -3,10 +3,8 @@
 use crate::common::recorder::*;
 use crate::common::*;
 use glam::{DVec3, UVec3};
-use palpate_engine::replay::run::replay;
-use palpate_engine::replay::tape::Tape;
-use palpate_engine::replay::tape_columns::{BUILD, TapeColumns, TapeError};
-use palpate_engine::servo::servo_state::ServoState;
+use palpate_engine::replay::{BUILD, Tape, TapeColumns, TapeError, replay};
+use palpate_engine::servo::ServoState;
 
 #[test]
 fn a_tape_goes_through_columns_and_is_replayed_all_the_same() {

@@ -7,11 +7,8 @@ use rtrb::Consumer;
 
 use super::bricks::{changed_bricks, changed_fractions, put, put_fractions};
 use super::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart};
-use crate::servo::channels::{ServoCommand, Snapshot};
-use crate::servo::servo_state::ServoState;
-use crate::touch::occupancy_change::FractionSwap;
-use crate::touch::part::Part;
-use crate::touch::scan_values::ScanValues;
+use crate::servo::{ServoCommand, ServoState, Snapshot};
+use crate::touch::{FractionSwap, Part, ScanValues};
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;

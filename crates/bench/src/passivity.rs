@@ -18,16 +18,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DMat3, DVec3, UVec3};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
-use palpate_engine::servo::channels::Channels;
-use palpate_engine::servo::device_loop::DeviceLoop;
-use palpate_engine::servo::mapping::Mapping;
-use palpate_engine::servo::shared::Shared;
-use palpate_engine::servo::{ServoLoop, ServoStart};
-use palpate_engine::touch::part::Part;
-use palpate_engine::touch::scan_values::Threshold;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::TouchFeels;
-use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::servo::{Channels, DeviceLoop, Mapping, ServoLoop, ServoStart, Shared};
+use palpate_engine::touch::{Part, Settings, Threshold, TouchFeels, Touchable};
 use palpate_haptics::force::SafetySettings;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;

@@ -6,11 +6,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::scene::incremental_surface::SegmentVoxels;
-use crate::touch::occupancy_fractions::FractionalBits;
-use crate::touch::part::{MovedPart, Part};
-use crate::touch::scan_values::{ScanValues, Threshold, ThresholdRange};
-use crate::touch::touch_feel::{TouchFeel, TouchFeels};
+use crate::touch::{
+    FractionalBits, MovedPart, Part, ScanValues, Threshold, ThresholdRange, TouchFeel, TouchFeels,
+};
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
 use palpate_volume::bit_brick::BitBrick;
@@ -23,17 +21,23 @@ use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-pub mod cut;
-pub mod gap;
-pub mod gap_bodies;
-pub mod incremental_surface;
-pub mod mask_fractions;
+mod cut;
+mod gap;
+mod gap_bodies;
+mod incremental_surface;
+mod mask_fractions;
 mod perform;
-pub mod point_tree;
+mod point_tree;
 mod step;
-pub mod tool_status;
+mod tool_status;
 
+pub use cut::{LineCut, MOST_POINTS, Painted, Plane};
+pub use gap::{Gap, GapBody};
+pub use gap_bodies::{GapBodies, Measured, gap_surface_options};
+pub use incremental_surface::{IncrementalSurface, SegmentVoxels, SurfaceOptions, SurfaceSource};
+pub use mask_fractions::{FractionLoop, MaskFractions};
 pub use step::{ModelChoice, Step, TouchChange};
+pub use tool_status::ToolStatus;
 
 /// What is known of a segment beside its voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

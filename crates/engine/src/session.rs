@@ -11,34 +11,31 @@ use palpate_device::DeviceLimits;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::Voxels;
 
-use crate::deformable::deformable_view::DeformableView;
+use crate::deformable::DeformableView;
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::frame_collector::FrameCollector;
-use crate::picture::surface_loop::SurfacePace;
-use crate::picture::surfaces::Surfaces;
-use crate::replay::tape::TapeRecorder;
-use crate::scene::gap_bodies::GapBodies;
-use crate::servo::inputs::HandTarget;
-use crate::servo::mapping::rotation_of_view;
-use crate::servo::shared::Shared;
+use crate::picture::{FrameCollector, SurfacePace, Surfaces};
+use crate::replay::TapeRecorder;
+use crate::scene::GapBodies;
+use crate::servo::{HandTarget, Shared, rotation_of_view};
 use crate::session::assembly::{Assembly, assemble};
-use crate::session::config::{SessionConfig, check, check_point};
+use crate::session::config::check;
 use crate::session::live::{Live, Paces};
 use crate::session::offline::Offline;
 use crate::simulation::Simulation;
-use crate::threads::change_signal::ChangeSignal;
-use crate::threads::clock;
-use crate::touch::settings::Settings;
+use crate::threads::{ChangeSignal, clock};
+use crate::touch::Settings;
 
-pub mod assembly;
+mod assembly;
 mod changes;
-pub mod config;
-pub mod live;
+mod config;
+mod live;
 mod objects;
-pub mod offline;
+mod offline;
 mod segments;
 mod showing;
+
+pub use config::{Reference, SessionConfig, check_point};
 
 /// How often a large edit is built again because another came in between.
 const BUILDS: usize = 4;

@@ -14,13 +14,10 @@ use palpate_volume::grid::Grid;
 use serde::{Deserialize, Serialize};
 
 use crate::replay::mask_runs::{MaskRun, runs_of};
-use crate::servo::inputs::DeformableContact;
-use crate::servo::servo_state::ServoState;
-use crate::touch::occupancy_change::FractionSwap;
-use crate::touch::part::{MovedPart, Part};
-use crate::touch::scan_values::{ScanValues, ThresholdRange};
-use crate::touch::settings::Settings;
-use crate::touch::touch_feel::TouchFeel;
+use crate::servo::{DeformableContact, ServoState};
+use crate::touch::{
+    FractionSwap, MovedPart, Part, ScanValues, Settings, ThresholdRange, TouchFeel,
+};
 
 mod bricks;
 mod recorder;

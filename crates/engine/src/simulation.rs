@@ -18,39 +18,36 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::deformable::deformation::Deformation;
-use crate::deformable::displacements::Displacements;
-use crate::deformable::rigid_regions::SharedRegionChanges;
+use crate::deformable::{Deformation, Displacements, SharedRegionChanges};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::scene_updates::SceneUpdate;
-use crate::picture::simulation_status::{PictureEnds, SimulationStatus};
-use crate::replay::tape::TapeRecorder;
-use crate::scene::incremental_surface::SegmentVoxels;
-use crate::scene::mask_fractions::MaskFractions;
-use crate::scene::{Scene, Step, TouchChange};
-use crate::servo::channels::{ServoCommand, SimulationChannels};
+use crate::picture::{PictureEnds, SceneUpdate, SimulationStatus};
+use crate::replay::TapeRecorder;
+use crate::scene::{MaskFractions, Scene, SegmentVoxels, Step, TouchChange};
+use crate::servo::{ServoCommand, SimulationChannels};
 use crate::simulation::grip::Grip;
 use crate::simulation::tool_stroke::ToolStroke;
-use crate::simulation::touch_sender::{TouchSender, touchable_of};
-use crate::touch::needle::NeedleWatch;
-use crate::touch::placement::{REACH, free_point};
-use crate::touch::scan_values::ThresholdRange;
-use crate::touch::settings::{Settings, check_radius};
-use crate::touch::touch_feel::TouchFeel;
+use crate::simulation::touch_sender::TouchSender;
+use crate::touch::{
+    NeedleWatch, PLACEMENT_REACH, Settings, ThresholdRange, TouchFeel, check_radius, free_point,
+};
 
 mod deformation;
 mod displacements;
-pub mod grip;
+mod grip;
 mod objects;
 mod publish;
-pub mod recovery;
+mod recovery;
 mod regions;
 mod segments;
 mod steps;
-pub mod tool_stroke;
+mod tool_stroke;
 mod tools;
-pub mod touch_sender;
+mod touch_sender;
+
+pub use grip::surface_voxels;
+pub use recovery::{Kept, Recovered};
+pub use touch_sender::touchable_of;
 
 /// A segment as the session holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -285,7 +282,7 @@ impl Simulation {
         let touchable = touchable_of(&self.scene, self.settings.probe_radius);
         let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
             point,
-            reach: REACH,
+            reach: PLACEMENT_REACH,
         })?;
         let moved = free.distance(point);
         // a voxel's length is what clicking on a surface misses by

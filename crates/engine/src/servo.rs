@@ -17,39 +17,35 @@ use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 
-use crate::servo::channels::{
-    ForceCommand, ServoChannels, ServoCommand, ServoStatus, Snapshot, TickRecord,
-};
-use crate::servo::device_loop::WATCHDOG_SECS;
+use crate::servo::channels::ServoChannels;
 use crate::servo::guarantee_watch::keeps_guarantees;
-use crate::servo::inputs::{DeformableContact, DeviceSample, HandTarget, TickInputs};
-use crate::servo::mapping::Mapping;
-use crate::servo::servo_state::ServoState;
-use crate::servo::shared::Shared;
-use crate::touch::contact_model::LimitedModel;
-use crate::touch::moved_poses::{CurrentPoses, MovedPoses};
-use crate::touch::needle::{NeedleStatus, sharp};
-use crate::touch::owners::Owners;
-use crate::touch::probe::Probe;
-use crate::touch::rigid_obstacles::RigidObstacles;
-use crate::touch::settings::{Settings, Smoothing};
-use crate::touch::touch_feel::TouchFeels;
-use crate::touch::touch_occupancy::TouchOccupancy;
-use crate::touch::touchable::Touchable;
-use crate::touch::touched_surfaces::TouchedSurfaces;
+use crate::touch::{
+    CurrentPoses, LimitedModel, MovedPoses, NeedleStatus, Owners, Probe, RigidObstacles, Settings,
+    Smoothing, TouchFeels, TouchOccupancy, Touchable, TouchedSurfaces, sharp,
+};
 
-pub mod channels;
+mod channels;
 mod commands;
-pub mod device_loop;
-pub mod force_state;
-pub mod guarantee_watch;
-pub mod inputs;
-pub mod mapping;
+mod device_loop;
+mod force_state;
+mod guarantee_watch;
+mod inputs;
+mod mapping;
 mod publish;
-pub mod servo_state;
-pub mod shared;
+mod servo_state;
+mod shared;
 
+pub use channels::{
+    Channels, DeviceChannels, ForceCommand, ServoCommand, ServoStatus, SimulationChannels,
+    Snapshot, TickRecord,
+};
 pub use commands::MAX_COMMANDS_PER_TICK;
+pub use device_loop::{DeviceLoop, WATCHDOG_SECS};
+pub use force_state::ForceState;
+pub use inputs::{DeformableContact, DeviceSample, HandTarget, TickInputs};
+pub use mapping::{Mapping, ViewError, rotation_of_view, view_from_the_front};
+pub use servo_state::ServoState;
+pub use shared::Shared;
 
 /// What a servo begins with.
 #[derive(Debug)]

@@ -23,12 +23,7 @@ pub use stroke::{DEPTH, STEP, Stroke, stroke};
 use std::hint::black_box;
 
 use glam::DVec3;
-use palpate_engine::touch::contact_model::Model;
-use palpate_engine::touch::owners::Owners;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::TouchFeels;
-use palpate_engine::touch::touchable::Touchable;
-use palpate_engine::touch::touched_surfaces::TouchedSurfaces;
+use palpate_engine::touch::{Model, Owners, Settings, TouchFeels, Touchable, TouchedSurfaces};
 use palpate_haptics::ball::BallError;
 use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::force::{ForceLimits, Safety};
