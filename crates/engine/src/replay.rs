@@ -10,7 +10,7 @@ mod tape_columns;
 
 pub use recording::{MAX_TICKS, Recording};
 pub use run::{Difference, ReplayEnd, ReplayError, Replayed, replay};
-pub use tape::{MAX_TAPE_BYTES, Tape, TapeCommand, TapeRecorder};
+pub use tape::{MAX_TAPE_BYTES, Tape, TapeCommand, TapeEntry, TapeRecorder};
 pub use tape_columns::{
     BUILD, BrickColumns, FractionColumns, TapeColumns, TapeError, ValueColumns,
 };

@@ -20,8 +20,8 @@ use palpate_volume::grid::Grid;
 use crate::servo::channels::ServoChannels;
 use crate::servo::guarantee_watch::keeps_guarantees;
 use crate::touch::{
-    CurrentPoses, LimitedModel, MovedPoses, NeedleStatus, Owners, Probe, RigidObstacles, Settings,
-    Smoothing, TouchFeels, TouchOccupancy, Touchable, TouchedSurfaces, sharp,
+    CurrentPoses, LimitedModel, MovedPoses, NeedleStatus, Owners, Probe, RigidObstacles,
+    RigidWorld, Settings, Smoothing, TouchFeels, TouchOccupancy, Touchable, TouchedSurfaces, sharp,
 };
 
 mod channels;
@@ -238,7 +238,7 @@ impl ServoLoop {
         let needle = self.needle_input(inputs.time, &input);
         let led = self.lead_needle(&needle, &input);
         let mut output = self.touch(&led);
-        self.give_way(inputs.time, &input, &mut output);
+        self.follow_soft_tissue(inputs.time, &input, &mut output);
         self.follow_needle(&needle, &mut output);
 
         self.publish_force(inputs, &output);
@@ -350,9 +350,9 @@ impl ServoLoop {
         output
     }
 
-    /// Touches soft tissue as it answers, instead of its voxels, and what is hard beside or
-    /// under it as ever.
-    fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
+    /// Touches soft tissue as it answers, instead of its voxels, and what is rigid beside or under
+    /// it as ever.
+    fn follow_soft_tissue(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
         if !self.state.soft.is_awaited() {
             return;
         }
@@ -376,13 +376,16 @@ impl ServoLoop {
             spacing: self.grid.smallest_spacing(),
             time,
         };
-        let matter = self.occupancy.touchable();
-        let world = (matter, self.occupancy.version(), &self.grid);
-        let soft = self.state.deformable_contact.segments;
+        let world = RigidWorld {
+            touchable: self.occupancy.touchable(),
+            version: self.occupancy.version(),
+            grid: &self.grid,
+            soft: self.state.deformable_contact.segments,
+        };
         let (proxy, feels) = (&self.state.touch.proxy, &self.state.feels);
         let mut visits = 0;
         let stop = |tool| {
-            let stop = self.hard.stop(world, soft, (proxy, tool), &mut visits)?;
+            let stop = self.hard.stop(world, proxy, tool, &mut visits)?;
             let felt = stop.by.map_or(self.state.settings, |id| {
                 feels.of(id).over(&self.state.settings)
             });
@@ -408,8 +411,8 @@ impl ServoLoop {
 
     /// Where touch is led: to the device, or to the needle that is in.
     fn lead_needle(&mut self, needle: &NeedleInput, input: &TickInput) -> TickInput {
-        let matter = self.occupancy.touchable();
-        let tool = self.state.needle.lead(needle, &self.grid, matter);
+        let touchable = self.occupancy.touchable();
+        let tool = self.state.needle.lead(needle, &self.grid, touchable);
         tool.map_or(*input, |tool| TickInput {
             device_in_scene: tool,
             // its contact is hard or none

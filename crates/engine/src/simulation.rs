@@ -80,6 +80,17 @@ pub struct SegmentState {
     pub locked: bool,
 }
 
+/// What a simulation begins with.
+#[derive(Debug)]
+pub struct SimulationParts {
+    /// Voxels and segments.
+    pub scene: Scene,
+    /// Soft tissue; its loop is somebody else's.
+    pub deformation: Deformation,
+    /// The occupancy fractions of masks; their loop is somebody else's.
+    pub fractions: MaskFractions,
+}
+
 /// The state of the simulation thread.
 #[derive(Debug)]
 pub struct Simulation {
@@ -119,12 +130,22 @@ impl Simulation {
     /// A simulation of this scene, whose device bears `limits`.
     #[must_use]
     pub fn new(
-        (scene, deformation, fractions): (Scene, Deformation, MaskFractions),
+        parts: SimulationParts,
         settings: Settings,
         limits: DeviceLimits,
         channels: SimulationChannels,
-        (status, notices, updates): PictureEnds,
+        picture: PictureEnds,
     ) -> Self {
+        let SimulationParts {
+            scene,
+            deformation,
+            fractions,
+        } = parts;
+        let PictureEnds {
+            status,
+            notices,
+            updates,
+        } = picture;
         let mut simulation = Self {
             scene,
             journal: UndoJournal::default(),

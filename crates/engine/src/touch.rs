@@ -35,7 +35,7 @@ pub use owners::Owners;
 pub use part::{MovedPart, Part};
 pub use placement::{PLACEMENT_REACH, free_point, in_front_of};
 pub use probe::Probe;
-pub use rigid_obstacles::RigidObstacles;
+pub use rigid_obstacles::{RigidObstacles, RigidWorld};
 pub use scan_values::{ScanValues, Threshold, ThresholdRange};
 pub use settings::{Settings, SettingsError, Smoothing, check_radius};
 pub use touch_feel::{TouchFeel, TouchFeels};

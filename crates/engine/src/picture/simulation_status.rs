@@ -55,9 +55,13 @@ pub struct SimulationStatus {
     pub undo_budget: usize,
 }
 
-/// Where the simulation tells what is shown: its status, sentences, and changes of voxels.
-pub type PictureEnds = (
-    triple_buffer::Input<SimulationStatus>,
-    Sender<Notice>,
-    Sender<SceneUpdate>,
-);
+/// Where the simulation publishes what is shown.
+#[derive(Debug)]
+pub struct PictureEnds {
+    /// Its status.
+    pub status: triple_buffer::Input<SimulationStatus>,
+    /// Sentences for the person.
+    pub notices: Sender<Notice>,
+    /// Changes of the scene.
+    pub updates: Sender<SceneUpdate>,
+}

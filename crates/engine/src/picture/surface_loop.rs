@@ -65,7 +65,8 @@ impl SurfaceLoop {
     pub fn new(
         inbox: Receiver<SceneUpdate>,
         surfaces: Arc<Mutex<Surfaces>>,
-        (pace, signal): (SurfacePace, Arc<ChangeSignal>),
+        pace: SurfacePace,
+        signal: Arc<ChangeSignal>,
     ) -> Self {
         Self {
             inbox,

@@ -13,10 +13,10 @@ use super::drive::Drive;
 use crate::deformable::{Deformation, DeformationLoop};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::{SceneUpdate, SimulationStatus};
+use crate::picture::{PictureEnds, SceneUpdate, SimulationStatus};
 use crate::scene::{MaskFractions, Scene};
 use crate::servo::{Channels, DeviceSample, Mapping, ServoLoop, ServoStart, Shared, TickRecord};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, SimulationParts};
 use crate::touch::{TouchFeels, Touchable};
 
 /// Ticks in a second.
@@ -81,11 +81,19 @@ impl Rig {
         Ok(Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                (scene, deformation, fractions),
+                SimulationParts {
+                    scene,
+                    deformation,
+                    fractions,
+                },
                 settings,
                 limits,
                 channels.simulation,
-                (status, notices, updates),
+                PictureEnds {
+                    status,
+                    notices,
+                    updates,
+                },
             ),
             deformation: deformation_loop,
             device: channels.device.samples,

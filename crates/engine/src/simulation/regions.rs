@@ -88,9 +88,10 @@ mod tests {
     use std::sync::mpsc;
 
     use crate::deformable::{Deformation, SharedRegionChanges};
-    use crate::picture::SimulationStatus;
+    use crate::picture::{PictureEnds, SimulationStatus};
     use crate::scene::{MaskFractions, Properties, Scene};
     use crate::servo::Channels;
+    use crate::simulation::SimulationParts;
     use crate::touch::Settings;
     use glam::{DMat3, DVec3, IVec3, UVec3};
     use oorandom::Rand64;
@@ -138,11 +139,19 @@ mod tests {
         let scene = Scene::new(Voxels::new(grid, scan).unwrap());
         let (status, _) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let mut simulation = Simulation::new(
-            (scene, Deformation::new(true).0, MaskFractions::new().0),
+            SimulationParts {
+                scene,
+                deformation: Deformation::new(true).0,
+                fractions: MaskFractions::new().0,
+            },
             Settings::default(),
             LIMITS,
             Channels::new(DVec3::new(20.0, 20.0, 30.0)).simulation,
-            (status, mpsc::channel().0, mpsc::channel().0),
+            PictureEnds {
+                status,
+                notices: mpsc::channel().0,
+                updates: mpsc::channel().0,
+            },
         );
         for id in [SKIN_ID, SOFT_ID, BONE_ID] {
             let segment = Segment::from_fn(DIMENSIONS, |voxel| segment_at(voxel) == Some(id));

@@ -19,13 +19,13 @@ use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
 use palpate_engine::deformable::{Deformation, DeformationLoop};
 use palpate_engine::notice::Notice;
-use palpate_engine::picture::{Frame, SceneUpdate, SimulationStatus};
+use palpate_engine::picture::{Frame, PictureEnds, SceneUpdate, SimulationStatus};
 use palpate_engine::scene::{FractionLoop, MaskFractions, Properties, Scene};
 use palpate_engine::servo::{
     Channels, DeviceSample, HandTarget, Mapping, ServoLoop, ServoStart, Shared, TickRecord,
 };
 use palpate_engine::session::{Reference, Session, SessionConfig};
-use palpate_engine::simulation::Simulation;
+use palpate_engine::simulation::{Simulation, SimulationParts};
 use palpate_engine::touch::{Settings, TouchFeel, TouchFeels, Touchable};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -279,11 +279,19 @@ impl Rig {
             deformation: deformation_loop,
             fractions: fraction_loop,
             simulation: Simulation::new(
-                (scene, deformation, fractions),
+                SimulationParts {
+                    scene,
+                    deformation,
+                    fractions,
+                },
                 Settings::default(),
                 limits(),
                 channels.simulation,
-                (status_in, notices, news_in),
+                PictureEnds {
+                    status: status_in,
+                    notices,
+                    updates: news_in,
+                },
             ),
             device: channels.device.samples,
             forces: channels.device.forces,
