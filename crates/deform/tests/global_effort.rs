@@ -2,7 +2,7 @@
 //! particles take tens of thousands of voxels along.
 
 use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};
-use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::material::{Materials, SegmentMaterial, preset};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -46,7 +46,7 @@ impl Scan {
             .add_segment(Segment::from_fn(SIZE, solid))
             .expect("its grid");
         let law = preset("liver").and_then(|preset| preset.law());
-        let matter = SegmentMatter {
+        let matter = SegmentMaterial {
             segment,
             law: law.expect("liver is a preset"),
             regions: Vec::new(),
@@ -154,7 +154,7 @@ fn what_somebody_else_changes_while_voxels_follow_counts() {
     }
     // a hole below the ball, in matter that has moved
     let hole = VoxelBox::new(IVec3::new(46, 51, 44), IVec3::new(54, 59, 52));
-    let cut = scan.voxels.matter_edit(&hole, |_, mut matter| {
+    let cut = scan.voxels.voxel_edit(&hole, |_, mut matter| {
         (matter.stored, matter.segments) = (-1000, Default::default());
         matter
     });

@@ -38,7 +38,7 @@ pub mod track;
 
 use events::{EventKind, Events};
 use insertion::Insertion;
-use tissues::{Layered, Matter, Tissues, World};
+use tissues::{Layered, TissueMap, Tissues, World};
 use track::{Line, Track};
 
 /// Farther than this no hand is [mm].
@@ -187,7 +187,7 @@ impl Needle {
         &mut self,
         input: &NeedleInput,
         grid: &Grid,
-        matter: &impl Matter,
+        matter: &impl TissueMap,
     ) -> Option<DVec3> {
         self.tool = None;
         if !input.is_known() {
@@ -222,7 +222,7 @@ impl Needle {
         &mut self,
         input: &NeedleInput,
         holder: Option<u8>,
-        world: (&Grid, &impl Matter),
+        world: (&Grid, &impl TissueMap),
         output: &mut TickOutput,
     ) {
         if !self.is_felt() && self.last.is_none() {
@@ -282,7 +282,7 @@ impl Needle {
         &mut self,
         input: &NeedleInput,
         holder: Option<u8>,
-        (grid, matter): (&Grid, &impl Matter),
+        (grid, matter): (&Grid, &impl TissueMap),
         output: &TickOutput,
     ) -> (Coupling, DVec3) {
         self.forces = NeedleForces::default();

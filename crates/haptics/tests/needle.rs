@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::force::Coupling;
 use palpate_haptics::needle::events::EventKind;
-use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
+use palpate_haptics::needle::tissues::{Layered, Met, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces, NeedleInput};
 use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::TickOutput;
@@ -27,7 +27,7 @@ struct Body {
     open: bool,
 }
 
-impl Matter for Body {
+impl TissueMap for Body {
     fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
         let above = LAYERS
             .iter()

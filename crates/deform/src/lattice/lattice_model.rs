@@ -6,7 +6,7 @@ use std::time::Instant;
 use glam::IVec3;
 use palpate_volume::voxel_box::VoxelBox;
 
-use super::damage::Scars;
+use super::damage::Damage;
 use super::measured_stiffness::measured;
 use super::moduli::POISSON_RANGE;
 use super::moving_box::{MovingBox, grid_mm};
@@ -20,8 +20,8 @@ use crate::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
     ToolState,
 };
-use crate::observed_voxels::Seen;
-use crate::voxel_ledger::{Ledger, Wanted, matter_of};
+use crate::observed_voxels::ObservedVoxels;
+use crate::voxel_ledger::{Ledger, Wanted, state_of};
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
@@ -50,11 +50,11 @@ pub struct LatticeModel {
     pub(super) relaxer: Relaxer,
     /// Finds where matter stays that has yielded.
     pub(super) unloaded: Relaxer,
-    scars: Scars,
+    damage: Damage,
     pub(super) ledger: Ledger,
     /// What voxels are to be that the box has left, until they are.
     pub(super) left_behind: Wanted,
-    seen: Option<Seen>,
+    observed: Option<ObservedVoxels>,
     bonds_broken: u64,
     work_broken: f64,
     /// Whether matter was still yielding or breaking at the end of the last relaxation.
@@ -114,7 +114,7 @@ impl LatticeModel {
         let goes = matter.as_ref().is_some_and(goes);
         if let Some(matter) = matter.as_mut().filter(|_| goes) {
             self.leave(matter, origin, input, tools);
-            self.scars.keep(matter);
+            self.damage.keep(matter);
         }
         let rest = self.rest_voxels(input, asked);
         let LatticeSettings {
@@ -123,7 +123,7 @@ impl LatticeModel {
         let mut matter =
             matter.unwrap_or_else(|| MovingBox::new(&rest, nodes, spacing, inelastic, origin));
         if goes {
-            matter.go(&rest, origin, &self.scars);
+            matter.go(&rest, origin, &self.damage);
         }
         let asked = rest.asked.get();
         self.matter = Some(matter);
@@ -158,12 +158,12 @@ impl LatticeModel {
     /// stands is gone where it is at rest too.
     fn follow_edits(&mut self, input: &ModelInput<'_>) -> u64 {
         let voxels = input.voxels;
-        let seen = self.seen.replace(Seen::now(voxels));
-        if seen.is_some_and(|seen| seen.explains(voxels)) {
+        let observed = self.observed.replace(ObservedVoxels::now(voxels));
+        if observed.is_some_and(|observed| observed.explains(voxels)) {
             return 0;
         }
         self.settled = false;
-        match seen {
+        match observed {
             Some(_) => self.ledger.follow_cuts(voxels),
             // after a reset voxels are those of another time, and nobody cut what they showed
             None => drop(self.ledger.take_overruled(voxels)),
@@ -192,7 +192,7 @@ impl LatticeModel {
         let region = region.map_or(VoxelBox::EMPTY, |matter| matter.region_from(matter.origin));
         self.left_behind.retain(|key, (matter, _)| {
             let voxel = IVec3::from_array(*key);
-            !region.contains(voxel) && matter_of(voxels, voxel) != Some(*matter)
+            !region.contains(voxel) && state_of(voxels, voxel) != Some(*matter)
         });
         let field = self.matter.as_ref().map(MovingBox::displacement);
         // where nothing was pressed since, what lasts is as it was to the voxel
@@ -202,18 +202,18 @@ impl LatticeModel {
         answer.report.effort.looked_at = looked_at;
         answer.edit = self.ledger.write(voxels, &wanted);
         if self.is_unloaded(&answer.report) {
-            self.ledger.note_lasting(&region);
+            self.ledger.note_plastic(&region);
             self.settled = true;
         }
-        if let Some(seen) = &mut self.seen {
-            seen.note(&self.ledger);
+        if let Some(observed) = &mut self.observed {
+            observed.note(&self.ledger);
         }
         if let Some(field) = field {
             let least = SEEN * field.spacing;
             answer.displacement = field.told(voxels, &self.ledger, least);
         }
         answer.report.moved_voxels = self.ledger.len() as u32;
-        answer.report.lasting_voxels = self.ledger.lasting_len() as u32;
+        answer.report.plastic_voxels = self.ledger.plastic_len() as u32;
     }
 
     /// Relaxes, breaks, and relaxes again, within the budget.
@@ -344,7 +344,7 @@ impl DeformationModel for LatticeModel {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
             self.relax(part(RELAXED), &tools, &mut answer);
         }
-        self.follow_lasting(part(EASED), &answer.report);
+        self.follow_plastic(part(EASED), &answer.report);
         if self
             .matter
             .as_ref()
@@ -378,10 +378,10 @@ impl DeformationModel for LatticeModel {
 
     fn reset(&mut self) {
         self.matter = None;
-        self.scars = Scars::default();
+        self.damage = Damage::default();
         self.left_behind.clear();
-        self.ledger.settle_lasting();
-        self.seen = None;
+        self.ledger.settle_plastic();
+        self.observed = None;
         self.told.clear();
     }
 }

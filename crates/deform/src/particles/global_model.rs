@@ -30,7 +30,7 @@ use crate::model::{
     Budget, DeformationModel, Effort, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
     ToolContact, ToolState,
 };
-use crate::observed_voxels::Seen;
+use crate::observed_voxels::ObservedVoxels;
 use crate::voxel_ledger::{Ledger, Wanted, solid_of};
 
 /// Steps in which particles come to rest before the first call is answered.
@@ -104,7 +104,7 @@ pub struct GlobalModel {
 struct GlobalState {
     body: ParticleBody<FadedLaw>,
     following: Following,
-    seen: Seen,
+    observed: ObservedVoxels,
 }
 
 impl GlobalModel {
@@ -225,7 +225,7 @@ impl GlobalState {
         let mut state = Self {
             body: body.bound(0.0, length),
             following: Following::default(),
-            seen: Seen::now(input.voxels),
+            observed: ObservedVoxels::now(input.voxels),
         };
         state.fill(settings, input, &region);
         state.body.relax(&[], &Budget::iterations(SETTLING), None);
@@ -276,8 +276,8 @@ impl GlobalState {
 
     /// Gives back particles whose own voxel somebody else has emptied.
     fn follow_edits(&mut self, voxels: &Voxels, materials: &Materials, ledger: &mut Ledger) {
-        let seen = std::mem::replace(&mut self.seen, Seen::now(voxels));
-        if seen.is_followed(voxels) {
+        let observed = std::mem::replace(&mut self.observed, ObservedVoxels::now(voxels));
+        if observed.is_followed(voxels) {
             return;
         }
         self.following.forget();
@@ -311,7 +311,7 @@ impl GlobalState {
         let edit = self
             .following
             .advance(&rule, middle, (&mut *ledger, effort));
-        self.seen.note(ledger);
+        self.observed.note(ledger);
         edit
     }
 }

@@ -13,13 +13,13 @@ use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
 use super::global_field::GlobalField;
 use crate::material::Treatment;
 use crate::model::{Budget, Effort, ModelInput};
-use crate::voxel_ledger::{Ledger, Wanted, matter_of, solid_of};
+use crate::voxel_ledger::{Ledger, Wanted, solid_of, state_of};
 
 /// Voxels along each edge of a tile.
 const TILE: i32 = 16;
@@ -198,7 +198,7 @@ fn is_done(change: &Change, wanted: &Wanted, voxels: &Voxels, ledger: &Ledger) -
     };
     match ledger.changed(change.voxel) {
         Some(changed) => change.come != [0; 3] && changed.written == *matter,
-        None => matter_of(voxels, change.voxel) == Some(*matter),
+        None => state_of(voxels, change.voxel) == Some(*matter),
     }
 }
 
@@ -222,7 +222,7 @@ impl FollowRule<'_> {
 
     /// What a voxel is to be, and how far what it shows has come; none where it is at rest and
     /// stays so. What does not give way stays where it is.
-    fn matter(&self, change: &Change, ledger: &Ledger) -> Option<(Matter, Option<DVec3>)> {
+    fn matter(&self, change: &Change, ledger: &Ledger) -> Option<(VoxelState, Option<DVec3>)> {
         let (voxels, voxel) = (self.input.voxels, change.voxel);
         let rest = ledger.rest(voxels, voxel)?;
         let back = (rest, Some(DVec3::ZERO));
@@ -246,14 +246,14 @@ impl FollowRule<'_> {
     }
 
     /// Whether there is matter that does not give way.
-    fn is_held(&self, voxel: IVec3, matter: &Matter) -> bool {
+    fn is_held(&self, voxel: IVec3, matter: &VoxelState) -> bool {
         let solid = solid_of(self.input.voxels, self.input.materials, voxel, matter);
         let gives = solid.is_some_and(|(_, treatment)| treatment == Treatment::Deformable);
         !matter.segments.is_empty() && !gives
     }
 
-    fn nothing(&self) -> Matter {
-        Matter {
+    fn nothing(&self) -> VoxelState {
+        VoxelState {
             stored: self.air,
             segments: SegmentSet::EMPTY,
         }

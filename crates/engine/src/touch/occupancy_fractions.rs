@@ -15,7 +15,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::{FractionBrick, OccupancyFractions};
 
 use crate::touch::scan_values::ScanValues;
 use crate::touch::touchable::Part;
@@ -30,7 +30,7 @@ const MAX_OWNERS: usize = 8;
 pub struct BodyFractions {
     made: Option<Made>,
     /// Those of all masks together; none where the body has no masks.
-    worked_out: Option<Shares>,
+    worked_out: Option<OccupancyFractions>,
 }
 
 /// What thresholds made.
@@ -69,7 +69,7 @@ impl BodyFractions {
     }
 
     /// Exchanges a brick of what was worked out.
-    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<FractionBrick>) {
         if let Some(fractions) = &mut self.worked_out {
             fractions.swap(swap);
         }
@@ -84,14 +84,14 @@ impl BodyFractions {
         {
             return made.values.share(&made.limits, voxel, solid);
         }
-        self.worked_out.as_ref()?.share(voxel, solid)
+        self.worked_out.as_ref()?.fraction(voxel, solid)
     }
 
-    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    /// What those of some voxels are beyond their bits; see `Occupancy::fraction_changes`.
     #[inline]
-    pub fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    pub fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         match &self.made {
-            Some(made) => made.values.share_changes(&made.limits, voxels, changes),
+            Some(made) => made.values.fraction_changes(&made.limits, voxels, changes),
             None => changes.fill(0.0),
         }
         if self
@@ -108,7 +108,7 @@ impl BodyFractions {
                 .is_none_or(|made| !made.has(voxel, solid))
             {
                 let known = self.worked_out.as_ref();
-                let share = known.and_then(|fractions| fractions.share(voxel, solid));
+                let share = known.and_then(|fractions| fractions.fraction(voxel, solid));
                 *change = share.map_or(0.0, |share| share - f32::from(u8::from(solid)));
             }
         }
@@ -188,7 +188,7 @@ mod tests {
             let voxels = VoxelBox::of_dimensions(size).voxels();
             let voxels: Vec<_> = voxels.map(|voxel| (voxel, solid(voxel))).collect();
             let mut changes = vec![f32::NAN; voxels.len()];
-            fractions.share_changes(&voxels, &mut changes);
+            fractions.fraction_changes(&voxels, &mut changes);
             let one_by_one = voxels.iter().map(|(voxel, solid)| {
                 let bit = f32::from(u8::from(*solid));
                 fractions

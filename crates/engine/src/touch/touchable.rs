@@ -19,7 +19,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::{FractionBrick, OccupancyFractions};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::touch::body::BodyVoxels;
@@ -42,7 +42,7 @@ pub struct Part {
     /// elsewhere.
     pub threshold: Option<Threshold>,
     /// How much of its voxels at the surface is solid, as far as that was worked out from them.
-    pub fractions: Option<Arc<Shares>>,
+    pub fractions: Option<Arc<OccupancyFractions>>,
     /// Whether a needle is in it: then it is no obstacle, unless it was moved.
     pub punctured: bool,
     /// Where it is rigid although it is deformable; none where it is deformable everywhere.
@@ -250,7 +250,7 @@ impl Touchable {
     }
 
     /// Exchanges a brick of what is known of the occupancy fractions of the union.
-    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<FractionBrick>) {
         // what a ball can be in follows from bits alone
         self.world.change(&VoxelBox::EMPTY, |voxels| {
             if let Some(fractions) = &mut voxels.fractions {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::{IVec3, UVec3};
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::{BRICK, BrickSwap};
-use palpate_volume::occupancy_fractions::{ShareBrick, Shares, share_of};
+use palpate_volume::occupancy_fractions::{FractionBrick, OccupancyFractions, fraction_of};
 
 use crate::touch::touchable::Part;
 
@@ -22,7 +22,7 @@ pub struct FractionalBits<'a> {
     /// The voxels.
     pub bits: &'a Bits,
     /// Their occupancy fractions; none of a segment that a threshold made.
-    pub fractions: Option<&'a Shares>,
+    pub fractions: Option<&'a OccupancyFractions>,
 }
 
 impl<'a> From<&'a Part> for FractionalBits<'a> {
@@ -40,7 +40,7 @@ impl<'a> From<&'a Part> for FractionalBits<'a> {
 
 /// The occupancy fractions of segments of one grid together.
 #[must_use]
-pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Shares {
+pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> OccupancyFractions {
     if let [
         FractionalBits {
             fractions: Some(fractions),
@@ -50,7 +50,7 @@ pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Sh
     {
         return (*fractions).clone();
     }
-    let mut union = Shares::unknown(dimensions);
+    let mut union = OccupancyFractions::unknown(dimensions);
     for index in 0..union.bricks().len() as u32 {
         if let Some(brick) = union_fraction_brick(parts, index) {
             let brick = Some(brick);
@@ -62,7 +62,10 @@ pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Sh
 
 /// One brick of the union.
 #[must_use]
-pub fn union_fraction_brick(parts: &[FractionalBits<'_>], index: u32) -> Option<Arc<ShareBrick>> {
+pub fn union_fraction_brick(
+    parts: &[FractionalBits<'_>],
+    index: u32,
+) -> Option<Arc<FractionBrick>> {
     let brick = |part: &FractionalBits<'_>| part.fractions?.bricks().get(index).cloned();
     if let [part] = parts {
         return brick(part);
@@ -84,7 +87,7 @@ pub fn union_fraction_brick(parts: &[FractionalBits<'_>], index: u32) -> Option<
     if let [part] = there[..] {
         return brick(part);
     }
-    let mut union = ShareBrick::UNKNOWN;
+    let mut union = FractionBrick::UNKNOWN;
     for z in 0..BRICK {
         for y in 0..BRICK {
             for x in 0..BRICK {
@@ -93,7 +96,7 @@ pub fn union_fraction_brick(parts: &[FractionalBits<'_>], index: u32) -> Option<
             }
         }
     }
-    (union != ShareBrick::UNKNOWN).then(|| Arc::new(union))
+    (union != FractionBrick::UNKNOWN).then(|| Arc::new(union))
 }
 
 /// The byte of a voxel of the union.
@@ -122,7 +125,7 @@ fn union_byte(parts: &[&FractionalBits<'_>], voxel: IVec3) -> u8 {
         let is_inner = beside
             .flat_map(|axis| [voxel - axis, voxel + axis])
             .any(goes_on);
-        if share_of(own, true).is_none() || is_inner {
+        if fraction_of(own, true).is_none() || is_inner {
             return 0;
         }
         most = most.max(own);

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::events::{EventKind, Events};
 use super::shaft::{Resistance, Shaft};
-use super::tissues::{Layered, Matter, Met, Tissues, World};
+use super::tissues::{Layered, Met, TissueMap, Tissues, World};
 use super::track::{Line, Track};
 use super::{NeedleForces, NeedleInput};
 
@@ -85,7 +85,7 @@ impl Insertion {
     pub fn advance(
         &mut self,
         input: &NeedleInput,
-        world: &World<'_, impl Matter>,
+        world: &World<'_, impl TissueMap>,
         events: &mut Events,
     ) -> (DVec3, NeedleForces) {
         let k = input.coupling.stiffness;

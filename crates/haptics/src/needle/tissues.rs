@@ -96,7 +96,7 @@ pub enum Met {
 }
 
 /// What a needle can meet; neither allocates nor panics.
-pub trait Matter {
+pub trait TissueMap {
     /// What stands in a voxel of the grid, whether it is punctured or not, for a needle that can
     /// puncture these tissues.
     fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met;

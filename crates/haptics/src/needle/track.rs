@@ -9,7 +9,7 @@ use palpate_volume::tissue::Tissue;
 use palpate_volume::walk::Walk;
 use serde::{Deserialize, Serialize};
 
-use super::tissues::{Layered, Matter, Met, Tissues, World};
+use super::tissues::{Layered, Met, TissueMap, Tissues, World};
 
 /// Layers that are told apart; what lies beyond counts to the last of them.
 const MAX_LAYERS: usize = 32;
@@ -100,7 +100,7 @@ impl Track {
     }
 
     /// Looks further along a line, up to a depth [mm] or as far as one tick allows.
-    pub fn look(&mut self, line: &Line, to: f64, world: &World<'_, impl Matter>) {
+    pub fn look(&mut self, line: &Line, to: f64, world: &World<'_, impl TissueMap>) {
         let &World {
             grid,
             matter,
