@@ -22,7 +22,7 @@ const ITERATIONS: u32 = 40;
 /// Voxels that an answer looks at and works out anew, and nodes that it tells, at most.
 const LOOKED_AT: u64 = 32 * 4096;
 const FOLLOWED: u64 = 6_000 + 4_096;
-const TOLD: usize = 28 * 28 * 28;
+const REPORTED: usize = 28 * 28 * 28;
 /// Voxels along each edge of what an answer changes, at most.
 const CHANGED: u32 = 48;
 
@@ -84,7 +84,7 @@ impl Scan {
         assert!(effort.followed <= FOLLOWED, "{effort:?}");
         assert!(effort.evaluations <= u64::from(ITERATIONS) + 1);
         let told = answer.displacement.as_ref();
-        assert!(told.is_none_or(|field| field.moved.len() <= TOLD));
+        assert!(told.is_none_or(|field| field.moved.len() <= REPORTED));
         if let Some(edit) = answer.edit.clone() {
             assert!(
                 edit.dirty.size().max_element() <= CHANGED,

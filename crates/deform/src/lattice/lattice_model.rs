@@ -33,7 +33,7 @@ const NEARLY_AT_REST: f64 = 0.2;
 /// Relaxations in one call at most, where bonds break.
 const ROUNDS: u32 = 4;
 /// Displacement that is seen [spacings].
-const SEEN: f64 = 0.01;
+const VISIBLE: f64 = 0.01;
 /// One of so many iterations is for the stiffness of the contact.
 const STIFFNESS_SHARE: u32 = 4;
 /// Shares of the time after which nodes are as far at rest as they come, with the tools and, where matter
@@ -59,11 +59,11 @@ pub struct LatticeModel {
     work_broken: f64,
     /// Whether matter was still yielding or breaking at the end of the last relaxation.
     pub(super) yields: bool,
-    told_poisson: bool,
+    reported_poisson: bool,
     /// Whether what yielded was seen without a tool, and nothing was pressed or cut since.
     pub(super) settled: bool,
     /// Contacts of the last answer.
-    told: Vec<ToolContact>,
+    reported: Vec<ToolContact>,
 }
 
 impl LatticeModel {
@@ -209,8 +209,8 @@ impl LatticeModel {
             observed.note(&self.ledger);
         }
         if let Some(field) = field {
-            let least = SEEN * field.spacing;
-            answer.displacement = field.told(voxels, &self.ledger, least);
+            let least = VISIBLE * field.spacing;
+            answer.displacement = field.residual(voxels, &self.ledger, least);
         }
         answer.report.moved_voxels = self.ledger.len() as u32;
         answer.report.plastic_voxels = self.ledger.plastic_len() as u32;
@@ -270,7 +270,7 @@ impl LatticeModel {
     }
 
     /// What each tool feels, one contact for each, usable or not.
-    fn tell_contacts(
+    fn report_contacts(
         &mut self,
         (input, budget): (&ModelInput<'_>, Budget),
         answer: &mut ModelAnswer,
@@ -300,18 +300,18 @@ impl LatticeModel {
                     .stiffness(&mut matter.lattice, &tools, which, (most, &is_late));
             let force = matter.grid.direction() * felt.force;
             let spacing = matter.lattice.spacing();
-            let stiffness = measured(&self.told, tool, force, spacing).of(stiffness);
+            let stiffness = measured(&self.reported, tool, force, spacing).of(stiffness);
             let told = answer.contacts.iter_mut().find(|told| told.tool == tool.id);
             if let Some(told) = told {
                 told.contact = matter.contact(tool, &felt, stiffness);
             }
         }
-        self.told.clone_from(&answer.contacts);
+        self.reported.clone_from(&answer.contacts);
     }
 
     /// Says once where Poisson's ratio is not the one that was asked for.
-    fn tell_poisson(&mut self, answer: &mut ModelAnswer) {
-        let Some(matter) = self.matter.as_ref().filter(|_| !self.told_poisson) else {
+    fn report_poisson(&mut self, answer: &mut ModelAnswer) {
+        let Some(matter) = self.matter.as_ref().filter(|_| !self.reported_poisson) else {
             return;
         };
         let [low, high] = POISSON_RANGE;
@@ -327,7 +327,7 @@ impl LatticeModel {
             answer
                 .events
                 .push(ModelEvent::PoissonClamped { asked, used });
-            self.told_poisson = true;
+            self.reported_poisson = true;
         }
     }
 }
@@ -339,7 +339,7 @@ impl DeformationModel for LatticeModel {
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
         answer.report.effort.sampled = self.follow(input, &usable);
-        self.tell_poisson(&mut answer);
+        self.report_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
             self.relax(part(RELAXED), &tools, &mut answer);
@@ -355,7 +355,7 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        self.tell_contacts(part(STIFFNESS_FOUND), &mut answer);
+        self.report_contacts(part(STIFFNESS_FOUND), &mut answer);
         let effort = &mut answer.report.effort;
         effort.evaluations = std::mem::take(&mut self.relaxer.evaluations)
             + std::mem::take(&mut self.unloaded.evaluations);
@@ -382,6 +382,6 @@ impl DeformationModel for LatticeModel {
         self.left_behind.clear();
         self.ledger.settle_plastic();
         self.observed = None;
-        self.told.clear();
+        self.reported.clear();
     }
 }

@@ -155,7 +155,7 @@ impl<L: LocalLaw> ParticleBody<L> {
     }
 
     /// What was asked for first that the lattice cannot do, where nobody was `told` of any yet.
-    pub fn tell_poisson(&self, told: &mut bool) -> Option<ModelEvent> {
+    pub fn report_poisson(&self, told: &mut bool) -> Option<ModelEvent> {
         let event = self.other_poisson.filter(|_| !*told);
         *told |= event.is_some();
         event

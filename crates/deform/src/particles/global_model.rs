@@ -18,7 +18,7 @@ use palpate_volume::voxels::Voxels;
 
 use super::body::ParticleBody;
 use super::calibration::{Calibration, LatticeKind, LatticeScale};
-use super::global_field::{GlobalField, SEEN};
+use super::global_field::{GlobalField, VISIBLE};
 use super::global_sites::{extent, matter_around};
 use super::lattices::FCC_BASIS;
 use super::local_model::Motion;
@@ -97,7 +97,7 @@ pub struct GlobalModel {
     state: Option<GlobalState>,
     /// What voxels were before it moved them; outlives a reset, so that it can give them back.
     ledger: Ledger,
-    told_poisson: bool,
+    reported_poisson: bool,
 }
 
 #[derive(Debug)]
@@ -114,7 +114,7 @@ impl GlobalModel {
             settings: settings.sane(),
             state: None,
             ledger: Ledger::default(),
-            told_poisson: false,
+            reported_poisson: false,
         }
     }
 
@@ -155,7 +155,7 @@ impl DeformationModel for GlobalModel {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
-        let unlike = state.body.tell_poisson(&mut self.told_poisson);
+        let unlike = state.body.report_poisson(&mut self.reported_poisson);
         answer.events.extend(unlike);
         let first = tools.first().map(|(_, tool)| tool.centre);
         let (field, middle) = GlobalField::of(&state.body, &self.settings, first);
@@ -167,7 +167,7 @@ impl DeformationModel for GlobalModel {
         answer.report.moved_voxels = ledger.len() as u32;
         let field = field.map(|field| field.on_nodes(middle));
         answer.displacement =
-            field.and_then(|field| field.told(input.voxels, ledger, SEEN * field.spacing));
+            field.and_then(|field| field.residual(input.voxels, ledger, VISIBLE * field.spacing));
         answer
     }
 
