@@ -131,7 +131,8 @@ impl Drill {
         radius: f64,
         segments: Vec<SegmentId>,
         settings: DrillSettings,
-        (spared, locked): (SegmentSet, SegmentSet),
+        spared: SegmentSet,
+        locked: SegmentSet,
     ) -> Self {
         Self {
             radius,

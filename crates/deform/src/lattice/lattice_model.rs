@@ -219,7 +219,8 @@ impl LatticeModel {
     /// Relaxes, breaks, and relaxes again, within the budget.
     fn relax(
         &mut self,
-        (input, budget): (&ModelInput<'_>, Budget),
+        input: &ModelInput<'_>,
+        budget: Budget,
         tools: &[LatticeTool],
         answer: &mut ModelAnswer,
     ) {
@@ -272,7 +273,8 @@ impl LatticeModel {
     /// What each tool feels, one contact for each, usable or not.
     fn report_contacts(
         &mut self,
-        (input, budget): (&ModelInput<'_>, Budget),
+        input: &ModelInput<'_>,
+        budget: Budget,
         answer: &mut ModelAnswer,
     ) {
         let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
@@ -297,13 +299,13 @@ impl LatticeModel {
             let is_late = || budget.is_late();
             let stiffness =
                 self.relaxer
-                    .stiffness(&mut matter.lattice, &tools, which, (most, &is_late));
+                    .stiffness(&mut matter.lattice, &tools, which, most, &is_late);
             let force = matter.grid.direction() * felt.force;
             let spacing = matter.lattice.spacing();
             let stiffness = measured(&self.reported, tool, force, spacing).of(stiffness);
-            let told = answer.contacts.iter_mut().find(|told| told.tool == tool.id);
-            if let Some(told) = told {
-                told.contact = matter.contact(tool, &felt, stiffness);
+            let own = answer.contacts.iter_mut().find(|own| own.tool == tool.id);
+            if let Some(own) = own {
+                own.contact = matter.contact(tool, &felt, stiffness);
             }
         }
         self.reported.clone_from(&answer.contacts);
@@ -335,16 +337,16 @@ impl LatticeModel {
 impl DeformationModel for LatticeModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
         let began = Instant::now();
-        let part = |share: f64| (input, input.budget.until(began, share));
+        let budget = |share: f64| input.budget.until(began, share);
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
         answer.report.effort.sampled = self.follow(input, &usable);
         self.report_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
-            self.relax(part(RELAXED), &tools, &mut answer);
+            self.relax(input, budget(RELAXED), &tools, &mut answer);
         }
-        self.follow_plastic(part(EASED), &answer.report);
+        self.follow_plastic(input, budget(EASED), &answer.report);
         if self
             .matter
             .as_ref()
@@ -355,7 +357,7 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        self.report_contacts(part(STIFFNESS_FOUND), &mut answer);
+        self.report_contacts(input, budget(STIFFNESS_FOUND), &mut answer);
         let effort = &mut answer.report.effort;
         effort.evaluations = std::mem::take(&mut self.relaxer.evaluations)
             + std::mem::take(&mut self.unloaded.evaluations);

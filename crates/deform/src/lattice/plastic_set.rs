@@ -41,7 +41,8 @@ impl LatticeModel {
     /// Follows where matter that has yielded would stay if all tools left.
     pub(super) fn follow_plastic(
         &mut self,
-        (input, budget): (&ModelInput<'_>, Budget),
+        input: &ModelInput<'_>,
+        budget: Budget,
         report: &ModelReport,
     ) {
         let is_unloaded = self.is_unloaded(report);

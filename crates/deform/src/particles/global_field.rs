@@ -61,9 +61,9 @@ impl GlobalField {
         };
         let reach = settings.owned_radius * apart;
         // near the middle the picture shows also what moves by less than voxels follow
-        let told = (reach + 0.5 * f64::from(REPORTED) * side).powi(2);
+        let reported = (reach + 0.5 * f64::from(REPORTED) * side).powi(2);
         let counts = |(home, moved): &&Moved| {
-            let least = match home.distance_squared(middle) < told {
+            let least = match home.distance_squared(middle) < reported {
                 true => VISIBLE.min(settings.threshold),
                 false => settings.threshold,
             };
@@ -173,12 +173,12 @@ impl GlobalField {
         let half = (0.5 * f64::from(REPORTED) * side / spacing)
             .ceil()
             .as_ivec3();
-        let told = VoxelBox::new(middle - half, middle + half).intersect(&self.region);
-        let first = (told.min.as_dvec3() + 0.5) * spacing;
-        let last = (told.max.as_dvec3() - 0.5) * spacing;
+        let reported = VoxelBox::new(middle - half, middle + half).intersect(&self.region);
+        let first = (reported.min.as_dvec3() + 0.5) * spacing;
+        let last = (reported.max.as_dvec3() - 0.5) * spacing;
         let size = ((last - first) / side).round().as_uvec3() + UVec3::ONE;
         let size = size.min(UVec3::splat(REPORTED));
-        let begin = (told.min - self.region.min).as_dvec3();
+        let begin = (reported.min - self.region.min).as_dvec3();
         let end = (self.region.size().as_ivec3() - 1).as_dvec3();
         let at = |node: IVec3| Some(self.at((begin + node.as_dvec3() * side / spacing).min(end)));
         let nodes = VoxelBox::of_dimensions(size).voxels().map(at).collect();
@@ -244,14 +244,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_lies_around_the_tool_and_is_bounded() {
+    fn what_is_reported_lies_around_the_tool_and_is_bounded() {
         let field = field(2.0);
         for middle in [IVec3::new(34, 34, 17), IVec3::new(-500, 20, 90)] {
-            let told = field.on_nodes(middle);
-            assert!(told.size.max_element() <= REPORTED && told.size.min_element() > REPORTED / 4);
-            let place = told.first + 3.0;
+            let nodes = field.on_nodes(middle);
+            assert!(
+                nodes.size.max_element() <= REPORTED && nodes.size.min_element() > REPORTED / 4
+            );
+            let place = nodes.first + 3.0;
             let voxel = (place / field.grid.spacing()).floor().as_ivec3();
-            assert!((told.at(place) - field.at_voxel(voxel)).length() < 0.6);
+            assert!((nodes.at(place) - field.at_voxel(voxel)).length() < 0.6);
         }
     }
 }

@@ -11,8 +11,7 @@
 
 use std::time::Instant;
 
-use glam::{DVec3, IVec3};
-use palpate_volume::edit::Edit;
+use glam::DVec3;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
@@ -27,7 +26,7 @@ use super::tool_push::ParticleTool;
 use super::voxel_following::{FollowRule, Following};
 use crate::material::{Materials, Treatment};
 use crate::model::{
-    Budget, DeformationModel, Effort, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
+    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
     ToolContact, ToolState,
 };
 use crate::observed_voxels::ObservedVoxels;
@@ -77,6 +76,13 @@ impl Default for GlobalSettings {
 }
 
 impl GlobalSettings {
+    /// Stored value where matter left.
+    fn stored_air(&self, input: &ModelInput<'_>) -> i16 {
+        let intensities = input.voxels.intensities();
+        let air = (self.air - intensities.intercept()) / intensities.slope();
+        air.round() as i16
+    }
+
     /// The nearest settings that make sense; comparisons with NaN are false.
     fn sane(mut self) -> Self {
         let within = |value: f64, low: f64, high: f64, other: f64| {
@@ -161,9 +167,16 @@ impl DeformationModel for GlobalModel {
         let (field, middle) = GlobalField::of(&state.body, &self.settings, first);
         let effort = &mut answer.report.effort;
         effort.evaluations = u64::from(answer.report.iterations) + 1;
-        let moved = (field.as_ref(), middle);
-        let task = (input, &self.settings, input.budget.until(began, FOLLOWED));
-        answer.edit = state.write_back(task, moved, (&mut *ledger, effort));
+        let rule = FollowRule {
+            input,
+            budget: input.budget.until(began, FOLLOWED),
+            field: field.as_ref(),
+            middle,
+            least: self.settings.threshold * state.body.grid.smallest_spacing(),
+            air: self.settings.stored_air(input),
+        };
+        answer.edit = state.following.advance(&rule, ledger, effort);
+        state.observed.note(ledger);
         answer.report.moved_voxels = ledger.len() as u32;
         let field = field.map(|field| field.on_nodes(middle));
         answer.displacement =
@@ -253,7 +266,7 @@ impl GlobalState {
                 else {
                     continue;
                 };
-                let depth = self.body.depth((&solid, treatment), settings.calibration);
+                let depth = self.body.depth(&solid, treatment, settings.calibration);
                 let mass = self.body.inertia(depth);
                 let particles = &mut self.body.system.particles;
                 particles.take(home, depth, mass, origin);
@@ -290,28 +303,5 @@ impl GlobalState {
             gone.push(solid.is_none());
         }
         self.body.system.particles.give_back(|_, index| gone[index]);
-    }
-
-    /// The edit by which voxels read what stood where they came from.
-    fn write_back(
-        &mut self,
-        (input, settings, budget): (&ModelInput<'_>, &GlobalSettings, Budget),
-        (field, middle): (Option<&GlobalField>, IVec3),
-        (ledger, effort): (&mut Ledger, &mut Effort),
-    ) -> Option<Edit> {
-        let intensities = input.voxels.intensities();
-        let air = (settings.air - intensities.intercept()) / intensities.slope();
-        let rule = FollowRule {
-            input,
-            budget,
-            field,
-            least: settings.threshold * self.body.grid.smallest_spacing(),
-            air: air.round() as i16,
-        };
-        let edit = self
-            .following
-            .advance(&rule, middle, (&mut *ledger, effort));
-        self.observed.note(ledger);
-        edit
     }
 }

@@ -231,7 +231,7 @@ impl<L: LocalLaw> LocalState<L> {
             return false;
         };
         let calibration = self.settings.calibration;
-        let depth = self.body.depth((&solid, treatment), calibration);
+        let depth = self.body.depth(&solid, treatment, calibration);
         let mass = self.body.inertia(depth);
         let origin = Origin { voxel, matter };
         let places: &[DVec3] = match L::KIND {

@@ -45,6 +45,8 @@ pub(super) struct FollowRule<'a> {
     pub budget: Budget,
     /// None where nothing has moved.
     pub field: Option<&'a GlobalField>,
+    /// Voxels around this one come first.
+    pub middle: IVec3,
     /// Displacement below which voxels stay [mm].
     pub least: f64,
     /// Stored value where matter left.
@@ -84,20 +86,20 @@ impl Following {
         }
     }
 
-    /// The edit by which voxels follow, those around the `middle` first; none where nothing
-    /// changes.
+    /// The edit by which voxels read what stood where they came from, those around the middle first;
+    /// none where nothing changes.
     pub fn advance(
         &mut self,
         rule: &FollowRule<'_>,
-        middle: IVec3,
-        (ledger, effort): (&mut Ledger, &mut Effort),
+        ledger: &mut Ledger,
+        effort: &mut Effort,
     ) -> Option<Edit> {
         self.answers += 1;
         let moving = self.meet(rule);
         let mut wanted = Wanted::new();
         let mut region = VoxelBox::EMPTY;
         let mut worked = Vec::new();
-        for key in self.by_urgency(middle) {
+        for key in self.by_urgency(rule.middle) {
             let is_over = effort.looked_at >= TILES * IN_TILE as u64
                 || effort.followed >= FOLLOWED
                 || (effort.looked_at > 0 && rule.budget.is_late());

@@ -8,7 +8,7 @@ use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
-use super::events::{EventKind, Events};
+use super::events::{EventKind, Events, NeedleEvent};
 use super::shaft::{Resistance, Shaft};
 use super::tissues::{Layered, Met, TissueMap, Tissues, World};
 use super::track::{Line, Track};
@@ -107,7 +107,13 @@ impl Insertion {
 
         self.relax(input.dt, tissues);
         let note = |kind, segment, depth| {
-            events.note(kind, segment, (input.time, depth, tip_force + wall));
+            events.note(NeedleEvent {
+                kind,
+                segment,
+                time: input.time,
+                depth,
+                force: tip_force + wall,
+            });
         };
         self.go_on(tip_force + wall, tissues, note);
         let tool = self.line.at(self.shaft.tip) + aside * give;

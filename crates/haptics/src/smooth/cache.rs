@@ -201,7 +201,7 @@ impl SmoothCache {
         let point = proxy.point();
         let aim = self
             .aims
-            .aim((0, source), scene.occupancy, spacing, [point, device]);
+            .aim(0, source, scene.occupancy, spacing, [point, device]);
         self.refresh_world(scene, source, &aim);
         let world = Near {
             place: self.world,
@@ -231,7 +231,6 @@ impl SmoothCache {
             let world_from_mm = DMat3::from_diagonal(spacing.recip());
             let object_from_mm = object.pose().object_from_world().matrix3 * world_from_mm;
             let places = [point, device].map(|point| object.pose().to_object(point));
-            let body = (number + 1, source);
             let (occupancy, spacing) = (object.occupancy(), object.spacing());
             let new = Near {
                 place: OF_WORLD + number,
@@ -239,7 +238,9 @@ impl SmoothCache {
                 spacing,
                 axes: Mat3A::from(object_from_mm.as_mat3()),
                 proxy: places[0],
-                aim: self.aims.aim(body, occupancy, spacing, places),
+                aim: self
+                    .aims
+                    .aim(number + 1, source, occupancy, spacing, places),
             };
             self.refresh(new.place, source, occupancy, &new.aim, spacing);
             self.insert(&mut near, new);

@@ -107,7 +107,7 @@ impl CellFractions {
             }
             let cells = surface.differing(kept.surface, shape);
             kept.surface = surface;
-            asked.add(row, shape, first, (surface, cells));
+            asked.add(row, shape, first, surface, cells);
         }
         asked.ask();
 
@@ -176,7 +176,8 @@ impl<'a, O: Occupancy + ?Sized> Asked<'a, O> {
         row: usize,
         shape: CellShape,
         first: IVec3,
-        (surface, cells): (SurfaceRow, CellsOfRow),
+        surface: SurfaceRow,
+        cells: CellsOfRow,
     ) {
         self.cells[row & 63] = cells;
         surface.visit(shape, first, cells, |cell, voxel, solid| {
