@@ -283,7 +283,7 @@ pub fn deformation_dict<'py>(
         "residual": now.report.residual,
         "nodes": now.report.nodes,
         "moved_voxels": now.report.moved_voxels,
-        "lasting_voxels": now.report.lasting_voxels,
+        "lasting_voxels": now.report.plastic_voxels,
         "bonds_broken": now.report.bonds_broken,
         "work_broken": now.report.work_broken,
     )

@@ -118,7 +118,12 @@ impl Displacement {
 
     /// What the voxels do not show yet, the ledger's last edit taken in; none where that is
     /// below `least` everywhere. It fades toward a border beyond which voxels alone show it.
-    pub fn told(&self, voxels: &Voxels, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
+    pub fn residual(
+        &self,
+        voxels: &Voxels,
+        ledger: &Ledger,
+        least: f64,
+    ) -> Option<DisplacementField> {
         let grid = voxels.grid();
         let view = Shown::new(self, voxels, ledger);
         let nodes = 0..self.moved.len();

@@ -47,7 +47,7 @@ pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};
 pub use lattice_model::LatticeModel;
 pub use layout::{FAMILIES, Layout};
 pub use moduli::{LatticeModuli, POISSON_RANGE};
-pub use nodes::{Lattice, NodeMatter};
+pub use nodes::{Lattice, NodeMaterial};
 pub use relax::{RelaxReport, RelaxSettings, Relaxer};
 pub use settings::LatticeSettings;
 pub use tool_contact::{LatticeTool, ToolForce};

@@ -350,7 +350,7 @@ pub enum Region {
 
 /// What one segment is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SegmentMatter {
+pub struct SegmentMaterial {
     /// Which one.
     pub segment: SegmentId,
     /// Its constants.
@@ -364,5 +364,5 @@ pub struct SegmentMatter {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Materials {
     /// One for each segment that takes part; all others are as if empty.
-    pub segments: Vec<SegmentMatter>,
+    pub segments: Vec<SegmentMaterial>,
 }

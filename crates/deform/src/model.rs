@@ -198,7 +198,7 @@ pub struct ModelReport {
     /// Voxels that are not as they were at rest.
     pub moved_voxels: u32,
     /// Of these, voxels that stay so, since their matter has yielded.
-    pub lasting_voxels: u32,
+    pub plastic_voxels: u32,
     /// Bonds broken since the start.
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
@@ -211,7 +211,7 @@ impl ModelReport {
     /// Whether voxels that the model moved are to come back yet.
     #[must_use]
     pub fn comes_back(&self) -> bool {
-        self.moved_voxels > self.lasting_voxels
+        self.moved_voxels > self.plastic_voxels
     }
 }
 

@@ -7,7 +7,7 @@
 
 use glam::{DVec3, UVec3};
 
-use crate::lattice::{Border, Lattice, NodeMatter, RelaxReport, RelaxSettings, Relaxer};
+use crate::lattice::{Border, Lattice, NodeMaterial, RelaxReport, RelaxSettings, Relaxer};
 use crate::material::Solid;
 
 /// A block and how far its plates move.
@@ -60,7 +60,7 @@ impl PressedBlock {
 
     fn lattice(&self) -> Lattice {
         // matter is told to go on behind all faces, so that their bonds count by half
-        let matter = |_| NodeMatter::Deformable(self.solid);
+        let matter = |_| NodeMaterial::Deformable(self.solid);
         let mut lattice = Lattice::new(self.nodes, self.spacing, Border::Free, matter);
         let layout = *lattice.layout();
         let last = self.nodes.z - 1;

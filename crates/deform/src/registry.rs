@@ -5,7 +5,8 @@
 mod options;
 
 pub use options::{
-    Boxes, Calibration, Fading, ModelOptions, Motion, Offers, Prony, Range, Shares, WrongOption,
+    Boxes, Calibration, Fading, ModelOptions, Motion, OccupancyFractions, Offers, Prony, Range,
+    WrongOption,
 };
 
 use thiserror::Error;
@@ -48,7 +49,7 @@ const PARTICLES: Offers = Offers {
         usual: 13,
         most: 31,
     }),
-    binding: Some(Shares {
+    binding: Some(OccupancyFractions {
         least: 0.0,
         usual: 0.0,
         most: 2.0,
@@ -120,7 +121,7 @@ pub const MODELS: &[Registered] = &[
         bonded: false,
         offers: Offers {
             boxes: None,
-            binding: Some(Shares {
+            binding: Some(OccupancyFractions {
                 least: 0.01,
                 usual: 0.3,
                 most: 2.0,

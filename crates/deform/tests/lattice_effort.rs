@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use glam::{DMat3, DQuat, DVec3, UVec3};
 use palpate_deform::lattice::{LatticeModel, LatticeSettings};
-use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, SolidSi};
+use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, SolidSi};
 use palpate_deform::model::{
     Budget, DeformationModel, Effort, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -38,7 +38,7 @@ fn body() -> (Voxels, Materials) {
         friction: 0.0,
     };
     let materials = Materials {
-        segments: vec![SegmentMatter {
+        segments: vec![SegmentMaterial {
             segment: id,
             law: MaterialLaw::constant(solid).expect("matter"),
             regions: Vec::new(),

@@ -175,11 +175,11 @@ fn matter_that_a_drill_takes_away_does_not_come_back() {
         }
         // a hole beside the tool, made by somebody else
         let hole = VoxelBox::new(IVec3::new(17, 13, TOP - 2), IVec3::new(19, 17, TOP));
-        let empty = palpate_volume::voxel_state::Matter {
+        let empty = palpate_volume::voxel_state::VoxelState {
             stored: -1000,
             segments: Default::default(),
         };
-        let edit = voxels.matter_edit(&hole, |_, _| empty);
+        let edit = voxels.voxel_edit(&hole, |_, _| empty);
         voxels.apply(edit).unwrap();
         let away = ball(&voxels, -8.0);
         for _ in 0..3 {

@@ -15,7 +15,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::occupancy_fractions::Shares;
+use palpate_volume::occupancy_fractions::OccupancyFractions;
 use palpate_volume::segment::Segment;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
@@ -94,7 +94,7 @@ pub struct Scene {
     /// Where deformable segments are hard.
     rigid: BTreeMap<SegmentId, Bits>,
     /// What was worked out of the occupancy fractions of masks.
-    fractions: BTreeMap<SegmentId, Arc<Shares>>,
+    fractions: BTreeMap<SegmentId, Arc<OccupancyFractions>>,
     /// The model of soft tissue.
     model: Option<ModelChoice>,
 }
@@ -287,7 +287,7 @@ impl Scene {
     }
 
     /// Takes what was worked out of the occupancy fractions of a mask, or forgets it.
-    pub fn set_fractions(&mut self, id: SegmentId, fractions: Option<Arc<Shares>>) {
+    pub fn set_fractions(&mut self, id: SegmentId, fractions: Option<Arc<OccupancyFractions>>) {
         match fractions {
             Some(fractions) => self.fractions.insert(id, fractions),
             None => self.fractions.remove(&id),
@@ -297,7 +297,7 @@ impl Scene {
     /// What was worked out of the occupancy fractions of a segment; none of one that a threshold
     /// made.
     #[must_use]
-    pub fn fractions_of(&self, id: SegmentId) -> Option<&Arc<Shares>> {
+    pub fn fractions_of(&self, id: SegmentId) -> Option<&Arc<OccupancyFractions>> {
         self.fractions.get(&id).filter(|_| self.is_mask(id))
     }
 

@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::contact::ContactModel as _;
 use palpate_haptics::contact::Proxy;
 use palpate_haptics::force::{Coupling, Friction};
+use palpate_haptics::needle::tissues::NeedleScan;
 use palpate_haptics::needle::{Needle, NeedleInput};
 use palpate_haptics::soft_contact::{SoftContact, SoftInput, Stop};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
@@ -411,8 +412,11 @@ impl ServoLoop {
 
     /// Where touch is led: to the device, or to the needle that is in.
     fn lead_needle(&mut self, needle: &NeedleInput, input: &TickInput) -> TickInput {
-        let touchable = self.occupancy.touchable();
-        let tool = self.state.needle.lead(needle, &self.grid, touchable);
+        let scan = NeedleScan {
+            grid: &self.grid,
+            map: self.occupancy.touchable(),
+        };
+        let tool = self.state.needle.lead(needle, scan);
         tool.map_or(*input, |tool| TickInput {
             device_in_scene: tool,
             // its contact is hard or none
@@ -424,8 +428,11 @@ impl ServoLoop {
     /// Touches the needle instead of the hard contact.
     fn follow_needle(&mut self, input: &NeedleInput, output: &mut TickOutput) {
         let holder = output.held_by.map(|_| self.state.touched);
-        let world = (&self.grid, self.occupancy.touchable());
-        self.state.needle.follow(input, holder, world, output);
+        let scan = NeedleScan {
+            grid: &self.grid,
+            map: self.occupancy.touchable(),
+        };
+        self.state.needle.follow(input, holder, scan, output);
     }
 }
 

@@ -146,7 +146,9 @@ impl SoftContact {
         self.last = Some((input.device, spring));
         coupling.stiffness = self.stiffness(
             stop.map_or(coupling.stiffness, |stop| stop.stiffness),
-            (way, spring.length(), input.spacing),
+            way,
+            spring.length(),
+            input.spacing,
         );
         put(input, coupling, spring, output);
     }
@@ -177,7 +179,7 @@ impl SoftContact {
     }
 
     /// Goes on to a stiffness [N/mm] by the way of the hand, as from surface to surface.
-    fn stiffness(&mut self, wanted: f64, (way, depth, h): (f64, f64, f64)) -> f64 {
+    fn stiffness(&mut self, wanted: f64, way: f64, depth: f64, h: f64) -> f64 {
         let wanted = Feel {
             stiffness: wanted,
             friction: Friction::NONE,

@@ -80,7 +80,7 @@ pub struct TickCache {
 }
 
 impl TickCache {
-    /// Tells a number that changes with every voxel, every body and what is known of shares.
+    /// Tells a number that changes with every voxel, every body and what is known of occupancy fractions.
     pub fn set_epoch(&mut self, epoch: u64) {
         self.epoch = epoch;
     }

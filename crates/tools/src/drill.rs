@@ -16,7 +16,7 @@
 //! **What is cut** are voxels of the chosen segments; all segments lose them but those that
 //! stand elsewhere in the scene, and the scan reads air there. Voxels of none of them stay: the probe passes them without force.
 //!
-//! A matter edit. Frame: patient (LPS mm); work in N·mm.
+//! A voxel edit. Frame: patient (LPS mm); work in N·mm.
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::{Edit, SegmentId};
@@ -24,7 +24,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::specific_energy::SpecificEnergy;
@@ -131,7 +131,8 @@ impl Drill {
         radius: f64,
         segments: Vec<SegmentId>,
         settings: DrillSettings,
-        (spared, locked): (SegmentSet, SegmentSet),
+        spared: SegmentSet,
+        locked: SegmentSet,
     ) -> Self {
         Self {
             radius,
@@ -230,11 +231,11 @@ impl Drill {
         let region = removed.iter().fold(VoxelBox::EMPTY, |region, reached| {
             region.union(&VoxelBox::of_voxel(reached.voxel))
         });
-        voxels.matter_edit(&region, |voxel, was| {
+        voxels.voxel_edit(&region, |voxel, was| {
             if places.binary_search(&key(voxel)).is_err() {
                 return was;
             }
-            Matter {
+            VoxelState {
                 stored,
                 segments: was.segments.intersect(&self.spared),
             }

@@ -1,4 +1,4 @@
-//! Stored values that matter edits have put over those of the scan.
+//! Stored values that voxel edits have put over those of the scan.
 //!
 //! Memory: see `brick_grid.rs`; a brick holds all of its voxels, changed or not. Where
 //! there is none, the scan shows through.

@@ -14,7 +14,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::occupancy_fractions::FractionBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::{Consumer, RingBuffer};
 
@@ -97,7 +97,7 @@ impl Touched {
     /// Takes an edit: admits it, if need be after a push of the proxy, or holds it.
     pub fn edit(
         &mut self,
-        (swaps, fractions): (Vec<BrickSwap<BitBrick>>, Vec<BrickSwap<ShareBrick>>),
+        (swaps, fractions): (Vec<BrickSwap<BitBrick>>, Vec<BrickSwap<FractionBrick>>),
         grid: &Grid,
         proxy: &mut Proxy,
     ) {

@@ -57,9 +57,9 @@ impl Lattice {
 
     /// Has the body behind the border rest where its nodes do: `lasting` [mm from where they were at
     /// first], one for each node.
-    pub(super) fn rest_border_at(&mut self, lasting: &Field) {
+    pub(super) fn rest_border_at(&mut self, plastic: &Field) {
         for ground in &mut self.ground {
-            ground.led = vector_at(lasting, ground.node as usize);
+            ground.led = vector_at(plastic, ground.node as usize);
         }
     }
 }

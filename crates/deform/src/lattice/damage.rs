@@ -23,31 +23,31 @@ struct BondScar {
 
 /// What does not come back at one node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct NodeScar {
+struct NodeDamage {
     /// The bonds to its upper neighbours.
     bonds: [BondScar; FAMILY_COUNT],
     /// How far it rests from where it was at first [mm].
-    lasting: DVec3,
+    plastic: DVec3,
 }
 
 /// All nodes that are not as at first, counted from the corner of the grid.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Scars(BTreeMap<[i32; 3], NodeScar>);
+pub(super) struct Damage(BTreeMap<[i32; 3], NodeDamage>);
 
-impl Scars {
+impl Damage {
     /// Keeps what happened in a box.
     pub fn keep(&mut self, matter: &MovingBox) {
         let (lattice, inelastic) = (&matter.lattice, &matter.inelastic);
         for (node, index) in lattice.layout().nodes() {
-            let scar = NodeScar {
+            let scar = NodeDamage {
                 bonds: std::array::from_fn(|family| BondScar {
                     broken: inelastic.broken[family][index],
                     longer: inelastic.base[family][index] - rest_length(family, lattice.spacing()),
                 }),
-                lasting: vector_at(&matter.lasting, index),
+                plastic: vector_at(&matter.plastic, index),
             };
             let place = (matter.origin + node.as_ivec3()).to_array();
-            if scar == NodeScar::default() {
+            if scar == NodeDamage::default() {
                 self.0.remove(&place);
             } else {
                 self.0.insert(place, scar);
@@ -74,7 +74,7 @@ impl Scars {
                 matter.lattice.bonds.rest[family][index] = rest;
             }
             if is_new(node) {
-                matter.begin_at(index, scar.lasting);
+                matter.begin_at(index, scar.plastic);
             }
         }
         matter.inelastic.break_again(&mut matter.lattice);

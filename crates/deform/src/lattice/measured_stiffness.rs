@@ -27,7 +27,7 @@ impl Measured {
     pub fn of(self, found: f64) -> f64 {
         match self {
             Self::Stiffness(seen) if seen < MEASURED_SHARE * found => seen.max(LEAST_SHARE * found),
-            Self::AsBefore(told) => found.min(told),
+            Self::AsBefore(reported) => found.min(reported),
             _ => found,
         }
     }
@@ -36,13 +36,13 @@ impl Measured {
 /// Measures the stiffness of a contact by its force [N, patient]. Where matter of very different
 /// stiffness comes to rest slowly, the linear problem finds it too stiff.
 pub(super) fn measured(
-    told: &[ToolContact],
+    reported: &[ToolContact],
     tool: &ToolState,
     force: DVec3,
     spacing: f64,
 ) -> Measured {
-    let last = told.iter().find(|told| told.tool == tool.id);
-    let last = last.and_then(|told| told.contact);
+    let last = reported.iter().find(|last| last.tool == tool.id);
+    let last = last.and_then(|last| last.contact);
     let (Some(last), Some(normal)) = (last, force.try_normalize()) else {
         return Measured::Nothing;
     };

@@ -6,10 +6,10 @@ use palpate_volume::material::LocalContact;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::border::Border;
-use super::damage::Scars;
+use super::damage::Damage;
 use super::inelastic::{Breaking, Inelastic, InelasticSettings};
 use super::layout::Layout;
-use super::nodes::{Lattice, NodeMatter};
+use super::nodes::{Lattice, NodeMaterial};
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_place};
 use super::shift::shift;
@@ -37,7 +37,7 @@ pub(super) struct MovingBox {
     pub lattice: Lattice,
     pub inelastic: Inelastic,
     /// How far each node stays from where it was at first, as was last seen from near [mm].
-    pub lasting: Field,
+    pub plastic: Field,
     /// How far nodes would be moved without tools [mm].
     unloaded: Field,
     /// How much of what comes back is shown at each node: less and less toward the border.
@@ -63,7 +63,7 @@ impl MovingBox {
         let mut lattice = Lattice::new(UVec3::splat(nodes), spacing, border, matter);
         Self {
             inelastic: Inelastic::new(&mut lattice, inelastic),
-            lasting: zero_field(lattice.layout().len()),
+            plastic: zero_field(lattice.layout().len()),
             unloaded: zero_field(lattice.layout().len()),
             share: shares(lattice.layout()),
             lattice,
@@ -80,7 +80,7 @@ impl MovingBox {
 
     /// Stands elsewhere: what both places share goes on as it is, what does not come back is as in
     /// `scars`.
-    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, scars: &Scars) {
+    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, damage: &Damage) {
         let offset = origin - self.origin;
         let spacing = self.lattice.spacing();
         let matter = |node: IVec3| rest.matter_of_node(spacing, origin + node);
@@ -88,26 +88,26 @@ impl MovingBox {
         self.lattice.go(offset, &matter);
         self.inelastic.go(&self.lattice, offset);
         let layout = *self.lattice.layout();
-        for axis in self.lasting.iter_mut().chain(&mut self.unloaded) {
+        for axis in self.plastic.iter_mut().chain(&mut self.unloaded) {
             shift(&layout, axis, offset, 0.0);
         }
-        scars.recall(self, |node| layout.index_of(node + offset).is_none());
+        damage.recall(self, |node| layout.index_of(node + offset).is_none());
         self.rest_border();
     }
 
     /// Has a node that is new in the box stand where it stayed [mm from where it was at first].
-    pub fn begin_at(&mut self, index: usize, lasting: DVec3) {
-        self.lattice.set_moved(index, lasting);
+    pub fn begin_at(&mut self, index: usize, plastic: DVec3) {
+        self.lattice.set_moved(index, plastic);
         for axis in 0..3 {
-            self.lasting[axis][index] = lasting[axis];
-            self.unloaded[axis][index] = lasting[axis];
+            self.plastic[axis][index] = plastic[axis];
+            self.unloaded[axis][index] = plastic[axis];
         }
     }
 
     /// Has the border hold the nodes where they stay.
     fn rest_border(&mut self) {
         if self.has_yielded() {
-            self.lattice.rest_border_at(&self.lasting);
+            self.lattice.rest_border_at(&self.plastic);
         }
     }
 
@@ -139,7 +139,7 @@ impl MovingBox {
     /// Notes that no tool presses the nodes: they stand where they stay.
     pub fn note_unloaded(&mut self) {
         self.unloaded.clone_from(&self.lattice.moved);
-        self.note_lasting();
+        self.note_plastic();
     }
 
     /// Brings what is known of where the nodes would stay without tools nearer to how it is; the nodes
@@ -156,17 +156,17 @@ impl MovingBox {
             self.lattice.put_to_rest();
         }
         std::mem::swap(&mut self.lattice.moved, &mut self.unloaded);
-        self.note_lasting();
+        self.note_plastic();
     }
 
     /// Near the border of the box, where what yielded beyond it is missing, nodes stay where they
     /// were when the box stood around them.
-    fn note_lasting(&mut self) {
+    fn note_plastic(&mut self) {
         for axis in 0..3 {
-            let known = self.lasting[axis].iter_mut().zip(&self.unloaded[axis]);
-            for ((lasting, unloaded), share) in known.zip(&self.share) {
+            let known = self.plastic[axis].iter_mut().zip(&self.unloaded[axis]);
+            for ((plastic, unloaded), share) in known.zip(&self.share) {
                 if *share == 1.0 {
-                    *lasting = *unloaded;
+                    *plastic = *unloaded;
                 }
             }
         }
@@ -249,8 +249,8 @@ impl MovingBox {
     /// the picture of the body behind it begins; what lasts as it is.
     pub fn displacement(&self) -> Displacement {
         let field = self.field(|index| {
-            let lasting = vector_at(&self.lasting, index);
-            lasting + (self.lattice.moved(index) - lasting) * self.share[index]
+            let plastic = vector_at(&self.plastic, index);
+            plastic + (self.lattice.moved(index) - plastic) * self.share[index]
         });
         match self.has_yielded() {
             true => field.going_on(),
@@ -259,14 +259,14 @@ impl MovingBox {
     }
 
     /// How far matter will have moved when no tool presses it any more.
-    pub fn lasting_displacement(&self) -> Displacement {
-        self.field(|index| vector_at(&self.lasting, index))
+    pub fn plastic_displacement(&self) -> Displacement {
+        self.field(|index| vector_at(&self.plastic, index))
     }
 
     fn field(&self, moved: impl Fn(usize) -> DVec3) -> Displacement {
         let layout = self.lattice.layout();
         let moved = |(_, index): (UVec3, usize)| {
-            let is_matter = *self.lattice.matter(index) != NodeMatter::Empty;
+            let is_matter = *self.lattice.matter(index) != NodeMaterial::Empty;
             is_matter.then(|| moved(index))
         };
         let spacing = self.lattice.spacing();

@@ -13,7 +13,7 @@ use crate::model::Effort;
 
 /// What a node is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum NodeMatter {
+pub enum NodeMaterial {
     /// Nothing.
     Empty,
     /// It gives.
@@ -22,7 +22,7 @@ pub enum NodeMatter {
     Rigid(Solid),
 }
 
-impl NodeMatter {
+impl NodeMaterial {
     /// Its constants; none where there is nothing.
     #[must_use]
     pub fn solid(&self) -> Option<&Solid> {
@@ -42,7 +42,7 @@ pub struct Lattice {
     /// Between nodes [mm].
     pub(super) spacing: f64,
     /// What each node is made of.
-    pub(super) matter: Vec<NodeMatter>,
+    pub(super) matter: Vec<NodeMaterial>,
     /// Stiffness of the bonds of a body all of this node's matter [N/mm]; 0 where empty.
     pub(super) node_stiffness: Vec<f64>,
     /// Bulk modulus that the volume term adds in a body all of this node's matter [N/mm²].
@@ -83,7 +83,7 @@ impl Lattice {
         size: UVec3,
         spacing: f64,
         border: Border,
-        matter: impl Fn(IVec3) -> NodeMatter,
+        matter: impl Fn(IVec3) -> NodeMaterial,
     ) -> Self {
         assert!(spacing > 0.0 && spacing.is_finite(), "spacing {spacing}");
         let layout = Layout::new(size);
@@ -91,7 +91,7 @@ impl Lattice {
         let mut lattice = Self {
             layout,
             spacing,
-            matter: vec![NodeMatter::Empty; length],
+            matter: vec![NodeMaterial::Empty; length],
             node_stiffness: vec![0.0; length],
             node_volume: vec![0.0; length],
             bonds: Bonds::none(&layout, spacing),
@@ -126,7 +126,7 @@ impl Lattice {
 
     /// What a node is made of.
     #[must_use]
-    pub fn matter(&self, index: usize) -> &NodeMatter {
+    pub fn matter(&self, index: usize) -> &NodeMaterial {
         &self.matter[index]
     }
 

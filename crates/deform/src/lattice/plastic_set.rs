@@ -29,7 +29,7 @@ impl LatticeModel {
         if self.settled || !matter.has_yielded() {
             return;
         }
-        let field = matter.lasting_displacement();
+        let field = matter.plastic_displacement();
         let [before, after] = [matter.origin, origin].map(|origin| matter.region_from(origin));
         let left = |voxel: IVec3| before.contains(voxel) && !after.contains(voxel);
         let mut wanted = self.rule(input, tools).left_behind(&field);
@@ -39,9 +39,10 @@ impl LatticeModel {
     }
 
     /// Follows where matter that has yielded would stay if all tools left.
-    pub(super) fn follow_lasting(
+    pub(super) fn follow_plastic(
         &mut self,
-        (input, budget): (&ModelInput<'_>, Budget),
+        input: &ModelInput<'_>,
+        budget: Budget,
         report: &ModelReport,
     ) {
         let is_unloaded = self.is_unloaded(report);

@@ -22,7 +22,8 @@ impl Relaxer {
         lattice: &mut Lattice,
         tools: &[LatticeTool],
         which: usize,
-        (most, is_late): (u32, &dyn Fn() -> bool),
+        most: u32,
+        is_late: &dyn Fn() -> bool,
     ) -> f64 {
         let force = self.felt()[which].force;
         let normal = force.normalize_or_zero();

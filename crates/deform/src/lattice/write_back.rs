@@ -8,7 +8,7 @@
 use glam::{DVec3, IVec3};
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 
 use crate::displacement::Displacement;
 use crate::material::Treatment;
@@ -79,7 +79,7 @@ impl WriteBack<'_> {
     }
 
     /// What a voxel is to be; none where it stays as it is.
-    fn follow(&self, field: &Displacement, voxel: IVec3) -> Option<(Matter, Option<DVec3>)> {
+    fn follow(&self, field: &Displacement, voxel: IVec3) -> Option<(VoxelState, Option<DVec3>)> {
         let spacing = self.input.voxels.grid().spacing();
         let place = (voxel.as_dvec3() + 0.5) * spacing;
         let changed = self.ledger.changed(voxel);
@@ -105,9 +105,9 @@ impl WriteBack<'_> {
         &self,
         came_from: DVec3,
         voxel: IVec3,
-        rest: &Matter,
+        rest: &VoxelState,
         gives: bool,
-    ) -> Option<(Matter, Option<DVec3>)> {
+    ) -> Option<(VoxelState, Option<DVec3>)> {
         let rest = *rest;
         let in_tool = self.is_in_tool(voxel);
         let from = self.source_of(came_from, voxel)?;
@@ -157,7 +157,7 @@ impl WriteBack<'_> {
     }
 
     /// Whether matter at rest in a voxel gives way.
-    fn gives(&self, voxel: IVec3, matter: &Matter) -> bool {
+    fn gives(&self, voxel: IVec3, matter: &VoxelState) -> bool {
         let solid = solid_of(self.input.voxels, self.input.materials, voxel, matter);
         solid.is_some_and(|(_, treatment)| treatment == Treatment::Deformable)
     }
@@ -174,8 +174,8 @@ impl WriteBack<'_> {
         })
     }
 
-    fn nothing(&self) -> Matter {
-        Matter {
+    fn nothing(&self) -> VoxelState {
+        VoxelState {
             stored: self.air,
             segments: SegmentSet::EMPTY,
         }

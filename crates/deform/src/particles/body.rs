@@ -145,19 +145,19 @@ impl<L: LocalLaw> ParticleBody<L> {
     }
 
     /// The depth of particles of this matter [N·mm]. Where it gives way, its Poisson's ratio is noted.
-    pub fn depth(&mut self, (solid, treatment): (&Solid, Treatment), by: Calibration) -> f64 {
+    pub fn depth(&mut self, solid: &Solid, treatment: Treatment, by: Calibration) -> f64 {
         let asked = solid.poisson;
         if let (Some(used), Treatment::Deformable) = (self.scale.other_poisson(asked), treatment) {
-            let told = ModelEvent::PoissonClamped { asked, used };
-            self.other_poisson.get_or_insert(told);
+            let event = ModelEvent::PoissonClamped { asked, used };
+            self.other_poisson.get_or_insert(event);
         }
         self.scale.depth(solid, by)
     }
 
-    /// What was asked for first that the lattice cannot do, where nobody was `told` of any yet.
-    pub fn tell_poisson(&self, told: &mut bool) -> Option<ModelEvent> {
-        let event = self.other_poisson.filter(|_| !*told);
-        *told |= event.is_some();
+    /// What was asked for first that the lattice cannot do, where none was `reported` yet.
+    pub fn report_poisson(&self, reported: &mut bool) -> Option<ModelEvent> {
+        let event = self.other_poisson.filter(|_| !*reported);
+        *reported |= event.is_some();
         event
     }
 
@@ -322,8 +322,8 @@ impl<L: LocalLaw> ParticleBody<L> {
         tools: &[(u32, ParticleTool)],
         felt: &[ToolForce],
     ) -> Vec<ToolContact> {
-        let matter = (&self.grid, &self.scale);
-        self.contact_laws.of(matter, given, (tools, felt))
+        self.contact_laws
+            .of(&self.grid, &self.scale, given, tools, felt)
     }
 }
 

@@ -31,14 +31,16 @@ impl ContactLaws {
     /// One contact for each tool that was given, usable or not.
     pub fn of(
         &mut self,
-        matter: (&Grid, &LatticeScale),
+        grid: &Grid,
+        scale: &LatticeScale,
         given: &[ToolState],
-        (tools, felt): (&[(u32, ParticleTool)], &[ToolForce]),
+        tools: &[(u32, ParticleTool)],
+        felt: &[ToolForce],
     ) -> Vec<ToolContact> {
         let mut contacts = Vec::with_capacity(given.len());
         for state in given {
             let found = tools.iter().zip(felt).find(|((id, _), _)| *id == state.id);
-            let contact = found.and_then(|(_, felt)| self.contact(matter, state, felt));
+            let contact = found.and_then(|(_, felt)| self.contact(grid, scale, state, felt));
             contacts.push(ToolContact {
                 tool: state.id,
                 contact,
@@ -50,7 +52,8 @@ impl ContactLaws {
 
     fn contact(
         &self,
-        (grid, scale): (&Grid, &LatticeScale),
+        grid: &Grid,
+        scale: &LatticeScale,
         tool: &ToolState,
         felt: &ToolForce,
     ) -> Option<LocalContact> {

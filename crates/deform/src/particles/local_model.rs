@@ -156,7 +156,7 @@ impl LocalLaw for CuboidLaw {
 pub struct LocalModel<L> {
     settings: LocalSettings,
     state: Option<LocalState<L>>,
-    told_poisson: bool,
+    reported_poisson: bool,
 }
 
 impl LocalModel<FadedLaw> {
@@ -182,7 +182,7 @@ impl<L: LocalLaw> LocalModel<L> {
         Self {
             settings,
             state: None,
-            told_poisson: false,
+            reported_poisson: false,
         }
     }
 
@@ -238,7 +238,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
-        let unlike = state.body.tell_poisson(&mut self.told_poisson);
+        let unlike = state.body.report_poisson(&mut self.reported_poisson);
         answer.events.extend(unlike);
         answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);

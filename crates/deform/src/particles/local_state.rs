@@ -22,7 +22,7 @@ use crate::model::{Budget, DisplacementField, ModelEvent, ModelInput};
 use crate::voxel_ledger::{Ledger, solid_of};
 
 /// Displacement that is seen [cells].
-const SEEN: f64 = 0.03;
+const VISIBLE: f64 = 0.03;
 /// Largest half axis of a tool around which matter is looked for [cells].
 const LARGEST_TOOL: f64 = 12.0;
 
@@ -231,7 +231,7 @@ impl<L: LocalLaw> LocalState<L> {
             return false;
         };
         let calibration = self.settings.calibration;
-        let depth = self.body.depth((&solid, treatment), calibration);
+        let depth = self.body.depth(&solid, treatment, calibration);
         let mass = self.body.inertia(depth);
         let origin = Origin { voxel, matter };
         let places: &[DVec3] = match L::KIND {
@@ -382,7 +382,7 @@ impl<L: LocalLaw> LocalState<L> {
             sums.into_iter().map(mean).collect(),
         );
         // free surfaces of a crystal draw in by themselves, by less than is seen
-        field.told(voxels, &self.ledger, SEEN * cell)
+        field.residual(voxels, &self.ledger, VISIBLE * cell)
     }
 }
 

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, IVec3};
 use palpate_volume::segment_set::SegmentSet;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 
 /// Where a particle is, and how soft its links are. Four doubles, so that one load brings all
 /// that a pair needs to know of it.
@@ -54,12 +54,12 @@ pub struct Origin {
     /// Which voxel.
     pub voxel: IVec3,
     /// Its intensity and segments.
-    pub matter: Matter,
+    pub matter: VoxelState,
 }
 
 impl Default for Origin {
     fn default() -> Self {
-        let matter = Matter {
+        let matter = VoxelState {
             stored: 0,
             segments: SegmentSet::EMPTY,
         };

@@ -13,13 +13,13 @@ use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
 use super::global_field::GlobalField;
 use crate::material::Treatment;
 use crate::model::{Budget, Effort, ModelInput};
-use crate::voxel_ledger::{Ledger, Wanted, matter_of, solid_of};
+use crate::voxel_ledger::{Ledger, Wanted, solid_of, state_of};
 
 /// Voxels along each edge of a tile.
 const TILE: i32 = 16;
@@ -45,6 +45,8 @@ pub(super) struct FollowRule<'a> {
     pub budget: Budget,
     /// None where nothing has moved.
     pub field: Option<&'a GlobalField>,
+    /// Voxels around this one come first.
+    pub middle: IVec3,
     /// Displacement below which voxels stay [mm].
     pub least: f64,
     /// Stored value where matter left.
@@ -84,20 +86,20 @@ impl Following {
         }
     }
 
-    /// The edit by which voxels follow, those around the `middle` first; none where nothing
-    /// changes.
+    /// The edit by which voxels read what stood where they came from, those around the middle first;
+    /// none where nothing changes.
     pub fn advance(
         &mut self,
         rule: &FollowRule<'_>,
-        middle: IVec3,
-        (ledger, effort): (&mut Ledger, &mut Effort),
+        ledger: &mut Ledger,
+        effort: &mut Effort,
     ) -> Option<Edit> {
         self.answers += 1;
         let moving = self.meet(rule);
         let mut wanted = Wanted::new();
         let mut region = VoxelBox::EMPTY;
         let mut worked = Vec::new();
-        for key in self.by_urgency(middle) {
+        for key in self.by_urgency(rule.middle) {
             let is_over = effort.looked_at >= TILES * IN_TILE as u64
                 || effort.followed >= FOLLOWED
                 || (effort.looked_at > 0 && rule.budget.is_late());
@@ -198,7 +200,7 @@ fn is_done(change: &Change, wanted: &Wanted, voxels: &Voxels, ledger: &Ledger) -
     };
     match ledger.changed(change.voxel) {
         Some(changed) => change.come != [0; 3] && changed.written == *matter,
-        None => matter_of(voxels, change.voxel) == Some(*matter),
+        None => state_of(voxels, change.voxel) == Some(*matter),
     }
 }
 
@@ -222,7 +224,7 @@ impl FollowRule<'_> {
 
     /// What a voxel is to be, and how far what it shows has come; none where it is at rest and
     /// stays so. What does not give way stays where it is.
-    fn matter(&self, change: &Change, ledger: &Ledger) -> Option<(Matter, Option<DVec3>)> {
+    fn matter(&self, change: &Change, ledger: &Ledger) -> Option<(VoxelState, Option<DVec3>)> {
         let (voxels, voxel) = (self.input.voxels, change.voxel);
         let rest = ledger.rest(voxels, voxel)?;
         let back = (rest, Some(DVec3::ZERO));
@@ -246,14 +248,14 @@ impl FollowRule<'_> {
     }
 
     /// Whether there is matter that does not give way.
-    fn is_held(&self, voxel: IVec3, matter: &Matter) -> bool {
+    fn is_held(&self, voxel: IVec3, matter: &VoxelState) -> bool {
         let solid = solid_of(self.input.voxels, self.input.materials, voxel, matter);
         let gives = solid.is_some_and(|(_, treatment)| treatment == Treatment::Deformable);
         !matter.segments.is_empty() && !gives
     }
 
-    fn nothing(&self) -> Matter {
-        Matter {
+    fn nothing(&self) -> VoxelState {
+        VoxelState {
             stored: self.air,
             segments: SegmentSet::EMPTY,
         }

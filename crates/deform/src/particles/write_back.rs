@@ -11,11 +11,11 @@ use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
 use super::state::Particles;
-use crate::voxel_ledger::{Ledger, Wanted, matter_of};
+use crate::voxel_ledger::{Ledger, Wanted, state_of};
 
 /// Share of its particles below which a voxel is cleared.
 const CLEAR_BELOW: f64 = 0.5;
@@ -60,7 +60,7 @@ impl Standing {
     }
 
     /// How far what a voxel shows has come [voxels]; none where it shows no matter.
-    fn shown(&self, matter: &Matter) -> Option<DVec3> {
+    fn shown(&self, matter: &VoxelState) -> Option<DVec3> {
         let mean = self.come / f64::from(self.count.max(1));
         (!matter.segments.is_empty()).then_some(mean)
     }
@@ -82,7 +82,7 @@ impl WriteBack {
             if standing.is_as_at_rest() && ledger.changed(voxel).is_none() {
                 continue;
             }
-            let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), matter_of(voxels, voxel))
+            let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), state_of(voxels, voxel))
             else {
                 continue;
             };
@@ -95,7 +95,7 @@ impl WriteBack {
     }
 
     /// What a voxel is with what stands in it.
-    fn matter(&self, standing: &Standing, rest: &Matter, now: &Matter) -> Matter {
+    fn matter(&self, standing: &Standing, rest: &VoxelState, now: &VoxelState) -> VoxelState {
         let solid_at_rest = standing.at_rest > 0;
         // matter that takes no part is never overwritten
         if !solid_at_rest && !rest.segments.is_empty() {
@@ -116,7 +116,7 @@ impl WriteBack {
         };
         match (solid, solid_at_rest) {
             (true, true) if !standing.from_elsewhere => *rest,
-            (true, _) => Matter {
+            (true, _) => VoxelState {
                 stored: (standing.stored as f64 / f64::from(standing.count)).round() as i16,
                 segments: if solid_at_rest {
                     rest.segments
@@ -124,7 +124,7 @@ impl WriteBack {
                     standing.segments
                 },
             },
-            (false, true) => Matter {
+            (false, true) => VoxelState {
                 stored: self.air,
                 segments: SegmentSet::EMPTY,
             },

@@ -36,7 +36,7 @@ pub struct Offers {
     /// Boxes; none where it has no box.
     pub boxes: Option<Boxes>,
     /// Shares of binding; none where nothing is bound.
-    pub binding: Option<Shares>,
+    pub binding: Option<OccupancyFractions>,
     /// Whether particles can be kept out of empty voxels.
     pub walls: bool,
     /// How its force can fade; none where it cannot.
@@ -64,7 +64,7 @@ pub struct Boxes {
 
 /// Shares that can be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shares {
+pub struct OccupancyFractions {
     /// Least.
     pub least: f64,
     /// As its default settings have it.
@@ -101,7 +101,7 @@ impl Offers {
             self.check_edge(name, edge)?;
         }
         if let Some(binding) = options.binding {
-            let Some(Shares { least, most, .. }) = self.binding else {
+            let Some(OccupancyFractions { least, most, .. }) = self.binding else {
                 return Err(not_offered(name, "binding"));
             };
             check_within(name, "binding", "", binding, Range { least, most })?;

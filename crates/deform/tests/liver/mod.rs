@@ -6,7 +6,7 @@
 )]
 
 use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};
-use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::material::{Materials, SegmentMaterial, preset};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -53,7 +53,7 @@ pub fn scan(spacing: DVec3) -> (Voxels, Materials) {
         .add_segment(Segment::from_fn(dimensions, solid))
         .unwrap();
     let law = preset("liver").unwrap().law().unwrap();
-    let matter = SegmentMatter {
+    let matter = SegmentMaterial {
         segment,
         law,
         regions: Vec::new(),

@@ -17,7 +17,7 @@ use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensity_brick::IntensityBrick;
-use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::occupancy_fractions::FractionBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
@@ -323,10 +323,10 @@ impl ValueColumns {
 }
 
 impl FractionColumns {
-    fn push(&mut self, id: SegmentId, index: u32, brick: Option<&ShareBrick>) {
+    fn push(&mut self, id: SegmentId, index: u32, brick: Option<&FractionBrick>) {
         self.segment.push(id.0);
         self.index.push(index);
-        self.bytes.push(brick.unwrap_or(&ShareBrick::UNKNOWN).0);
+        self.bytes.push(brick.unwrap_or(&FractionBrick::UNKNOWN).0);
     }
 
     /// Some of the bricks, checked against the grids that they stand on.
@@ -338,8 +338,8 @@ impl FractionColumns {
         let places = places(&self.segment, &self.index, range.clone(), frames)?;
         let bricks = places.into_iter().zip(&self.bytes[range]);
         let swap = |((id, index), &bytes): ((u8, u32), &[u8; 512])| {
-            let brick = ShareBrick(bytes);
-            let brick = (brick != ShareBrick::UNKNOWN).then(|| Arc::new(brick));
+            let brick = FractionBrick(bytes);
+            let brick = (brick != FractionBrick::UNKNOWN).then(|| Arc::new(brick));
             (SegmentId(id), BrickSwap { index, brick })
         };
         Ok(bricks.map(swap).collect())

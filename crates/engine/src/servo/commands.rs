@@ -97,11 +97,11 @@ impl ServoLoop {
                 self.state.mapping.rescale(device, settings.gain);
                 self.state.settings = settings;
                 self.occupancy.want_radius(settings.probe_radius);
-                self.state.touch.blend.tell();
+                self.state.touch.blend.note_new_settings();
             }
             Some(ServoCommand::Feel(id, feel)) => {
                 self.state.feels.set(id, feel);
-                self.state.touch.blend.tell();
+                self.state.touch.blend.note_new_settings();
             }
             Some(ServoCommand::Pose(id, target)) => {
                 if let Some((bounds, own_grid)) = self.occupancy.place_of(id) {

@@ -322,7 +322,7 @@ fn voxels_of_two_grids_are_not_mixed() {
         VoxelsError::DifferentGrids(block.0, plate.0)
     );
     // matter of the scan is none of the plate's
-    let edit = voxels.matter_edit(&region, |_, mut was| {
+    let edit = voxels.voxel_edit(&region, |_, mut was| {
         was.segments = SegmentSet::EMPTY;
         was
     });

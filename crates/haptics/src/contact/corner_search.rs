@@ -38,7 +38,7 @@ const LEAST_WAY: f64 = 0.02;
 
 /// Feels around `from` for a place whose squared distance to the device is below `limit`
 /// [mm²]; `met` has the bodies whose axes are tried, as bits.
-pub(crate) fn creep<O: Occupancy>(
+pub(crate) fn search_corner<O: Occupancy>(
     bodies: &Bodies<'_, O>,
     from: DVec3,
     device: DVec3,

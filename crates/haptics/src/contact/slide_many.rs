@@ -9,7 +9,7 @@
 //! Frame: the world's grid, lengths in mm.
 
 use crate::contact::bodies::{Bodies, Visits};
-use crate::contact::corner_search::creep;
+use crate::contact::corner_search::search_corner;
 use crate::contact::descent::{Descent, descend};
 use crate::contact::node_lattice::{NODES, NodeLattice, Way, clear};
 use crate::contact::slide_window::{LayerDistances, SlideWindow};
@@ -48,7 +48,7 @@ impl<O: Occupancy> Slide<'_, '_, O> {
             return found;
         }
         let limit = self.limit(CREEP_GAIN);
-        let place = creep(self.bodies, self.from, self.device, self.met, limit, visits)?;
+        let place = search_corner(self.bodies, self.from, self.device, self.met, limit, visits)?;
         Some(descend(
             self.bodies,
             place,

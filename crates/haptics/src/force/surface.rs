@@ -239,16 +239,17 @@ pub struct SurfaceBlend {
     slip: Blend,
     touching: bool,
     /// What surfaces feel like was set anew, and this contact has not come there yet.
-    told: bool,
+    #[serde(rename = "told")]
+    settings_changed: bool,
 }
 
 /// Share of a full change in a tick after the surface was set anew.
-const TOLD_SHARE: f64 = 1.0 / 256.0;
+const NEW_SETTINGS_SHARE: f64 = 1.0 / 256.0;
 
 impl SurfaceBlend {
     /// A person has set anew what surfaces feel like: also a hand at rest is to feel it.
-    pub fn tell(&mut self) {
-        self.told = self.touching;
+    pub fn note_new_settings(&mut self) {
+        self.settings_changed = self.touching;
     }
 
     /// Goes on to what is touched now, by the way [mm] that the hand moved since the last tick;
@@ -263,7 +264,11 @@ impl SurfaceBlend {
         };
         // a new contact begins as it is; `max` keeps a way that is none from counting
         let share = if self.touching {
-            let in_time = if self.told { TOLD_SHARE } else { 0.0 };
+            let in_time = if self.settings_changed {
+                NEW_SETTINGS_SHARE
+            } else {
+                0.0
+            };
             (way / h.max(3.0 * depth)).max(in_time)
         } else {
             f64::INFINITY
@@ -277,7 +282,7 @@ impl SurfaceBlend {
             (self.stick, wanted.friction.stick),
             (self.slip, wanted.friction.slip),
         ];
-        self.told &= there.iter().any(|(blend, wanted)| blend.now != *wanted);
+        self.settings_changed &= there.iter().any(|(blend, wanted)| blend.now != *wanted);
         self.feel()
     }
 

@@ -47,6 +47,17 @@ pub struct NeedleEvent {
     pub force: f64,
 }
 
+impl NeedleEvent {
+    /// The tip came out at a time [s].
+    pub(super) fn withdrawn(time: f64) -> Self {
+        Self {
+            kind: EventKind::Withdrawn,
+            time,
+            ..Self::default()
+        }
+    }
+}
+
 /// The newest events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Events {
@@ -68,15 +79,9 @@ impl Events {
         (first..self.count).map(move |number| newest[place_of(number)])
     }
 
-    /// Keeps another one, at a time [s] and depth [mm], with a force [N].
-    pub fn note(&mut self, kind: EventKind, segment: u8, (time, depth, force): (f64, f64, f64)) {
-        self.newest[place_of(self.count)] = NeedleEvent {
-            kind,
-            segment,
-            time,
-            depth,
-            force,
-        };
+    /// Keeps another one.
+    pub fn note(&mut self, event: NeedleEvent) {
+        self.newest[place_of(self.count)] = event;
         self.count += 1;
     }
 }

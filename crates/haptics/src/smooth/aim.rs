@@ -77,7 +77,8 @@ impl Aims {
     #[inline]
     pub(super) fn aim<O: Occupancy>(
         &mut self,
-        (body, source): (usize, Source),
+        body: usize,
+        source: Source,
         occupancy: &O,
         spacing: DVec3,
         [middle, device]: [DVec3; 2],

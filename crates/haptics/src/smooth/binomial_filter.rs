@@ -9,7 +9,7 @@
 
 use super::spline::Width;
 
-/// Solid shares of cells, a word for each row.
+/// Solid fractions of cells, a word for each row.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     /// Those of even x.
@@ -21,7 +21,7 @@ pub(super) struct Cells {
 /// Blurred cells: rows of 0 to almost 2¹⁶.
 pub(super) type Blurred = [[u16; 8]; 64];
 
-/// The largest share of a cell: 64 of them, as three tents add up, are less than 2¹⁶.
+/// The largest fraction of a cell: 64 of them, as three tents add up, are less than 2¹⁶.
 const LARGEST: u16 = 0x3ff;
 
 /// Every second byte.
@@ -137,7 +137,7 @@ fn sum(numbers: u64, changes: u64, full: u64) -> u64 {
     sum & within | full & !within
 }
 
-/// The share of one of so many voxels in a cell, as large as it may be.
+/// The fraction of one of so many voxels in a cell, as large as it may be.
 pub(super) fn unit_of(voxels: u16) -> u16 {
     LARGEST / voxels
 }

@@ -1,7 +1,7 @@
 //! How much of a voxel at the surface is solid, from the intensities that it was made from.
 //!
 //! A threshold makes whole voxels solid or free; the intensities still tell where between
-//! two voxels the threshold is crossed. Counting each voxel at the surface by its share takes
+//! two voxels the threshold is crossed. Counting each voxel at the surface by its fraction takes
 //! most of the stairs away, and leaves all the rest as it is: what the proxy does not reach is
 //! filled, noise is blurred, and a voxel that was edited counts as its bit says.
 //!
@@ -177,10 +177,10 @@ impl Limits {
         within.fold(f32::NEG_INFINITY, f32::max)
     }
 
-    /// The share of a voxel that is solid; see `Occupancy::share`.
+    /// The fraction of a voxel that is solid; see `Occupancy::fraction`.
     #[inline]
     #[must_use]
-    pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
+    pub fn fraction(&self, around: &Around, solid: bool) -> Option<f32> {
         match self.count {
             // there is mostly but one
             1 => {
@@ -188,7 +188,7 @@ impl Limits {
                 let within = |values: Vec3A| (values - low).min(high - values);
                 let [above, below] = [around.here - low, high - around.here];
                 let here = if above < below { above } else { below };
-                share(within(around.before), here, within(around.after), solid)
+                fraction(within(around.before), here, within(around.after), solid)
             }
             _ => self.share_of_many(around, solid),
         }
@@ -201,7 +201,7 @@ impl Limits {
             return None;
         }
         let within = |values: Vec3A| values.map(|stored| self.within(stored));
-        share(
+        fraction(
             within(around.before),
             self.within(around.here),
             within(around.after),
@@ -210,14 +210,14 @@ impl Limits {
     }
 }
 
-/// The share of a voxel that is solid, from how far values are within what is solid: its own, and
+/// The fraction of a voxel that is solid, from how far values are within what is solid: its own, and
 /// those before and after it along each axis.
 ///
 /// Along the axis on which values change most, a surface passes between the middles of one solid
 /// voxel and one free voxel of each column. So each of these two gives or takes half of how far it
 /// is from the middle between them, and the column counts just as much as is solid.
 #[inline]
-fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
+fn fraction(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
     // an edit, or another segment, made it what it is
     if solid != (here >= 0.0) {
         return None;
@@ -233,8 +233,8 @@ fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
     let [before, here, after] = [before[axis], here, after[axis]].map(|value| side * value);
     let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
     let own = (0.5 * ways).max(0.5);
-    let share = if solid { own } else { 1.0 - own };
-    share.is_finite().then_some(share)
+    let fraction = if solid { own } else { 1.0 - own };
+    fraction.is_finite().then_some(fraction)
 }
 
 /// The way from the middle of a voxel to where values pass zero, of that to the next voxel; 1 where

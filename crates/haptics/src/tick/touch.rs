@@ -125,7 +125,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         } else {
             let source = Source {
                 epoch: cache.epoch,
-                shares: self.input.smoothing == Smoothing::Intensities,
+                fractions: self.input.smoothing == Smoothing::Intensities,
             };
             let fields = cache
                 .fields

@@ -137,7 +137,7 @@ pub(crate) fn start_of(voxels: &Voxels) -> Vec<Written> {
         .collect();
     if !intensities.is_empty() {
         let delta = Delta {
-            kind: EditKind::Matter,
+            kind: EditKind::Voxel,
             segments: Vec::new(),
             intensities,
         };

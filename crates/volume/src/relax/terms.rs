@@ -26,7 +26,7 @@ const AGAINST: f32 = -0.3;
 const RISING: f32 = 0.2;
 /// What being on the wrong side costs, of what being off a face does.
 const WRONG_SIDE: f32 = 1.0;
-/// What being off a share that is known costs, of the same.
+/// What being off a fraction that is known costs, of the same.
 const KNOWN: f32 = 100.0;
 /// What being off a flat face costs: more than stiffness, so that it ends with its last voxel.
 const FLAT: f32 = 1e4;
@@ -82,7 +82,7 @@ impl Terms {
         terms
     }
 
-    /// Weights and targets: where faces, and shares that are known, want the field to be zero.
+    /// Weights and targets: where faces, and fractions that are known, want the field to be zero.
     pub(super) fn data(&self, level: &Level) -> (Vec<f32>, Vec<f32>) {
         let count = level.band.cells.len();
         let (mut weights, mut sums) = (vec![0.0; count], vec![0.0; count]);
@@ -149,16 +149,16 @@ impl Terms {
         (normal, ANYWHERE / width * told)
     }
 
-    /// Puts shares that are known in the place of what faces tell.
+    /// Puts fractions that are known in the place of what faces tell.
     fn hold(&self, level: &Level, weights: &mut [f32], targets: &mut [f32]) {
         let cost = KNOWN * usual_cost(level.spacing);
-        for &(number, share) in &level.held {
+        for &(number, fraction) in &level.held {
             let Some(gradient) = self.gradients[number].try_normalize() else {
                 continue;
             };
             let steps = (gradient * level.spacing).abs();
             weights[number] = cost;
-            targets[number] = (2.0 * share - 1.0) * steps.max_element();
+            targets[number] = (2.0 * fraction - 1.0) * steps.max_element();
         }
     }
 

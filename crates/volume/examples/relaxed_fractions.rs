@@ -1,22 +1,22 @@
-//! What it costs to work out the shares of a mask: all of them, and around an edit.
+//! What it costs to work out the fractions of a mask: all of them, and around an edit.
 //!
 //! The mask is a file of one byte per voxel, x fastest, 0 where free:
 //!
-//!     cargo run --release -p palpate-volume --example relaxed_shares mask.raw 512 512 133 0.7 0.7 2.5
+//!     cargo run --release -p palpate-volume --example relaxed_fractions mask.raw 512 512 133 0.7 0.7 2.5
 #![expect(clippy::print_stdout, reason = "figures are what this example is for")]
 
 use std::error::Error;
 use std::time::Instant;
 
 use glam::{IVec3, Vec3};
-use palpate_volume::occupancy_fractions::Shares;
-use palpate_volume::relax::{regions, relaxed_shares};
+use palpate_volume::occupancy_fractions::OccupancyFractions;
+use palpate_volume::relax::{regions, relaxed_fractions};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 /// Radius of the hole that the edit makes [mm].
 const HOLE: f32 = 3.5;
-/// How far from a change shares are worked out again [voxels].
+/// How far from a change fractions are worked out again [voxels].
 const REACH: i32 = 8;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -36,25 +36,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bits = mask.occupancy();
 
     let began = Instant::now();
-    let mut shares = Shares::unknown(dimensions);
+    let mut fractions = OccupancyFractions::unknown(dimensions);
     let regions = regions(bits);
     let mut slowest = 0.0_f64;
     for region in &regions {
-        let known = shares.clone();
+        let known = fractions.clone();
         let one = Instant::now();
-        for mut swap in relaxed_shares(bits, spacing, region, &known) {
-            shares.swap(&mut swap);
+        for mut swap in relaxed_fractions(bits, spacing, region, &known) {
+            fractions.swap(&mut swap);
         }
         slowest = slowest.max(one.elapsed().as_secs_f64());
     }
-    let known = known_voxels(&shares);
+    let known = known_voxels(&fractions);
     println!(
         "{} regions, {known} voxels at the surface: {:.1} s, the slowest {:.0} ms; {:.1} MB beside \
          {:.1} MB of bits",
         regions.len(),
         began.elapsed().as_secs_f64(),
         1e3 * slowest,
-        shares.memory_bytes() as f64 / 1e6,
+        fractions.memory_bytes() as f64 / 1e6,
         bits.memory_bytes() as f64 / 1e6,
     );
 
@@ -75,7 +75,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut times: Vec<f64> = (0..9)
         .map(|_| {
             let began = Instant::now();
-            let again = relaxed_shares(drilled.occupancy(), spacing, &hole.dilate(REACH), &shares);
+            let again = relaxed_fractions(
+                drilled.occupancy(),
+                spacing,
+                &hole.dilate(REACH),
+                &fractions,
+            );
             assert!(!again.is_empty(), "a hole has a surface");
             began.elapsed().as_secs_f64()
         })
@@ -85,8 +90,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn known_voxels(shares: &Shares) -> usize {
-    let bricks = shares.bricks().entries().iter().flatten();
+fn known_voxels(fractions: &OccupancyFractions) -> usize {
+    let bricks = fractions.bricks().entries().iter().flatten();
     bricks
         .map(|brick| brick.0.iter().filter(|byte| **byte != 0).count())
         .sum()
