@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from palpate.session.model_options import ModelOptions
+from palpate.session.segment_state import SegmentState
 from palpate.session.session import Session
 from palpate.volumes.material import ForceSource, LinearMaterial, Material, Region, Treatment
 
@@ -74,7 +75,7 @@ def restore_matter(session: Session, saved: SavedMatter) -> None:
     """
     for each in saved.materials:
         # what was made of it stays so, whatever is known of the scan's unit by now
-        session._make_of(  # noqa: SLF001  # a scene restores its session
+        session._soft_tissue.restore_material(  # noqa: SLF001  # a scene restores its session
             each.segment, _given_material(each), undoable=False
         )
     for segment_id in {each.segment for each in saved.regions}:
@@ -89,7 +90,7 @@ def restore_matter(session: Session, saved: SavedMatter) -> None:
     session.set_force_source(saved.force_source)
 
 
-def _material_of(state: dict[str, Any]) -> _Material | None:
+def _material_of(state: SegmentState) -> _Material | None:
     material = state["material"]
     if material is None:
         return None

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
+from palpate.scenarios.engine_run import EngineRun
 
 __all__ = ["UNITS", "Press", "ScenarioEvent", "ScenarioRun", "read_run", "samples_of", "write_run"]
 
@@ -177,10 +178,10 @@ class ScenarioRun:
         }
 
 
-def samples_of(told: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+def samples_of(told: EngineRun) -> dict[str, NDArray[np.float64]]:
     """Returns the columns among what the engine tells, ``tool`` by its coordinates."""
     x, y, z = np.asarray(told["tool"], dtype=float).T
-    columns = {**told, "x": x, "y": y, "z": z}
+    columns: dict[str, object] = {**told, "x": x, "y": y, "z": z}
     return {name: np.asarray(columns[name], float) for name in UNITS if name in columns}
 
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import msgspec
 import numpy as np
@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.base.errors import OptionError, RecordingFormatError
+from palpate.session.recording_columns import TapeColumns, TickColumns
 from palpate.session.recording_file import About, read_file, write_file
 from palpate.session.recording_table import write_csv, write_npz
 
 __all__ = ["Recording", "Replay"]
-
-Columns = dict[str, NDArray[Any]]
 
 EVENTS = {
     "Root": "segments",
@@ -76,7 +75,11 @@ class Recording:
     """Every tick of a stretch of time, one row per tick."""
 
     def __init__(
-        self, columns: Columns, *, tape: Columns | None = None, about: About | None = None
+        self,
+        columns: TickColumns,
+        *,
+        tape: TapeColumns | None = None,
+        about: About | None = None,
     ) -> None:
         """Takes columns as the engine or a file gives them.
 

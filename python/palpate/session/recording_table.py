@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["write_csv", "write_npz"]
+from palpate.session.recording_columns import TickColumns, by_name
 
-Columns = dict[str, NDArray[Any]]
+__all__ = ["write_csv", "write_npz"]
 
 EXPORTED: dict[str, tuple[str, ...]] = {
     "tick": ("tick",),
@@ -39,21 +39,21 @@ EXPORTED: dict[str, tuple[str, ...]] = {
 ROWS_AT_ONCE = 10_000
 
 
-def write_csv(path: Path, ticks: Columns, events: Sequence[str]) -> None:
+def write_csv(path: Path, ticks: TickColumns, events: Sequence[str]) -> None:
     """Writes a row per tick under a line of names; contact is 0 or 1."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow([name for names in EXPORTED.values() for name in names] + ["event"])
         for first in range(0, len(events), ROWS_AT_ONCE):
             rows = slice(first, first + ROWS_AT_ONCE)
-            columns = [_numbers(ticks[name][rows]) for name in EXPORTED]
+            columns = [_numbers(by_name(ticks)[name][rows]) for name in EXPORTED]
             parts = zip(*columns, events[rows], strict=True)
             writer.writerows([*_flat(part[:-1]), part[-1]] for part in parts)
 
 
-def write_npz(path: Path, ticks: Columns, events: Sequence[str]) -> None:
+def write_npz(path: Path, ticks: TickColumns, events: Sequence[str]) -> None:
     """Writes arrays under the names of a recording's columns, and ``event``."""
-    columns = {name: ticks[name] for name in EXPORTED}
+    columns = {name: by_name(ticks)[name] for name in EXPORTED}
     with path.open("wb") as file:
         np.savez_compressed(
             file, allow_pickle=False, event=np.asarray(list(events), dtype=np.str_), **columns
