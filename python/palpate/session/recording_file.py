@@ -1,9 +1,9 @@
-"""Recordings as files: one NumPy archive with a column of numbers each, compressed.
+"""Recordings as files: one compressed NumPy archive with an array for each column.
 
-``numpy.load`` opens a ``.palpate-session`` file too. Ticks stand in columns of one row per tick;
-what else a replay needs (the state at the start, commands, bricks) in columns of its own, as the
-engine gives them; ``about`` holds UTF-8 JSON on where all that comes from. Nothing in a file is
-ever executed: arrays are read as plain numbers, and only where kind, shape and size are right.
+``numpy.load`` opens a ``.palpate-session`` file too. Ticks are columns with one row for each tick;
+what else a replay needs (the state at the start, commands, bricks) has columns of its own, as the
+engine provides them; ``about`` is UTF-8 JSON on the origin of the recording. Nothing in a file is
+ever executed: arrays are read as plain numbers, and only where type, shape and size are right.
 
 Frames: those of ``recording.py``.
 """
@@ -47,19 +47,19 @@ __all__ = [
 
 FORMAT = "palpate-session"
 VERSION = 4
-"""Of the form of the file; an older Palpate refuses a newer form."""
+"""Version of the file format; an older Palpate refuses a newer version."""
 OLDEST_VERSION = 2
-"""The oldest form that is read: it does not know the tool, which counts as resting then."""
+"""Oldest version that can be read. It has no tool; the tool counts as resting then."""
 
 MAGIC = b"\x93NUMPY\x01\x00"
 HEADER = re.compile(
     rb"\{'descr': '([\x21-\x7e]{1,20})', 'fortran_order': False, "
     rb"'shape': \(((?:\d{1,12}, ?)*\d{0,12})\), \} *\n"
 )
-"""What stands in front of the numbers of an array (NEP 1), as NumPy writes it."""
+"""Header of an array (NEP 1), as NumPy writes it."""
 
 MOST_BYTES = 1 << 32
-"""Unpacked; the longest recording takes a third of it."""
+"""Most unpacked bytes; the longest recording takes a third of it."""
 
 MOST_ABOUT_BYTES = 1 << 20
 
@@ -67,7 +67,7 @@ Vector = tuple[float, float, float]
 
 
 class AboutScan(msgspec.Struct, frozen=True):
-    """The scan that was touched; see ``Volume`` for what the fields mean."""
+    """The scan of a session; see ``Volume`` for the fields."""
 
     name: str
     modality: str
@@ -79,7 +79,7 @@ class AboutScan(msgspec.Struct, frozen=True):
 
 
 class AboutSegment(msgspec.Struct, frozen=True):
-    """A segment as it was when the recording began."""
+    """A segment at the start of a recording."""
 
     id: int
     name: str
@@ -89,7 +89,7 @@ class AboutSegment(msgspec.Struct, frozen=True):
 
 
 class About(msgspec.Struct, frozen=True):
-    """Where a recording comes from."""
+    """Origin of a recording."""
 
     format: str
     version: int
@@ -102,11 +102,11 @@ class About(msgspec.Struct, frozen=True):
     scan: AboutScan
     segments: list[AboutSegment]
     settings: dict[str, Any]
-    """Of touch, by the names that the version which wrote the file had for them."""
+    """Settings of touch; the names are those of the version that wrote the file."""
 
 
 def write_file(path: Path, *, ticks: TickColumns, tape: TapeColumns | None, about: About) -> None:
-    """Writes a recording; either all of it is there in the end, or nothing.
+    """Writes a recording, completely or not at all.
 
     Raises:
         OSError: The folder cannot be written.
@@ -125,11 +125,11 @@ def write_file(path: Path, *, ticks: TickColumns, tape: TapeColumns | None, abou
 
 
 def read_file(path: Path) -> tuple[TickColumns, TapeColumns | None, About]:
-    """Reads a recording: its ticks, what else a replay needs, and where it comes from.
+    """Reads a recording: its ticks, what else a replay needs, and its origin.
 
     Raises:
-        RecordingFormatError: The file is no recording, is cut off or damaged.
-        OSError: There is no such file, or it may not be read.
+        RecordingFormatError: The file is not a recording, is truncated or damaged.
+        OSError: The file cannot be read.
     """
     try:
         with path.open("rb") as file:
@@ -201,7 +201,7 @@ def _about(path: Path, packed: NDArray[Any]) -> About:
 
 
 def _column(archive: zipfile.ZipFile, name: str, kind: tuple[str, int]) -> NDArray[Any]:
-    """Reads one array; its kind and shape are known before its numbers are read."""
+    """Reads one array; its type and shape are checked before its numbers are read."""
     with archive.open(f"{name}.npy") as member:
         given, shape = _header(name, member)
         width = kind[1]
@@ -217,9 +217,9 @@ def _column(archive: zipfile.ZipFile, name: str, kind: tuple[str, int]) -> NDArr
 
 
 def _header(name: str, member: IO[bytes]) -> tuple[str, tuple[int, ...]]:
-    """Reads what stands before the numbers, in the one way in which NumPy writes it.
+    """Reads the header of an array, in the one form that NumPy writes.
 
-    NumPy's own reader takes any literal of Python, and fails in many ways.
+    NumPy's own reader accepts any literal of Python, and fails in many ways.
     """
     start = member.read(len(MAGIC) + 2)
     length = int.from_bytes(start[len(MAGIC) :], "little")
