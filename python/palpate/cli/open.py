@@ -62,8 +62,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     """Show a scan, or a scene that was saved, and feel it."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.open_run import check_start, choose_on_page, show
     from palpate.cli.scenes import add_second, saved_scene, scene_of
+    from palpate.cli.show_page import check_start, choose_on_page, show
     from palpate.cli.surface_run import add_mesh
     from palpate.saved.opening import Opening, is_scene
     from palpate.server.app import bind_again
@@ -111,8 +111,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
 def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     """Show the built-in phantom and feel it."""
-    from palpate.cli.open_run import check_start, show
     from palpate.cli.scenes import scene_of
+    from palpate.cli.show_page import check_start, show
     from palpate.saved.opening import Opening
     from palpate.server.app import bind
     from palpate.volumes.phantom import phantom

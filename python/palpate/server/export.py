@@ -12,7 +12,7 @@ from starlette.responses import Response
 
 from palpate.export.export import Kind, export_scene
 from palpate.server.download import file_name, file_response
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import ShownSegments
 
 __all__ = ["MOST_EXPORT_BYTES", "export_response"]
 

@@ -18,22 +18,22 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
-from palpate.server.changes import messages_of
-from palpate.server.gap import GapWatch
-from palpate.server.needle import ToldNeedle
-from palpate.server.outbox import Missed, Outbox
-from palpate.server.outlines import Outlines
-from palpate.server.paint import Painter
-from palpate.server.picture import ToldPicture, labels_anew
+from palpate.server.messages.changes import messages_of
+from palpate.server.messages.outbox import Missed, Outbox
+from palpate.server.messages.outlines import Outlines
+from palpate.server.messages.painting import Painter
+from palpate.server.messages.picture import ToldPicture, labels_anew
+from palpate.server.messages.registration import Registering
+from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segment_work import SegmentWork
+from palpate.server.messages.segments import GapWatch
+from palpate.server.messages.session import Recovering
+from palpate.server.messages.soft_tissue import parts_of
+from palpate.server.messages.thresholds import ThresholdJobs
+from palpate.server.messages.touch import ToldNeedle
 from palpate.server.recording import Recorder
-from palpate.server.recovery import Recovering
-from palpate.server.registration import Registering
 from palpate.server.requests import Requests
 from palpate.server.second_scan import second_message
-from palpate.server.segment_work import SegmentWork
-from palpate.server.segments import ShownSegments
-from palpate.server.soft_tissue import parts_of
-from palpate.server.thresholds import ThresholdJobs
 from palpate.session.session import Session
 from palpate.volumes.second_scan import SecondScan
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from palpate import protocol
 from palpate.base.errors import OptionError
-from palpate.server.gap import GapWatch
-from palpate.server.outbox import Outbox
-from palpate.server.paint import Painter
+from palpate.server.messages.outbox import Outbox
+from palpate.server.messages.painting import Painter
+from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segments import GapWatch
+from palpate.server.messages.session import Recovering
+from palpate.server.messages.soft_tissue import asked_material, asked_options, asked_regions
 from palpate.server.recording import Recorder
-from palpate.server.recovery import Recovering
-from palpate.server.segments import ShownSegments
-from palpate.server.soft_tissue import asked_material, asked_options, asked_regions
 from palpate.session.needle import TISSUES
 from palpate.session.painted_cut import PaintedCut
 from palpate.session.session import Session

@@ -12,7 +12,7 @@ from starlette.responses import Response
 from palpate.saved.autosave import note_scene
 from palpate.saved.scene_file import ENDING, save_scene
 from palpate.server.download import file_name, file_response
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import ShownSegments
 from palpate.session.session import Session
 
 __all__ = ["MOST_VIEW_BYTES", "scene_response", "view_response"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from palpate import protocol
 from palpate.base.errors import OptionError
-from palpate.server.soft_tissue import asked_material, material_of
+from palpate.server.messages.soft_tissue import asked_material, material_of
 from palpate.session.model_options import ModelOptions, Prony, deformation_models, offered_models
 from palpate.session.recording import Recording
 from palpate.session.scripted_path import ScriptedPath

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import pytest
 from palpate import protocol
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import ShownSegments
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.anatomical_colour import colour_of_name
 from palpate.volumes.scene import PALETTE, Scene

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import ShownSegments
 from palpate.volumes.second_scan import SecondScan
 
 __all__ = ["Recovering"]

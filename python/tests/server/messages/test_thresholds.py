@@ -6,7 +6,7 @@ import asyncio
 from threading import Event
 
 from palpate.protocol import Threshold
-from palpate.server.thresholds import ThresholdJobs
+from palpate.server.messages.thresholds import ThresholdJobs
 
 
 def asked(number: int | None, low: float) -> Threshold:

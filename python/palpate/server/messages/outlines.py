@@ -12,7 +12,7 @@ from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.segmentation.level_tracing import traced_level
 from palpate.segmentation.live_wire import LiveWire
-from palpate.server.outbox import Outbox
+from palpate.server.messages.outbox import Outbox
 from palpate.volumes.scan_slice import ScanSlice
 from palpate.volumes.volume import Volume
 

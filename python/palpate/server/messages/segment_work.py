@@ -22,7 +22,7 @@ from palpate.segmentation.operations import (
     otsu,
     smoothed_together,
 )
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import ShownSegments
 from palpate.session.session import Session
 from palpate.volumes.segment import Segment
 

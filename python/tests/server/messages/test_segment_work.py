@@ -12,8 +12,8 @@ from palpate import protocol
 from palpate.segmentation import operations as segmentation
 from palpate.segmentation.mask_shape import margin
 from palpate.server import segment_work as server_segment_work
-from palpate.server.segment_work import SegmentWork
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segment_work import SegmentWork
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate import protocol
-from palpate.server.soft_tissue import material_of, regions_of
+from palpate.server.messages.soft_tissue import material_of, regions_of
 from palpate.server.voxel_data import labels_of
 from palpate.session.appearance import (
     UNMOVED,

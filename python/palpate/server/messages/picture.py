@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate import protocol
-from palpate.server.changes import messages_of
-from palpate.server.outbox import Box
+from palpate.server.messages.changes import messages_of
+from palpate.server.messages.outbox import Box
 from palpate.session.edited_values import EditedValues
 
 __all__ = ["ToldPicture", "labels_anew", "voxel_slabs"]

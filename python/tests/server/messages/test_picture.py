@@ -12,8 +12,8 @@ from made_scans import make_ball
 from palpate import protocol
 from palpate.server import live as server_live
 from palpate.server import outbox as server_outbox
-from palpate.server.outbox import Box, Outbox
-from palpate.server.picture import ToldPicture, labels_anew, voxel_slabs
+from palpate.server.messages.outbox import Box, Outbox
+from palpate.server.messages.picture import ToldPicture, labels_anew, voxel_slabs
 from palpate.session.session import Session
 from running_server import PATIENCE, Page, RunningServer, running, write_page
 
@@ -149,7 +149,7 @@ def test_a_page_that_does_not_read_while_edits_run_is_right_in_the_end_and_slows
 
 
 def test_a_box_is_told_in_slabs_of_whole_slices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("palpate.server.picture.MOST_VOXELS", 100)
+    monkeypatch.setattr("palpate.server.messages.picture.MOST_VOXELS", 100)
     array = np.arange(10 * 11 * 12, dtype="<i2").reshape(10, 11, 12)
     box = Box((1, 2, 3), (7, 9, 10))
     slabs = list(voxel_slabs(box, array))
