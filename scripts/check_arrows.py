@@ -21,7 +21,8 @@ FLOORS = {
     "palpate-tools": 1,
     "palpate-deform": 1,
     "palpate-engine": 2,
-    "palpate-py": 3,
+    "palpate-bench": 3,
+    "palpate-py": 4,
 }
 BENCHES = "palpate-benches"
 """Measures the floors below the engine; nothing may depend on it."""

@@ -18,7 +18,7 @@ FOLDER = Path(__file__).parent.parent / "docs" / "reference"
 def pages() -> dict[str, str]:
     """Returns the text of each page by the name of its file."""
     import palpate
-    from palpate.cli import app
+    from palpate.cli.commands import app
 
     return {"cli.md": cli_page(app), "python.md": python_page(palpate)}
 

@@ -39,7 +39,8 @@ def crates(*arrows: tuple[str, str], kind: str | None = None) -> dict[str, Any]:
         ("palpate-haptics", "palpate-device"),
         ("palpate-device", "palpate-haptics"),
         ("palpate-haptics", "palpate-engine"),
-        ("palpate-engine", "palpate-py"),
+        ("palpate-engine", "palpate-bench"),
+        ("palpate-bench", "palpate-py"),
         ("palpate-benches", "palpate-engine"),
         ("palpate-engine", "palpate-benches"),
     ],
@@ -55,6 +56,8 @@ def test_arrows_down_are_allowed() -> None:
         ("palpate-haptics", "palpate-volume"),
         ("palpate-engine", "palpate-device"),
         ("palpate-py", "palpate-engine"),
+        ("palpate-py", "palpate-bench"),
+        ("palpate-bench", "palpate-engine"),
         ("palpate-benches", "palpate-haptics"),
     ]
     assert wrong_arrows(crates(*down)) == []

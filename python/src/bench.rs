@@ -2,8 +2,8 @@
 
 use std::sync::Mutex;
 
-use palpate_engine::bench::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
-use palpate_engine::settings::Smoothing;
+use palpate_bench::haptics::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
+use palpate_engine::touch::settings::Smoothing;
 use palpate_volume::phantom::bones;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -204,7 +204,7 @@ fn checked_count(count: usize) -> Result<usize, CoreError> {
 fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {
     let dictionary = timing_dict(py, &report.timing)?;
     for (name, value) in [
-        ("contact_share", report.contact_share),
+        ("contact_share", report.contact_fraction),
         ("mean_visits", report.mean_visits),
         ("mean_step", report.mean_step),
     ] {
@@ -220,7 +220,7 @@ fn embedded_dict<'py>(py: Python<'py>, embedded: &Embedded) -> PyResult<Bound<'p
         ("small_per_second", embedded.small_per_second),
         ("large_per_second", embedded.large_per_second),
         ("ratio", ratio),
-        ("contact_share", embedded.contact_share),
+        ("contact_share", embedded.contact_fraction),
     ] {
         dictionary.set_item(name, value)?;
     }

@@ -1,16 +1,16 @@
-//! Matter that gives way, measured: for `palpate bench deform`, `session`, `truth-cube` and
+//! Soft tissue, measured: for `palpate bench deform`, `session`, `truth-cube` and
 //! `stress --deform`.
 
 use glam::UVec3;
+use palpate_bench::deformation::lattice::{self, Layers};
+use palpate_bench::deformation::session::{self, Plan, SessionBenchError};
+use palpate_bench::deformation::stress;
+use palpate_bench::stress::on_threads;
 use palpate_deform::material::SolidSi;
 use palpate_deform::particles::Workers;
 use palpate_deform::particles::bench::{LjCrystal, LjRun, bench_lj_pairs as run_crystal};
 use palpate_deform::particles::limits::{HEAT_AT_START, cuboid_heat, fcc_limits};
 use palpate_deform::pressed_block::PressedBlock;
-use palpate_engine::bench::matter::lattice::{self, Layers};
-use palpate_engine::bench::matter::session::{self, Plan, SessionBenchError};
-use palpate_engine::bench::matter::stress;
-use palpate_engine::bench::stress::on_threads;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

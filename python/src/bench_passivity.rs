@@ -1,10 +1,8 @@
 //! `_core.passivity_devices` and `_core.bench_passivity`: for `palpate bench passivity`.
 
-use palpate_engine::bench::passivity::{
-    FlatWall, Report, Wall, device_named, device_names, report,
-};
-use palpate_engine::scan_values::{ScanValues, Threshold};
+use palpate_bench::passivity::{FlatWall, Report, Wall, device_named, device_names, report};
 use palpate_engine::scene::ThresholdRange;
+use palpate_engine::touch::scan_values::{ScanValues, Threshold};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -105,7 +103,7 @@ fn report_dict<'py>(py: Python<'py>, told: &Report) -> PyResult<Bound<'py, PyDic
         ("to_hand", told.to_hand),
         ("of_one_contact", told.of_one_contact),
         ("largest_force", told.largest_force),
-        ("contact_share", told.contact_share),
+        ("contact_share", told.contact_fraction),
         ("damped", told.damped as f64),
         ("violations", told.violations as f64),
         ("largest_stiffness", told.largest_stiffness),

@@ -1,6 +1,6 @@
 //! `_core.touch_quality_cases` and `_core.bench_touch_quality`: for `palpate bench touch-quality`.
 
-use palpate_engine::bench::quality::{Figures, Touch, cases, cases_where, measure};
+use palpate_bench::quality::{Figures, Touch, cases, cases_where, measure};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -12,7 +12,7 @@ pub fn touch_quality_cases(py: Python<'_>) -> Vec<String> {
     py.detach(|| cases().into_iter().map(|case| case.name).collect())
 }
 
-/// Feels one case in one way of touch.
+/// Touches one case in one way of touch.
 #[pyfunction]
 pub fn bench_touch_quality<'py>(
     py: Python<'py>,

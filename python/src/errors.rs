@@ -3,9 +3,9 @@
 //! `ValueError` for what the caller gave, `RuntimeError` for what the session cannot do any
 //! more, `OSError` for what the disk refuses. The sentences are the engine's own.
 
+use palpate_bench::haptics::BenchError;
 use palpate_device::scripted::PathError;
 use palpate_device::simulated::SettingsError;
-use palpate_engine::bench::BenchError;
 use palpate_engine::error::SessionError;
 use palpate_surface::SettingsError as SurfaceSettingsError;
 use palpate_surface::voxelise::MeshError;

@@ -4,10 +4,12 @@
 //! `segments_version` and `voxels_version`.
 
 use glam::DVec3;
-use palpate_engine::feel::Feel;
-use palpate_engine::frame::{ForceOff, ForceState, Frame, Notice, NoticeLevel, Rates, Safety};
-use palpate_engine::rate::Rate;
+use palpate_engine::picture::frame::{
+    ForceOff, ForceState, Frame, Notice, NoticeLevel, Rates, Safety,
+};
 use palpate_engine::simulation::SegmentState;
+use palpate_engine::threads::rate::Rate;
+use palpate_engine::touch::touch_feel::TouchFeel;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -99,7 +101,7 @@ fn rows_of(transform: glam::DAffine3) -> Vec<f64> {
         .to_vec()
 }
 
-fn feel_dict(py: Python<'_>, feel: Feel) -> PyResult<Bound<'_, PyDict>> {
+fn feel_dict(py: Python<'_>, feel: TouchFeel) -> PyResult<Bound<'_, PyDict>> {
     dictionary!(py,
         "stiffness": feel.stiffness,
         "friction_static": feel.friction_static,
@@ -127,7 +129,7 @@ fn thread_dict<'py>(py: Python<'py>, rate: &Rate) -> PyResult<Bound<'py, PyDict>
         "worst_late_ms": rate.worst_late_ms,
         "worst_ever_ms": rate.worst_ever_ms,
         "lateness": rate.lateness.to_vec(),
-        "lateness_bins_us": palpate_engine::rate::LATENESS_BINS_US.to_vec(),
+        "lateness_bins_us": palpate_engine::threads::rate::LATENESS_BINS_US.to_vec(),
     )
 }
 

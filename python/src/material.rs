@@ -5,8 +5,8 @@ use palpate_deform::material::{
 };
 use palpate_deform::model::{MODELS, Registered};
 use palpate_deform::model_options::{Calibration, ModelOptions, Motion, Prony, Range};
-use palpate_engine::deformation::{DeformationNow, ForceSource};
-use palpate_engine::matter_view::ShownParts;
+use palpate_engine::deformable::deformable_view::ShownParts;
+use palpate_engine::deformable::deformation::{DeformationStatus, ForceSource};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;
@@ -154,7 +154,7 @@ pub fn parts_dict<'py>(py: Python<'py>, parts: &ShownParts) -> PyResult<Bound<'p
     )
 }
 
-/// The models by which matter gives way, with what each offers to choose.
+/// The models of soft tissue, with what each offers to choose.
 #[pyfunction]
 pub fn deformation_models(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     MODELS.iter().map(|model| offered(py, model)).collect()
@@ -255,7 +255,7 @@ fn name_of<T: PartialEq>(known: &[(&'static str, T)], value: T) -> Option<&'stat
     found.map(|(name, _)| *name)
 }
 
-/// What a tool can feel of matter that gives way, by name.
+/// What a tool can feel of soft tissue, by name.
 const FORCE_SOURCES: [(&str, ForceSource); 2] = [
     ("matter", ForceSource::Matter),
     ("voxels", ForceSource::Voxels),
@@ -269,7 +269,7 @@ pub fn force_source(name: &str) -> Result<ForceSource, CoreError> {
 /// How the deformation goes.
 pub fn deformation_dict<'py>(
     py: Python<'py>,
-    now: &DeformationNow,
+    now: &DeformationStatus,
 ) -> PyResult<Bound<'py, PyDict>> {
     dictionary!(py,
         "model": now.model,

@@ -4,8 +4,10 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use palpate_engine::packed_patch::PackedPatch;
-use palpate_engine::surfaces::{DisplacedNow, PictureChange, SurfaceChange, VoxelChange};
+use palpate_engine::picture::packed_patch::PackedPatch;
+use palpate_engine::picture::surfaces::{
+    PictureChange, ShownDisplacements, SurfaceChange, VoxelChange,
+};
 use palpate_surface::PatchId;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
@@ -32,11 +34,11 @@ pub fn change_dict<'py>(py: Python<'py>, change: &PictureChange) -> PyResult<Bou
         "applied": change.applied.map(seconds_since_1970),
         "voxels": voxels,
         "surfaces": surfaces,
-        "displaced": change.displaced.as_ref().map(|now| displaced_dict(py, now)).transpose()?,
+        "displaced": change.displacements.as_ref().map(|now| displaced_dict(py, now)).transpose()?,
     )
 }
 
-fn displaced_dict<'py>(py: Python<'py>, now: &DisplacedNow) -> PyResult<Bound<'py, PyDict>> {
+fn displaced_dict<'py>(py: Python<'py>, now: &ShownDisplacements) -> PyResult<Bound<'py, PyDict>> {
     let Some(now) = now else {
         return dictionary!(py,
             "origin": (0.0, 0.0, 0.0),

@@ -6,10 +6,12 @@ use numpy::{
     Element, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
     ToPyArray,
 };
-use palpate_engine::recording::Recording;
-use palpate_engine::replay::{Difference, ReplayEnd, Replayed, replay};
-use palpate_engine::tape::Tape;
-use palpate_engine::tape_columns::{BUILD, BrickColumns, ShareColumns, TapeColumns, ValueColumns};
+use palpate_engine::replay::recording::Recording;
+use palpate_engine::replay::run::{Difference, ReplayEnd, Replayed, replay};
+use palpate_engine::replay::tape::Tape;
+use palpate_engine::replay::tape_columns::{
+    BUILD, BrickColumns, FractionColumns, TapeColumns, ValueColumns,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -71,10 +73,10 @@ pub fn tape_dict<'py>(py: Python<'py>, tape: &Tape) -> PyResult<Bound<'py, PyDic
         "solid_words": words(py, &columns.solid.words),
         "value_index": PyArray1::from_vec(py, columns.values.index),
         "value_stored": stored(py, &columns.values.stored),
-        "share_ends": PyArray1::from_vec(py, columns.share_ends),
-        "share_segment": PyArray1::from_vec(py, columns.shares.segment),
-        "share_index": PyArray1::from_vec(py, columns.shares.index),
-        "share_bytes": bytes(py, &columns.shares.bytes),
+        "share_ends": PyArray1::from_vec(py, columns.fraction_ends),
+        "share_segment": PyArray1::from_vec(py, columns.fractions.segment),
+        "share_index": PyArray1::from_vec(py, columns.fractions.index),
+        "share_bytes": bytes(py, &columns.fractions.bytes),
         "known_segment": PyArray1::from_vec(py, columns.known.segment),
         "known_index": PyArray1::from_vec(py, columns.known.index),
         "known_bytes": bytes(py, &columns.known.bytes),
@@ -163,8 +165,8 @@ fn tape_columns_of(columns: &Bound<'_, PyDict>) -> PyResult<TapeColumns> {
             words: wide(columns, &format!("{name}_words"))?,
         })
     };
-    let shares = |name: &str| -> PyResult<ShareColumns> {
-        Ok(ShareColumns {
+    let fractions = |name: &str| -> PyResult<FractionColumns> {
+        Ok(FractionColumns {
             segment: column(columns, &format!("{name}_segment"))?,
             index: column(columns, &format!("{name}_index"))?,
             bytes: wide(columns, &format!("{name}_bytes"))?,
@@ -181,9 +183,9 @@ fn tape_columns_of(columns: &Bound<'_, PyDict>) -> PyResult<TapeColumns> {
             index: column(columns, "value_index")?,
             stored: wide(columns, "value_stored")?,
         },
-        share_ends: column(columns, "share_ends")?,
-        shares: shares("share")?,
-        known: shares("known")?,
+        fraction_ends: column(columns, "share_ends")?,
+        fractions: fractions("share")?,
+        known: fractions("known")?,
     })
 }
 
@@ -227,7 +229,7 @@ fn stored<'py>(py: Python<'py>, bricks: &[[i16; 512]]) -> Bound<'py, numpy::PyAr
     PyArray2::from_owned_array(py, array)
 }
 
-/// Bricks of shares, shape [count, 512].
+/// Bricks of occupancy fractions, shape [count, 512].
 fn bytes<'py>(py: Python<'py>, bricks: &[[u8; 512]]) -> Bound<'py, numpy::PyArray2<u8>> {
     let flat = bricks.as_flattened().to_vec();
     let shape = (bricks.len(), 512);

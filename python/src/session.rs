@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use glam::IVec3;
 use numpy::PyReadonlyArray2;
-use palpate_engine::feel::Feel;
-use palpate_engine::kept_surface::{SurfaceMaking, SurfaceSource};
+use palpate_engine::scene::incremental_surface::{SurfaceOptions, SurfaceSource};
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
-use palpate_engine::session_config::SessionConfig;
-use palpate_engine::settings::Settings;
+use palpate_engine::session::config::SessionConfig;
+use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::touch_feel::TouchFeel;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
@@ -206,7 +206,7 @@ impl PySession {
         friction_static: Option<f64>,
         friction_kinetic: Option<f64>,
     ) -> Result<(), CoreError> {
-        let feel = Feel {
+        let feel = TouchFeel {
             stiffness,
             friction_static,
             friction_kinetic,
@@ -345,7 +345,7 @@ impl PySession {
         } else {
             SurfaceSource::Intensities
         };
-        let making = SurfaceMaking::new(smoothing, step, source);
+        let making = SurfaceOptions::new(smoothing, step, source);
         Ok(py.detach(|| {
             self.session
                 .show_surface(SegmentId(segment_id), Some(making))
@@ -413,7 +413,7 @@ impl PySession {
         Ok(py.detach(|| self.session.set_tool(settings))?)
     }
 
-    /// Chooses the model by which matter gives way by its name; none makes all matter hard.
+    /// Chooses the model of soft tissue by its name; none makes all matter hard.
     fn set_deformation(
         &self,
         py: Python<'_>,
@@ -457,7 +457,7 @@ impl PySession {
         Ok(py.detach(|| self.session.set_regions(SegmentId(segment_id), regions))?)
     }
 
-    /// Chooses what a tool feels of matter that gives way, by name.
+    /// Chooses what a tool feels of soft tissue, by name.
     fn set_force_source(&self, py: Python<'_>, source: &str) -> Result<(), CoreError> {
         let source = force_source(source)?;
         Ok(py.detach(|| self.session.set_force_source(source))?)
@@ -500,7 +500,7 @@ impl PySession {
         path: PathBuf,
         scan_hash: [u8; 32],
     ) -> Result<Option<(usize, u64)>, CoreError> {
-        let kept = py.detach(|| self.session.look_at_journal(path, ScanHash(scan_hash)))?;
+        let kept = py.detach(|| self.session.inspect_journal(path, ScanHash(scan_hash)))?;
         Ok(kept.map(|kept| (kept.steps, kept.ignored_bytes)))
     }
 

@@ -1,7 +1,7 @@
 //! Tools as the package names and reads them.
 
-use palpate_engine::frame::Frame;
-use palpate_engine::needle::NeedleNow;
+use palpate_engine::picture::frame::Frame;
+use palpate_engine::touch::needle::NeedleDisplay;
 use palpate_haptics::needle::events::NeedleEvent;
 use palpate_tools::drill::DrillSettings;
 use palpate_tools::painter::PaintSettings;
@@ -68,7 +68,7 @@ pub fn tool_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyD
 }
 
 /// A needle in the hand; its keys are the fields of `protocol.NeedleState`.
-pub fn needle_dict<'py>(py: Python<'py>, needle: &NeedleNow) -> PyResult<Bound<'py, PyDict>> {
+pub fn needle_dict<'py>(py: Python<'py>, needle: &NeedleDisplay) -> PyResult<Bound<'py, PyDict>> {
     let place = needle.place.unwrap_or_default();
     dictionary!(py,
         "inside": needle.place.is_some(),

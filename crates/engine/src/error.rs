@@ -6,9 +6,9 @@ use palpate_tools::journal_error::JournalError;
 use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
-use crate::cut::MOST_POINTS;
-use crate::mapping::ViewError;
-use crate::settings::SettingsError;
+use crate::scene::cut::MOST_POINTS;
+use crate::servo::mapping::ViewError;
+use crate::touch::settings::SettingsError;
 
 /// Why a session does not do what it is asked for.
 #[derive(Debug, thiserror::Error)]

@@ -1,4 +1,6 @@
 //! The servo's tick neither allocates nor frees, whatever it is told in it.
+//!
+//! A binary of its own: its allocator ends the whole process.
 
 #![allow(
     clippy::unwrap_used,

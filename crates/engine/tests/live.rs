@@ -1,4 +1,6 @@
 //! Sessions with real threads: that they run and answer. How fast is for the benchmark.
+//!
+//! A binary of its own: other tests beside them would take their threads the time.
 
 #![allow(
     clippy::unwrap_used,
@@ -9,9 +11,9 @@ mod common;
 
 use common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::frame::Frame;
+use palpate_engine::picture::frame::Frame;
 use palpate_engine::session::Session;
-use palpate_engine::session_config::{Reference, SessionConfig};
+use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);

@@ -1,4 +1,6 @@
 //! A small edit costs what it changes, however large the scan is and however many segments it has.
+//!
+//! A binary of its own: its allocator counts what the whole process allocates.
 
 #![allow(
     clippy::unwrap_used,

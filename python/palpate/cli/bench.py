@@ -23,15 +23,17 @@ __all__ = [
     "stress_in_matter",
 ]
 
-Json = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
+Json = Annotated[
+    Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+]
 
 
 def bench_deform(
     *,
     json_file: Json = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Little work: rough figures.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Short run with rough results.")] = False,
 ) -> None:
-    """Measure models of deformation: the lattice, and Lennard-Jones pairs beside LAMMPS."""
+    """Measure deformation models: the lattice, and Lennard-Jones pairs compared with LAMMPS."""
     from palpate.bench.deform import CANNOT, QUICK, Effort, measure
     from palpate.bench.report import print_rows, write_rows
 
@@ -48,19 +50,19 @@ def bench_deform(
 def bench_session(
     *,
     seconds: Annotated[
-        int, typer.Option(min=1, max=3600, help="Samples of one second of each case.")
+        int, typer.Option(min=1, max=3600, help="Number of one-second samples per case.")
     ] = 60,
     data: Annotated[
         list[str] | None,
-        typer.Option(help="What is touched, again for more; by default all."),
+        typer.Option(help="Data set to touch; repeatable; by default all."),
     ] = None,
     model: Annotated[
         list[str] | None,
-        typer.Option(help="What it is made of, none for hard; again for more; by default all."),
+        typer.Option(help="Deformation model, or none for hard; repeatable; by default all."),
     ] = None,
     json_file: Json = None,
 ) -> None:
-    """Measure how often servo and deformation come around, with each model and without."""
+    """Measure the rates of servo and deformation, with each model and without."""
     from palpate.bench.free_session import Pace, measure
     from palpate.bench.report import print_rows, write_rows
 
@@ -74,7 +76,7 @@ def bench_session(
 
 
 def bench_open(*, json_file: Json = None) -> None:
-    """Measure how long a DICOM series takes to its first picture; needs an installed Chromium."""
+    """Measure the time from a DICOM series to the first picture; needs Chromium."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.opening import measure
@@ -93,19 +95,21 @@ def bench_open(*, json_file: Json = None) -> None:
 def bench_render(
     *,
     scan: Annotated[
-        Path | None, typer.Argument(help="What is drawn; by default CThead.", show_default=False)
+        Path | None, typer.Argument(help="Scan to draw; by default CThead.", show_default=False)
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Few pictures: rough figures.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Few pictures with rough results.")
+    ] = False,
     vtk: Annotated[
         Path | None,
         typer.Option(
-            help="vtk.js as `npm run build:bench` builds it; by default that of the source tree.",
+            help="vtk.js as built by `npm run build:bench`; by default that of the source tree.",
             show_default=False,
         ),
     ] = None,
     json_file: Json = None,
 ) -> None:
-    """Measure pictures on the page, beside vtk.js; needs an installed Chromium."""
+    """Measure rendering on the page, compared with vtk.js; needs Chromium."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.render import QUICK, Effort, built_peer, measure
@@ -128,7 +132,7 @@ def bench_render(
 
 
 def bench_register(*, json_file: Json = None) -> None:
-    """Measure registration: landmarks of a lung beside elastix, CT with a stand-in for MR."""
+    """Measure registration: lung landmarks compared with elastix, and CT with simulated MR."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.registration import measure
@@ -146,10 +150,12 @@ def bench_register(*, json_file: Json = None) -> None:
 
 def bench_segment(
     *,
-    runs: Annotated[int, typer.Option(min=1, max=20, help="The median counts.")] = 3,
+    runs: Annotated[
+        int, typer.Option(min=1, max=20, help="Number of runs; the median is reported.")
+    ] = 3,
     json_file: Json = None,
 ) -> None:
-    """Measure how soon a threshold with its surface, a grown organ and many segments are there."""
+    """Measure thresholds with their surface, region growing, and many segments at once."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.report import print_rows, write_rows
@@ -166,7 +172,7 @@ def bench_segment(
 
 
 def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:
-    """Measure how well the lattice tells where a pressed silicone cube goes, beside an FEM."""
+    """Compare the lattice with a measured silicone cube under load, and with FEM."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.plots import check_plot, plot_truth_cube
@@ -188,13 +194,13 @@ def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:
 
 def bench_edit(
     scan: Annotated[
-        Path | None, typer.Argument(help="A scan with bone; by default CThead.", metavar="PATH")
+        Path | None, typer.Argument(help="Scan with bone; by default CThead.", metavar="PATH")
     ] = None,
     *,
-    seconds: Annotated[float, typer.Option(help="How long to erase in each case.")] = 8.0,
+    seconds: Annotated[float, typer.Option(help="Duration of erasing per case in s.")] = 8.0,
     json_file: Json = None,
 ) -> None:
-    """Measure how long edits take to a page's GPU; needs an installed Chromium."""
+    """Measure the time from an edit to the page's GPU; needs Chromium."""
     from palpate.bench.edit import measure
     from palpate.bench.report import print_rows, write_rows
 
@@ -206,7 +212,7 @@ def bench_edit(
 
 
 def bench_surface(*, json_file: Json = None) -> None:
-    """Measure how fast surfaces are made and follow edits, beside VTK."""
+    """Measure surface extraction and updates after edits, compared with VTK."""
     from palpate.bench.report import print_rows, write_rows
     from palpate.bench.surface import measure
 

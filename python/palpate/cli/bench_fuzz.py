@@ -15,16 +15,20 @@ __all__ = ["bench_fuzz_import"]
 def bench_fuzz_import(
     folder: Annotated[
         Path | None,
-        typer.Argument(help="Real files to damage; by default the data sets.", metavar="FOLDER"),
+        typer.Argument(help="Files to damage; by default the data sets.", metavar="FOLDER"),
     ] = None,
     *,
     minutes: Annotated[
-        float | None, typer.Option(help="For how long; by default one minute.")
+        float | None, typer.Option(help="Duration in minutes; by default one.")
     ] = None,
-    cases: Annotated[int | None, typer.Option(min=1, help="How many, instead.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the first case; each adds one.")] = 1,
+    cases: Annotated[
+        int | None, typer.Option(min=1, help="Number of cases, instead of a duration.")
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Random seed of the first case; each further case adds one.")
+    ] = 1,
 ) -> int:
-    """Read damaged real files, each in a process of its own: none may crash or hang."""
+    """Fuzz the readers with damaged real files, each in its own process."""
     from palpate.base.errors import OptionError
     from palpate.bench.fuzz_import import measure
     from palpate.bench.haptics_data import folder as data_folder

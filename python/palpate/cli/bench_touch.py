@@ -18,14 +18,14 @@ def bench_haptics(
     *,
     data: Annotated[
         list[str] | None,
-        typer.Option(help="A data set by name, or a scan; again for more; by default all."),
+        typer.Option(help="Data set by name, or a scan; repeatable; by default all."),
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the figures to this file.")
+        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
     ] = None,
     plot: Plot = None,
-    count: Annotated[int | None, typer.Option(help="Calls of each case.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Few calls: rough figures.")] = False,
+    count: Annotated[int | None, typer.Option(help="Number of calls per case.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few calls with rough results.")] = False,
 ) -> None:
     """Measure touch: contact detection alone, the hard proxy, and the complete tick."""
     from palpate.bench import haptics
@@ -48,15 +48,15 @@ def bench_passivity(
     data: Annotated[
         Path | None, typer.Option(help="Scan to touch; by default the phantom.")
     ] = None,
-    seconds: Annotated[float, typer.Option(help="Simulated time of each run.")] = 60.0,
+    seconds: Annotated[float, typer.Option(help="Simulated time per run in s.")] = 60.0,
     device: Annotated[
-        list[str] | None, typer.Option(help="A device, again for more; by default all.")
+        list[str] | None, typer.Option(help="Device; repeatable; by default all.")
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the figures to this file.")
+        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
     ] = None,
 ) -> None:
-    """Measure whether touch gives the hand energy, and the stiffest wall that does not."""
+    """Measure passivity: energy given to the hand, and the stiffest passive wall."""
     from palpate.base.errors import OptionError
     from palpate.bench.passivity import DEVICES, measure, print_table
     from palpate.bench.report import write_rows
@@ -81,14 +81,14 @@ def bench_touch_quality(
     *,
     touch: Annotated[
         list[str] | None,
-        typer.Option(help="A way of touch, again for more; by default all."),
+        typer.Option(help="Kind of touch; repeatable; by default all."),
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the figures to this file.")
+        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
     ] = None,
     plot: Plot = None,
 ) -> None:
-    """Measure how well touch tells bodies whose shape is known exactly."""
+    """Measure the accuracy of the force on bodies that are known exactly."""
     from palpate.base.errors import OptionError
     from palpate.bench.goals import TOUCHES
     from palpate.bench.plots import check_plot, plot_quality
@@ -111,30 +111,28 @@ def bench_touch_quality(
 
 def bench_stress(  # one per option of the command line
     *,
-    moves: Annotated[int, typer.Option(help="Moves to make at least.")] = 1_000_000,
-    seed: Annotated[int, typer.Option(help="Another seed makes other moves.")] = 1,
-    replay: Annotated[
-        Path | None, typer.Option(help="Make only the run of this file again.")
-    ] = None,
+    moves: Annotated[int, typer.Option(help="Minimum number of moves.")] = 1_000_000,
+    seed: Annotated[int, typer.Option(help="Random seed of the moves.")] = 1,
+    replay: Annotated[Path | None, typer.Option(help="Repeat only the run of this file.")] = None,
     data: Annotated[
-        Path | None, typer.Option(help="Scan with bone to touch; by default the phantom.")
+        Path | None, typer.Option(help="Scan with bone; by default the phantom.")
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the figures to this file.")
+        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
     ] = None,
     threads: Annotated[
-        int | None, typer.Option(help="How many work at it; by default all cores.")
+        int | None, typer.Option(help="Number of threads; by default all cores.")
     ] = None,
     case: Annotated[
-        Path, typer.Option(help="Where a violation is written, to be replayed.")
+        Path, typer.Option(help="Write a violation to this file, for --replay.")
     ] = Path("stress-violation.json"),
     deform: Annotated[
         list[str] | None,
-        typer.Option(help="Instead, work in matter that gives way by this model, or by all."),
+        typer.Option(help="Stress soft tissue instead, with this deformation model or with all."),
     ] = None,
     model: Annotated[str, typer.Option(hidden=True)] = "exact",
 ) -> int:
-    """Move at random and fast, and check every guarantee of touch at each move."""
+    """Check every guarantee of touch under fast random motion."""
     if deform:
         return stress_in_matter(
             deform, moves=moves, seed=seed, threads=threads, json_file=json_file
@@ -171,12 +169,12 @@ def bench_stress(  # one per option of the command line
 
 def bench_servo(
     *,
-    seconds: Annotated[float, typer.Option(help="Of each case.")] = 10.0,
+    seconds: Annotated[float, typer.Option(help="Duration per case in s.")] = 10.0,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the figures to this file.")
+        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
     ] = None,
 ) -> None:
-    """Measure how late servo ticks begin: at rest, with all cores busy, with matter giving way."""
+    """Measure the lateness of servo ticks: idle, with all cores busy, and with soft tissue."""
     from palpate.bench.report import print_rows, write_rows
     from palpate.bench.servo import measure, rows_of, told
 

@@ -170,7 +170,7 @@ app.add_typer(surface, name="surface")
 app.add_typer(scenario, name="scenario")
 
 
-bench = typer.Typer(help="Measure.", no_args_is_help=True)
+bench = typer.Typer(help="Run benchmarks.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)

@@ -13,20 +13,20 @@ from palpate.cli.reading_options import Reading, with_reading
 
 __all__ = ["export"]
 
-EXAMPLES = """Write segments, or a scan with its edits, for other programs.
+EXAMPLES = """Export segments, or a scan with its edits, for other programs.
 
-The name says what is written; --as says so where it does not:
+The name of the output decides the format, unless --as overrides it:
 
 \b
   palpate export scan.nii.gz --segments organs.seg.nrrd -o labels.nii.gz
-  palpate export work.palpate -o work.seg.nrrd     (a scene that was saved)
+  palpate export work.palpate -o work.seg.nrrd     (a saved scene)
   palpate export work.palpate --as scan -o drilled.nii.gz
   palpate export ct/ --threshold 250 -o shared     (a new folder)
   palpate export ct/ --threshold 250 --keep-identity -o seg.dcm
   palpate export ct/ --threshold 250 --keep-identity --as rtstruct -o rt.dcm
 
-DICOM goes into a folder, scan and segments together, de-identified so that
-their references hold. --keep-identity is for the archive that has the scan.
+A folder receives scan and segments as DICOM, de-identified together so that
+references stay valid. Use --keep-identity for the archive that holds the scan.
 """
 
 
@@ -35,7 +35,7 @@ def export(
     path: Annotated[
         Path,
         typer.Argument(
-            help="A scan, as for `palpate open`, or a .palpate scene that was saved.",
+            help="Scan, as for `palpate open`, or a saved .palpate scene.",
             metavar="PATH",
         ),
     ],
@@ -45,7 +45,7 @@ def export(
         typer.Option(
             "--out",
             "-o",
-            help=".seg.nrrd, .nii.gz, .nrrd, .mha, .dcm, or a new folder for DICOM.",
+            help="Output: .seg.nrrd, .nii.gz, .nrrd, .mha or .dcm file, or a new folder for DICOM.",
             metavar="OUT",
         ),
     ],
@@ -53,23 +53,25 @@ def export(
         str | None,
         typer.Option(
             "--as",
-            help="seg-nrrd, labels, scan, dicom-seg, dicom-labelmap, rtstruct or dicom (all of "
-            "it); by default what the name asks for.",
+            help="Format: seg-nrrd, labels, scan, dicom-seg, dicom-labelmap, rtstruct or "
+            "dicom (all DICOM objects); by default it follows from the name of the "
+            "output.",
         ),
     ] = None,
     segments: Segments = None,
     resample: Resample = False,
     threshold: Annotated[
-        str | None, typer.Option(help="Values of a segment.", metavar="LOW[,HIGH]")
+        str | None,
+        typer.Option(help="Make a segment of the values from LOW to HIGH.", metavar="LOW[,HIGH]"),
     ] = None,
     only: Annotated[
-        list[str] | None, typer.Option(help="Name of a segment, again for more; by default all.")
+        list[str] | None, typer.Option(help="Export only the segment with this name; repeatable.")
     ] = None,
     keep_identity: Annotated[
         bool,
         typer.Option(
             "--keep-identity",
-            help="DICOM names the patient and refers to the scan as it is in the archive.",
+            help="Keep the patient's identity in DICOM and refer to the original series.",
         ),
     ] = False,
     reading: Reading,

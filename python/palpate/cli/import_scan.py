@@ -23,7 +23,7 @@ __all__ = ["EXAMPLES", "import_scan"]
 
 EXAMPLES = """\b
 Examples:
-  palpate import ct/                                (what is there)
+  palpate import ct/                                (lists the scans)
   palpate import study.zip --series 2 -o ct.nii.gz
   palpate import slices/*.dcm -o ct.nrrd
   palpate import ct/ --segments seg.dcm -o ct.nrrd  (and ct.seg.nrrd)
@@ -34,8 +34,8 @@ Examples:
   palpate import --dicomweb https://name:password@host/dicom-web -o ct
   palpate import --dicomweb 'https://host/dicom-web/studies?PatientID=12345'
 
-Without --output it says what there is: the scans to choose from, or of a single one its size and
-what was resampled, missing or left out. Files appear when they are whole.
+Without --output it lists the scans, or describes a single one: its size, and what was resampled,
+missing or left out. An output file appears only when it is complete.
 """
 
 
@@ -44,7 +44,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         list[Path] | None,
         typer.Argument(
             help="DICOM folder, files or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
-            "pictures.",
+            "folder of PNG or TIFF slices.",
             metavar="PATH",
         ),
     ] = None,
@@ -52,17 +52,18 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     dicomweb: Annotated[
         str | None,
         typer.Option(
-            help="Address of a server instead; it may go on with /studies/UID/series/UID, or with "
-            "what is searched for.",
+            help="Address of a DICOMweb server; may include /studies/UID/series/UID or "
+            "search terms.",
             metavar="URL",
         ),
     ] = None,
-    study: Annotated[str | None, typer.Option(help="Of --dicomweb: UID of the study.")] = None,
+    study: Annotated[str | None, typer.Option(help="UID of the study, with --dicomweb.")] = None,
     series: Series = None,
     volume: Annotated[
         str | None,
         typer.Option(
-            help="Of --dicomweb: number of the volume, where a series holds several, as times."
+            help="Number of the volume, with --dicomweb, if a series holds several, such "
+            "as time points."
         ),
     ] = None,
     output: Annotated[
@@ -71,16 +72,17 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
             "--output",
             "--out",
             "-o",
-            help="New .nii.gz, .nii, .nrrd or .mha; a .palpate scene with the scan in it; or of "
-            "--dicomweb a new folder for its files.",
+            help="Output: .nii.gz, .nii, .nrrd or .mha file; a .palpate scene that "
+            "contains the scan; with --dicomweb also a new folder for the DICOM "
+            "files.",
             metavar="OUT",
         ),
     ] = None,
     segments: Annotated[
         Path | None,
         typer.Option(
-            help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks: written into "
-            "the scene, or beside the scan as .seg.nrrd."
+            help="Segments: label map, .seg.nrrd, DICOM SEG, RTSTRUCT, or a folder of "
+            "masks. Stored in the scene, or next to the scan as .seg.nrrd."
         ),
     ] = None,
     resample: Resample = False,
@@ -91,11 +93,11 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     voxel_size: VoxelSize = None,
     max_voxels: MaxVoxels = 1024**3,
     every: Annotated[
-        bool, typer.Option("--all", help="List each of many volumes of one series.")
+        bool, typer.Option("--all", help="List every volume of a series that holds many.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Say which scans files or a DICOMweb server hold, and bring one here."""
+    """List the scans in files or on a DICOMweb server, and convert or download one."""
     from palpate.base.errors import OptionError
     from palpate.cli.import_scan_run import Writing, check_target
     from palpate.io.dicomweb.address import WebAddress

@@ -18,9 +18,9 @@ def info(
     path: Scan,
     *,
     reading: Reading,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
 ) -> None:
-    """Tell what a scan is."""
+    """Print the properties of a scan."""
     from palpate.cli.scan_info import describe, print_table
 
     with quiet_libraries(), Display() as display:

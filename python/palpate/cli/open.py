@@ -51,15 +51,19 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
         bool | None,
         typer.Option(
             "--recover/--no-recover",
-            help="Bring back changes that an earlier session left, or keep them aside; by default "
-            "the page asks.",
+            help="Restore unsaved changes of an earlier session, or set them aside; by "
+            "default the page asks.",
         ),
     ] = None,
     journal: Annotated[
-        bool, typer.Option("--journal/--no-journal", help="Keep changes on disk as they are made.")
+        bool,
+        typer.Option(
+            "--journal/--no-journal",
+            help="Write changes to disk as they are made, to survive a crash.",
+        ),
     ] = True,
 ) -> None:
-    """Show a scan, or a scene that was saved, and feel it."""
+    """Open a scan or a saved scene in the browser."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.scenes import add_second, saved_scene, scene_of
@@ -110,7 +114,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
 
 def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
-    """Show the built-in phantom and feel it."""
+    """Open the built-in phantom in the browser."""
     from palpate.cli.scenes import scene_of
     from palpate.cli.show_page import check_start, show
     from palpate.saved.opening import Opening

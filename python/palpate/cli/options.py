@@ -35,25 +35,32 @@ __all__ = [
 Scan = Annotated[
     Path,
     typer.Argument(
-        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; pictures.",
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        "folder of PNG or TIFF slices.",
         metavar="PATH",
     ),
 ]
 ScanOrNone = Annotated[
     Path | None,
     typer.Argument(
-        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; pictures; a "
-        "scene. Without it the page asks for a scan.",
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        "folder of PNG or TIFF slices; saved scene. Without a path, the page asks "
+        "for a scan.",
         metavar="[PATH]",
     ),
 ]
 Series = Annotated[
-    str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
+    str | None, typer.Option(help="DICOM series to read: UID, description, or number in the list.")
 ]
 Orientation = Annotated[
-    str | None, typer.Option(help="Sides toward which x, y, z run, such as LPS or RAS.")
+    str | None,
+    typer.Option(
+        help="Directions in which x, y and z increase, such as LPS or RAS; overrides the file."
+    ),
 ]
-Unit = Annotated[str | None, typer.Option(help="HU, where the values are known to be.")]
+Unit = Annotated[
+    str | None, typer.Option(help="Unit of the values: HU if they are Hounsfield units.")
+]
 Raw = Annotated[
     str | None,
     typer.Option(
@@ -62,45 +69,55 @@ Raw = Annotated[
     ),
 ]
 VoxelSize = Annotated[
-    str | None, typer.Option(help="Of raw voxels and pictures, in mm.", metavar="X,Y,Z")
+    str | None,
+    typer.Option(
+        help="Voxel size of raw voxels and of PNG or TIFF slices, in mm.", metavar="X,Y,Z"
+    ),
 ]
-Fill = Annotated[float | None, typer.Option(help="Value in the place of NaN and infinity.")]
-MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
+Fill = Annotated[float | None, typer.Option(help="Value that replaces NaN and infinity.")]
+MaxVoxels = Annotated[int, typer.Option(help="Refuse scans with more voxels than this.")]
 Threshold = Annotated[
-    str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
+    str | None,
+    typer.Option(help="Make a segment of the values from LOW to HIGH.", metavar="LOW[,HIGH]"),
 ]
 Segments = Annotated[
     Path | None,
-    typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
+    typer.Option(help="Segments: label map, .seg.nrrd, DICOM SEG, RTSTRUCT, or a folder of masks."),
 ]
 Resample = Annotated[
     bool,
     typer.Option(
-        "--resample", help="Segments of another grid are laid on the scan's: nearest voxels."
+        "--resample",
+        help="Resample segments from another grid to that of the scan (nearest neighbour).",
     ),
 ]
 With = Annotated[
-    Path | None, typer.Option("--with", help="Second scan, shown with the first: CT and MR.")
+    Path | None,
+    typer.Option("--with", help="Second scan to show together with the first, such as MR with CT."),
 ]
 Transform = Annotated[
     Path | None,
-    typer.Option(help="Of --with: .tfm that maps points of the first scan to the second's."),
+    typer.Option(help="Transform (.tfm) for --with; maps points of the first scan to the second."),
 ]
 Mesh = Annotated[
     Path | None,
-    typer.Option(help="Closed .stl, .ply, .obj or .glb: becomes a segment that can be moved."),
+    typer.Option(help="Closed mesh (.stl, .ply, .obj, .glb) to open as a movable segment."),
 ]
-MeshFrame = Annotated[str | None, typer.Option(help="LPS or RAS, where the mesh does not say.")]
-MeshUnit = Annotated[str | None, typer.Option(help="mm or m, where the mesh does not say.")]
+MeshFrame = Annotated[
+    str | None, typer.Option(help="Frame of the mesh, LPS or RAS, if the file does not state it.")
+]
+MeshUnit = Annotated[
+    str | None, typer.Option(help="Unit of the mesh, mm or m, if the file does not state it.")
+]
 MeshSpacing = Annotated[
     float | None,
     typer.Option(
         "--mesh-spacing",
         "--spacing",
-        help="Edge of the mesh's voxels in mm; else fine enough for its thickness.",
+        help="Voxel size of the mesh in mm; by default fine enough for its thickness.",
     ),
 ]
-Port = Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")]
-Browser = Annotated[bool, typer.Option(help="Open the page, where there is a display.")]
-Plot = Annotated[Path | None, typer.Option(help="Draw the figures: .png, .svg or .pdf.")]
-Rate = Annotated[int, typer.Option(help="Servo ticks a second: 1000 or 4000.")]
+Port = Annotated[int, typer.Option(help="Port on 127.0.0.1; 0 chooses a free one.")]
+Browser = Annotated[bool, typer.Option(help="Open the page in the browser if there is a display.")]
+Plot = Annotated[Path | None, typer.Option(help="Plot the results (.png, .svg, .pdf).")]
+Rate = Annotated[int, typer.Option(help="Servo rate in Hz: 1000 or 4000.")]

@@ -12,11 +12,11 @@ from palpate.base.console import Display, quiet_libraries, warn
 __all__ = ["EXAMPLES", "run_file"]
 
 EXAMPLES = """\b
-A recipe, with the options of the commands under their names:
+A recipe has a step for each command, with its options:
 
   import:
     path: ct/
-  register:                    # where there is another scan
+  register:                    # optional: a second scan
     moving: mr/
     resampled: mr-on-ct.nii.gz
   segment:
@@ -33,7 +33,7 @@ A recipe, with the options of the commands under their names:
     - out: segments.seg.nrrd
   report: report.html
 
-In the place of import, reconstruct makes the scan of projections:
+Instead of import, reconstruct makes the scan from projections:
 
   reconstruct:
     path: projections.nrrd
@@ -41,16 +41,16 @@ In the place of import, reconstruct makes the scan of projections:
     arc: 180
     pixel: [0.8, 0.8]
 
-Files stand beside the recipe. All is checked before anything is read.
+Paths are relative to the recipe. The whole recipe is checked before anything is read.
 """
 
 
 def run_file(
-    recipe: Annotated[Path, typer.Argument(help="A recipe, YAML.", metavar="RECIPE")],
+    recipe: Annotated[Path, typer.Argument(help="Recipe (YAML).", metavar="RECIPE")],
     *,
-    check: Annotated[bool, typer.Option("--check", help="Check it, and do nothing.")] = False,
+    check: Annotated[bool, typer.Option("--check", help="Only validate the recipe.")] = False,
 ) -> None:
-    """Run a recipe: scan, registration, segments, surfaces, files, report."""
+    """Run a recipe: import, registration, segments, surfaces, export, report."""
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe
 

@@ -21,49 +21,77 @@ Examples:
   palpate reconstruct sinograms.tif -o scan.nii.gz --beam parallel --arc 180 --sinograms
     --pixel 1.2,2.5 --size 256,256,64 --voxel 1.2,1.2,2.5 --hann 0.8
 
-Projections are images of line integrals, one for each angle, evenly over the arc; or, with
---intensities, of what the detector counted. RTK does the work (pip install 'palpate[reconstruct]').
+Projections are images of line integrals, one for each angle, evenly spaced over the arc; with
+--intensities, images of detector counts. Cone beams need RTK: install the extra "reconstruct".
 """
 
 
 def reconstruct(  # noqa: PLR0913  # one per option of the command line
     projections: Annotated[
-        Path, typer.Argument(help="NRRD, NIfTI, MetaImage or TIFF stack, or a folder of TIFFs.")
+        Path,
+        typer.Argument(
+            help="Projections: NRRD, NIfTI, MetaImage or multi-page TIFF file, or a folder "
+            "of TIFFs."
+        ),
     ],
     *,
     out: Annotated[
-        Path, typer.Option("--out", "-o", help="New .nii.gz, .nii, .nrrd or .mha, in HU.")
+        Path, typer.Option("--out", "-o", help="Scan to write, in HU (.nii.gz, .nii, .nrrd, .mha).")
     ],
-    beam: Annotated[str, typer.Option(help="parallel or cone (a source on a circle).")],
-    pixel: Annotated[str, typer.Option(help="Of the detector, in mm.", metavar="U,V")],
+    beam: Annotated[
+        str, typer.Option(help="Geometry: parallel, or cone (circular source trajectory).")
+    ],
+    pixel: Annotated[str, typer.Option(help="Pixel size of the detector in mm.", metavar="U,V")],
     size: Annotated[
         str | None,
-        typer.Option(help="Voxels of the scan; by default all that is seen.", metavar="X,Y,Z"),
+        typer.Option(help="Number of voxels; by default the whole field of view.", metavar="X,Y,Z"),
     ] = None,
     voxel: Annotated[
         str | None,
-        typer.Option(help="Their edges in mm; by default those of pixels.", metavar="X,Y,Z"),
+        typer.Option(
+            help="Voxel size in mm; by default the pixel size at the axis.", metavar="X,Y,Z"
+        ),
     ] = None,
-    arc: Annotated[float, typer.Option(help="That the projections cover, in degrees.")] = 360.0,
-    first_angle: Annotated[float, typer.Option(help="Of the gantry, in degrees.")] = 0.0,
-    source_axis: Annotated[float, typer.Option(help="Cone: source to axis, in mm.")] = 0.0,
-    source_detector: Annotated[float, typer.Option(help="Cone: source to detector, in mm.")] = 0.0,
+    arc: Annotated[
+        float, typer.Option(help="Angular range of the projections in degrees.")
+    ] = 360.0,
+    first_angle: Annotated[
+        float, typer.Option(help="Angle of the first projection in degrees.")
+    ] = 0.0,
+    source_axis: Annotated[
+        float, typer.Option(help="Cone: distance from source to rotation axis in mm.")
+    ] = 0.0,
+    source_detector: Annotated[
+        float, typer.Option(help="Cone: distance from source to detector in mm.")
+    ] = 0.0,
     offset: Annotated[
         str,
-        typer.Option(help="Of the detector's middle from the central ray, in mm.", metavar="U,V"),
+        typer.Option(
+            help="Offset of the detector's centre from the central ray in mm.", metavar="U,V"
+        ),
     ] = "0,0",
     sinograms: Annotated[
-        bool, typer.Option("--sinograms", help="Images are sinograms: one for each row.")
+        bool,
+        typer.Option("--sinograms", help="The images are sinograms, one for each detector row."),
     ] = False,
     intensities: Annotated[
-        float | None, typer.Option(help="What the detector counts without a patient.")
+        float | None,
+        typer.Option(
+            help="The images are intensities; the value is the intensity without a patient."
+        ),
     ] = None,
-    water: Annotated[float | None, typer.Option(help="Attenuation of water, per mm.")] = None,
+    water: Annotated[
+        float | None, typer.Option(help="Attenuation coefficient of water in 1/mm.")
+    ] = None,
     hann: Annotated[
-        float, typer.Option(help="Smooths: share of the highest frequency; 0 for none.")
+        float,
+        typer.Option(
+            help="Cut-off of the Hann window as a fraction of the highest frequency; 0 for "
+            "no window."
+        ),
     ] = 0.0,
 ) -> None:
-    """Make a scan out of projections."""
+    """Reconstruct a scan from projections."""
     from palpate.base.whole_file import check_target
     from palpate.export.image import IMAGE_SUFFIXES, write_scan
     from palpate.reconstruction.reconstruction import WATER

@@ -19,15 +19,15 @@ def record(
     path: Scan,
     *,
     out: Annotated[
-        Path, typer.Option(help="New .palpate-session file for the recording.", metavar="FILE")
+        Path, typer.Option(help="Recording to write (.palpate-session).", metavar="FILE")
     ],
     seconds: Annotated[
         float | None,
-        typer.Option(help="How long; by default until Ctrl-C, or as long as the script is."),
+        typer.Option(help="Duration in s; by default until Ctrl-C, or the length of the script."),
     ] = None,
     script: Annotated[
         Path | None,
-        typer.Option(help="Path for the device, .csv or .json; then nothing is shown."),
+        typer.Option(help="Path that the device follows (.csv, .json); runs without the page."),
     ] = None,
     reading: Reading,
     threshold: Threshold = None,
@@ -36,7 +36,7 @@ def record(
     browser: Browser = True,
     rate: Rate = 1000,
 ) -> None:
-    """Record a session, with every input of touch, so that it can be replayed."""
+    """Record a session, with every input of touch, for replay."""
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.record_run import check_out, check_seconds, record_page, record_script
     from palpate.cli.scenes import scene_of
@@ -60,15 +60,19 @@ def record(
 
 
 def replay(
-    file: Annotated[Path, typer.Argument(help="A .palpate-session file.", metavar="FILE")],
+    file: Annotated[
+        Path, typer.Argument(help="Recording to replay (.palpate-session).", metavar="FILE")
+    ],
     *,
     csv: Annotated[
-        Path | None, typer.Option(help="Write poses, forces and events as a table of text.")
+        Path | None, typer.Option(help="Write positions, forces and events as CSV.")
     ] = None,
-    npz: Annotated[Path | None, typer.Option(help="Write them as NumPy arrays.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    npz: Annotated[
+        Path | None, typer.Option(help="Write positions, forces and events as NumPy arrays.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
 ) -> int:
-    """Compute a recorded session again, and compare it bit for bit."""
+    """Replay a recorded session and compare the forces bit for bit."""
     from palpate.cli.record_run import replay_file
 
     return replay_file(file, csv=csv, npz=npz, as_json=as_json)

@@ -25,68 +25,83 @@ Examples:
   palpate register ct.nii.gz mr.nii.gz -o T.tfm --landmarks pairs.csv
   palpate register a.mha b.mha -o T.tfm --kind affine --fixed-mask body.nii.gz
 
-FIXED stays; MOVING is brought to it. The transform takes points of FIXED to MOVING (LPS, mm), as
-ITK and 3D Slicer have it. Landmarks are lines of six numbers: X,Y,Z in FIXED, X,Y,Z in MOVING.
+The transform maps points of FIXED to MOVING (LPS, mm), as ITK and 3D Slicer expect. Each line of
+the landmarks has six numbers: X,Y,Z in FIXED and X,Y,Z in MOVING.
 """
 
 
 def register(  # noqa: PLR0913  # one per option of the command line
-    fixed: Annotated[Path, typer.Argument(help="The scan that stays, as `palpate open` takes it.")],
-    moving: Annotated[Path, typer.Argument(help="The scan that is brought to it.")],
+    fixed: Annotated[Path, typer.Argument(help="Fixed scan, as for `palpate open`.")],
+    moving: Annotated[Path, typer.Argument(help="Moving scan, registered to the fixed one.")],
     *,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="New .tfm for the transform.")
+        Path | None, typer.Option("--output", "-o", help="Transform to write (.tfm).")
     ] = None,
     resampled: Annotated[
         Path | None,
-        typer.Option(help="New .nii.gz, .nii, .nrrd or .mha: MOVING on the grid of FIXED."),
+        typer.Option(
+            help="Write the moving scan, resampled on the grid of the fixed one (.nii.gz, "
+            ".nii, .nrrd, .mha)."
+        ),
     ] = None,
     picture: Annotated[
         Path | None,
-        typer.Option(help="New .png: both in squares, above as they were, below brought together."),
+        typer.Option(
+            help="Write a checkerboard of both scans (.png): top before, bottom after registration."
+        ),
     ] = None,
     report: Annotated[
-        Path | None, typer.Option(help="New .json: figures, matrix, the metric's curve.")
+        Path | None,
+        typer.Option(help="Write figures, matrix and the course of the metric (.json)."),
     ] = None,
     kind: Annotated[
-        str, typer.Option(help="rigid, affine or bspline; each begins with the one before.")
+        str,
+        typer.Option(
+            help="rigid, affine or bspline; each starts from the result of the one before."
+        ),
     ] = "rigid",
     metric: Annotated[
         str,
         typer.Option(
-            help="mutual-information (also CT with MR), correlation, mean-squares, or automatic: "
-            "correlation of two scans by CT, else mutual information."
+            help="mutual-information (for different modalities), correlation, "
+            "mean-squares, or automatic: correlation for two CT scans, otherwise "
+            "mutual information."
         ),
     ] = "automatic",
     start: Annotated[
         str | None,
         typer.Option(
-            help="geometry (as the files place them), centre (of the grids), moments (of what is "
-            "bright) or landmarks; by default landmarks where given, else centre."
+            help="Initial alignment: geometry (as the files state), centre (of the grids), "
+            "moments (centres of mass) or landmarks; by default landmarks if given, "
+            "otherwise centre."
         ),
     ] = None,
     landmarks: Annotated[
-        Path | None, typer.Option(help=".csv with pairs of points, in mm.", metavar="FILE")
+        Path | None, typer.Option(help="CSV file with pairs of points in mm.", metavar="FILE")
     ] = None,
     fixed_mask: Annotated[
-        Path | None, typer.Option(help="Label map: only these voxels of FIXED count.")
+        Path | None, typer.Option(help="Label map: use only these voxels of the fixed scan.")
     ] = None,
     moving_mask: Annotated[
-        Path | None, typer.Option(help="Label map: only these voxels of MOVING count.")
+        Path | None, typer.Option(help="Label map: use only these voxels of the moving scan.")
     ] = None,
     knots: Annotated[
-        float | None, typer.Option(help="Between the knots of a bspline, in mm.")
+        float | None, typer.Option(help="Spacing of the B-spline's control points in mm.")
     ] = None,
     iterations: Annotated[
-        int | None, typer.Option(help="Of each stage, on each of its levels, at most.")
+        int | None, typer.Option(help="Maximum number of iterations per stage and level.")
     ] = None,
-    samples: Annotated[int | None, typer.Option(help="Voxels compared on each level.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Of the samples.")] = None,
-    fixed_series: Annotated[str | None, typer.Option(help="DICOM series of FIXED.")] = None,
-    moving_series: Annotated[str | None, typer.Option(help="DICOM series of MOVING.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the report.")] = False,
+    samples: Annotated[int | None, typer.Option(help="Number of voxels sampled per level.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Random seed of the sampling.")] = None,
+    fixed_series: Annotated[
+        str | None, typer.Option(help="DICOM series of the fixed scan.")
+    ] = None,
+    moving_series: Annotated[
+        str | None, typer.Option(help="DICOM series of the moving scan.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
-    """Find where the points of one scan lie in another."""
+    """Register one scan to another."""
     import json
 
     from palpate.base.whole_file import whole_file

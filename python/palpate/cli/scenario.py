@@ -20,21 +20,24 @@ if TYPE_CHECKING:
 
 __all__ = ["scenario"]
 
-scenario = typer.Typer(help="Tools at work, without a device.", no_args_is_help=True)
+scenario = typer.Typer(help="Drive tools without a device.", no_args_is_help=True)
 
 Scan = Annotated[
-    Path | None, typer.Argument(help="A scan; by default the phantom.", metavar="[PATH]")
+    Path | None, typer.Argument(help="Scan; by default the built-in phantom.", metavar="[PATH]")
 ]
-Json = Annotated[Path | None, typer.Option("--json", help="Write what was felt.", metavar="FILE")]
-Plot = Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg or .pdf.")]
-Speed = Annotated[float, typer.Option(help="Of the tool, in mm/s.")]
-ForceLimit = Annotated[float, typer.Option(help="Where it stops, in N.")]
-BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins, in the scan's unit.")]
+Json = Annotated[
+    Path | None,
+    typer.Option("--json", help="Write positions, forces and events of the run.", metavar="FILE"),
+]
+Plot = Annotated[Path | None, typer.Option(help="Plot the run (.png, .svg, .pdf).")]
+Speed = Annotated[float, typer.Option(help="Speed of the tool in mm/s.")]
+ForceLimit = Annotated[float, typer.Option(help="Force at which the tool stops, in N.")]
+BoneFrom = Annotated[float | None, typer.Option(help="Threshold of bone, in the unit of the scan.")]
 Labels = Annotated[
-    Path | None, typer.Option("--segments", help="Label map of the scan, with the liver.")
+    Path | None, typer.Option("--segments", help="Label map of the scan that contains the liver.")
 ]
-Liver = Annotated[int, typer.Option(help="Number of the liver in it.")]
-Depth = Annotated[float, typer.Option(help="How deep the tool goes, in mm.")]
+Liver = Annotated[int, typer.Option(help="Label of the liver.")]
+Depth = Annotated[float, typer.Option(help="Depth of the tool in mm.")]
 
 
 @scenario.command("needle-skull")
@@ -47,7 +50,7 @@ def needle_skull(
     json: Json = None,
     plot: Plot = None,
 ) -> None:
-    """Drive a needle through the skin to the bone."""
+    """Insert a needle through the skin to the bone."""
     _needle("needle-skull", (path, None, 0, bone), push=(speed, force_limit), files=(json, plot))
 
 
@@ -63,7 +66,7 @@ def needle_liver(
     json: Json = None,
     plot: Plot = None,
 ) -> None:
-    """Drive a needle through the liver to the bone behind it."""
+    """Insert a needle through the liver to the bone behind it."""
     _needle(
         "needle-liver", (path, segments, liver, bone), push=(speed, force_limit), files=(json, plot)
     )
@@ -75,13 +78,13 @@ def drilling(
     *,
     bone: BoneFrom = None,
     depth: Depth = 4.0,
-    radius: Annotated[float, typer.Option(help="Of the burr, in mm.")] = 2.0,
+    radius: Annotated[float, typer.Option(help="Radius of the burr in mm.")] = 2.0,
     speed: Speed = 0.1,
     force_limit: ForceLimit = 10.0,
     json: Json = None,
     plot: Plot = None,
 ) -> None:
-    """Drive a drill into the bone."""
+    """Drill into bone."""
     from palpate.scenarios.scenarios import run_drilling
 
     _check_files((json, plot))
@@ -101,21 +104,23 @@ def palpation(  # noqa: PLR0913  # one per option of the command line
     bone: BoneFrom = None,
     side: Annotated[
         str,
-        typer.Option("--from", help="Side that is pressed: anterior, posterior, left, right, any."),
+        typer.Option(
+            "--from", help="Side of the body to press: anterior, posterior, left, right, any."
+        ),
     ] = "anterior",
     voxel: Annotated[
-        float, typer.Option(help="Finer voxels are merged to about this, in mm.")
+        float, typer.Option(help="Downsample finer voxels to about this size in mm.")
     ] = 2.0,
-    places: Annotated[int, typer.Option(help="How many are pressed.")] = 9,
+    places: Annotated[int, typer.Option(help="Number of places to press.")] = 9,
     length: Annotated[
-        float, typer.Option(help="From the first to the last of them, in mm.")
+        float, typer.Option(help="Distance from the first place to the last in mm.")
     ] = 40.0,
     depth: Depth = 2.5,
-    radius: Annotated[float | None, typer.Option(help="Of the ball, in mm.")] = None,
+    radius: Annotated[float | None, typer.Option(help="Radius of the ball in mm.")] = None,
     json: Json = None,
     plot: Plot = None,
 ) -> None:
-    """Press soft tissue along a line that crosses bone below it."""
+    """Press soft tissue along a line that crosses underlying bone."""
     from palpate.scenarios.press_lines import SIDES
     from palpate.scenarios.scenarios import run_palpation
 
@@ -137,16 +142,18 @@ def palpation(  # noqa: PLR0913  # one per option of the command line
 
 @scenario.command()
 def play(
-    run: Annotated[Path, typer.Argument(help="What --json has written.", metavar="FILE")],
+    run: Annotated[Path, typer.Argument(help="Run written with --json.", metavar="FILE")],
     path: Scan = None,
     *,
     segments: Labels = None,
     liver: Liver = 6,
     bone: BoneFrom = None,
-    port: Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")] = 0,
-    browser: Annotated[bool, typer.Option(help="Open the page, where there is a display.")] = True,
+    port: Annotated[int, typer.Option(help="Port on 127.0.0.1; 0 chooses a free one.")] = 0,
+    browser: Annotated[
+        bool, typer.Option(help="Open the page in the browser if there is a display.")
+    ] = True,
 ) -> None:
-    """Show a run on the page, with its scan, and play it."""
+    """Play a run on the page, with its scan."""
     from palpate.base.console import warn
     from palpate.cli.show_page import check_page, show
     from palpate.saved.opening import Opening

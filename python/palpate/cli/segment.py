@@ -22,7 +22,7 @@ Examples:
   palpate segment ct/ --threshold bone --subtract teeth.seg.nrrd -o jaw.seg.nrrd
   palpate segment ct/ --auto -o organs.seg.nrrd
 
-What is asked for is done in the order of the options above, whatever order they are given in.
+Operations are applied in the order of the options above, whatever order they are given in.
 """
 
 
@@ -30,98 +30,118 @@ What is asked for is done in the order of the options above, whatever order they
 def segment(  # noqa: PLR0913  # one per option of the command line
     path: Annotated[
         Path,
-        typer.Argument(help="A scan, as `palpate open` takes it.", metavar="PATH"),
+        typer.Argument(help="Scan, as for `palpate open`.", metavar="PATH"),
     ],
     *,
     out: Annotated[
         Path,
-        typer.Option("--out", "-o", help="New .seg.nrrd, .nrrd, .nii, .nii.gz or .mha."),
+        typer.Option(
+            "--out", "-o", help="Segments to write (.seg.nrrd, .nrrd, .nii, .nii.gz, .mha)."
+        ),
     ],
     reading: Reading,
     threshold: Annotated[
         str | None,
         typer.Option(
-            help="Values of the segment, or for CT a tissue: bone, compact bone, spongy bone, "
-            "soft tissue, muscle, fat, skin, lung.",
+            help="Values from LOW to HIGH, or for CT a tissue: bone, compact bone, spongy "
+            "bone, soft tissue, muscle, fat, skin, lung.",
             metavar="LOW[,HIGH]",
         ),
     ] = None,
     otsu: Annotated[
         int | None,
-        typer.Option(help="Segments by Otsu's thresholds, from so many classes.", metavar="2..4"),
+        typer.Option(help="Otsu's thresholds with this number of classes.", metavar="2..4"),
     ] = None,
     grow: Annotated[
         list[str] | None,
         typer.Option(
-            help="Grows from a point in the patient (LPS), in mm; again for more points.",
+            help="Grow a region from a point in LPS, in mm; repeatable.",
             metavar="X,Y,Z",
         ),
     ] = None,
     seeds: Annotated[
         Path | None,
-        typer.Option(help="Grows the segments of a file until they meet; one is what is around."),
+        typer.Option(
+            help="Grow the segments of a file until they meet (watershed); one of them "
+            "marks the background."
+        ),
     ] = None,
     auto: Annotated[
-        bool, typer.Option("--auto", help="By TotalSegmentator, where it is installed.")
+        bool, typer.Option("--auto", help="Use TotalSegmentator, which must be installed.")
     ] = False,
     fast: Annotated[
-        bool, typer.Option("--fast", help="With --auto: at 3 mm, which takes minutes.")
+        bool, typer.Option("--fast", help="With --auto: work at 3 mm, which takes minutes.")
     ] = False,
     spread: Annotated[
         float | None,
-        typer.Option(help="Of grown values, in standard deviations of those around the point."),
+        typer.Option(help="Range of values for --grow, in standard deviations around the point."),
     ] = None,
     passage: Annotated[
-        float | None, typer.Option(help="Passages narrower than this are not entered, in mm.")
+        float | None,
+        typer.Option(help="For --grow: do not grow through passages narrower than this, in mm."),
     ] = None,
     most: Annotated[
-        float | None, typer.Option(help="A grown segment becomes no larger than this, in ml.")
+        float | None, typer.Option(help="For --grow: maximum volume of the segment in ml.")
     ] = None,
     keep_largest: Annotated[
-        bool, typer.Option("--keep-largest", help="Keep the largest island.")
+        bool, typer.Option("--keep-largest", help="Keep only the largest connected component.")
     ] = False,
     drop_below: Annotated[
-        float | None, typer.Option(help="Remove islands smaller than this, in ml.")
+        float | None, typer.Option(help="Remove connected components smaller than this, in ml.")
     ] = None,
     fill: Annotated[bool, typer.Option("--fill", help="Fill holes.")] = False,
     between_slices: Annotated[
-        bool, typer.Option("--between-slices", help="Fill empty slices between painted ones.")
+        bool, typer.Option("--between-slices", help="Interpolate between painted slices.")
     ] = False,
     smooth: Annotated[
-        float | None, typer.Option(help="Standard deviation of a Gaussian on the mask, in mm.")
+        float | None,
+        typer.Option(help="Smooth the mask with a Gaussian of this standard deviation in mm."),
     ] = None,
     median: Annotated[
-        float | None, typer.Option(help="Half edge of the box of a median on the mask, in mm.")
+        float | None,
+        typer.Option(help="Smooth the mask with a median filter of this radius in mm."),
     ] = None,
     joint: Annotated[
         float | None,
-        typer.Option(help="Smooth all segments together by such a deviation: they still meet."),
+        typer.Option(
+            help="Smooth all segments jointly with a Gaussian of this standard deviation "
+            "in mm; no gaps appear."
+        ),
     ] = None,
     opening: Annotated[
-        float | None, typer.Option(help="Remove bridges that a ball does not fit into, in mm.")
+        float | None,
+        typer.Option(
+            help="Morphological opening with a ball of this radius in mm: removes thin bridges."
+        ),
     ] = None,
     closing: Annotated[
-        float | None, typer.Option(help="Close gaps that a ball does not fit into, in mm.")
+        float | None,
+        typer.Option(
+            help="Morphological closing with a ball of this radius in mm: closes narrow gaps."
+        ),
     ] = None,
     margin: Annotated[
-        float | None, typer.Option(help="Grow by this, or shrink where it is below 0, in mm.")
+        float | None,
+        typer.Option(help="Grow the segment by this margin in mm, or shrink it if negative."),
     ] = None,
     hollow: Annotated[
         float | None,
-        typer.Option(help="Keep a shell so thick inside the border, or outside below 0, in mm."),
+        typer.Option(
+            help="Keep a shell of this thickness in mm inside the border, or outside if negative."
+        ),
     ] = None,
     unite: Annotated[
-        Path | None, typer.Option(help="Add the segments of a file.", metavar="FILE")
+        Path | None, typer.Option(help="Union with the segments of a file.", metavar="FILE")
     ] = None,
     subtract: Annotated[
-        Path | None, typer.Option(help="Take the segments of a file away.", metavar="FILE")
+        Path | None, typer.Option(help="Subtract the segments of a file.", metavar="FILE")
     ] = None,
     intersect: Annotated[
-        Path | None, typer.Option(help="Keep what segments of a file have too.", metavar="FILE")
+        Path | None, typer.Option(help="Intersect with the segments of a file.", metavar="FILE")
     ] = None,
-    name: Annotated[str | None, typer.Option(help="What to call the segment.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the segment.")] = None,
 ) -> None:
-    """Make a segment of a scan and write it."""
+    """Segment a scan and write the result."""
     from palpate.base.whole_file import check_target
     from palpate.export.export import export_scene
     from palpate.export.image import IMAGE_SUFFIXES

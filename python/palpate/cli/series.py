@@ -19,10 +19,12 @@ __all__ = ["describe", "folded", "print_series", "series"]
 def series(
     path: Annotated[Path, typer.Argument(help="DICOM folder or zip archive.", metavar="PATH")],
     *,
-    every: Annotated[bool, typer.Option("--all", help="List each of many volumes.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON list.")] = False,
+    every: Annotated[
+        bool, typer.Option("--all", help="List every volume of a series that holds many.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list.")] = False,
 ) -> None:
-    """List the scans of a DICOM folder, with what --series takes."""
+    """List the series of a DICOM folder, with the values that --series accepts."""
     from palpate.io.reading import list_series
 
     with quiet_libraries(), Display() as display:

@@ -13,29 +13,38 @@ from palpate.cli.reading_options import Reading, with_reading
 
 __all__ = ["surface"]
 
-surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)
+surface = typer.Typer(
+    help="Convert segments to meshes and meshes to label maps.", no_args_is_help=True
+)
 
 
 @surface.command("export")
 @with_reading
 def surface_export(
     path: Scan,
-    file: Annotated[Path, typer.Argument(help="New .stl, .ply, .obj or .glb.", metavar="FILE")],
+    file: Annotated[
+        Path, typer.Argument(help="Mesh to write (.stl, .ply, .obj, .glb).", metavar="FILE")
+    ],
     *,
-    segment: Annotated[str | None, typer.Option(help="Its name, where there are several.")] = None,
-    smoothing: Annotated[
-        int | None, typer.Option(help="Degree, 0 to 12; 0 shows the voxels as they are.")
+    segment: Annotated[
+        str | None, typer.Option(help="Name of the segment, if there are several.")
     ] = None,
-    step: Annotated[int | None, typer.Option(help="Edge of a cell: 1, 2 or 4 voxels.")] = None,
+    smoothing: Annotated[
+        int | None,
+        typer.Option(help="Degree of smoothing, 0 to 12; 0 keeps the shape of the voxels."),
+    ] = None,
+    step: Annotated[int | None, typer.Option(help="Cell size: 1, 2 or 4 voxels.")] = None,
     source: Annotated[
         str,
-        typer.Option("--from", help="intensities (of a threshold) or bits, which have stairs."),
+        typer.Option(
+            "--from", help="intensities (of a threshold; smooth) or bits (the voxels; with steps)."
+        ),
     ] = "intensities",
     reading: Reading,
     threshold: Threshold = None,
     segments: Segments = None,
 ) -> None:
-    """Write the surface of a segment to a file, in the patient (LPS)."""
+    """Write the surface of a segment as a mesh, in LPS mm."""
     from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target
     from palpate.cli.scenes import scene_of
@@ -56,17 +65,23 @@ def surface_export(
 
 @surface.command("voxels")
 def surface_voxels(
-    mesh: Annotated[Path, typer.Argument(help=".stl, .ply, .obj or .glb.", metavar="MESH")],
-    file: Annotated[Path, typer.Argument(help="New .nrrd, .nii.gz or .mha.", metavar="FILE")],
+    mesh: Annotated[
+        Path, typer.Argument(help="Mesh to read (.stl, .ply, .obj, .glb).", metavar="MESH")
+    ],
+    file: Annotated[
+        Path, typer.Argument(help="Label map to write (.nrrd, .nii.gz, .mha).", metavar="FILE")
+    ],
     *,
-    spacing: Annotated[float | None, typer.Option(help="Edge of a voxel, in mm.")] = None,
-    like: Annotated[Path | None, typer.Option(help="Scan whose grid is taken.")] = None,
-    frame: Annotated[str | None, typer.Option(help="Of the mesh: LPS or RAS.")] = None,
-    unit: Annotated[str | None, typer.Option(help="Of the mesh: mm or m.")] = None,
-    close: Annotated[bool, typer.Option("--close", help="Close its holes.")] = False,
-    shell: Annotated[bool, typer.Option("--shell", help="Only its surface.")] = False,
+    spacing: Annotated[float | None, typer.Option(help="Voxel size in mm.")] = None,
+    like: Annotated[Path | None, typer.Option(help="Use the grid of this scan.")] = None,
+    frame: Annotated[str | None, typer.Option(help="Frame of the mesh: LPS or RAS.")] = None,
+    unit: Annotated[str | None, typer.Option(help="Unit of the mesh: mm or m.")] = None,
+    close: Annotated[bool, typer.Option("--close", help="Close holes in the mesh.")] = False,
+    shell: Annotated[
+        bool, typer.Option("--shell", help="Label only the surface, not the inside.")
+    ] = False,
 ) -> None:
-    """Make a label map of what a mesh encloses."""
+    """Make a label map of the inside of a mesh."""
     from palpate.base.errors import OptionError
     from palpate.base.whole_file import check_target
     from palpate.cli.surface_run import MASK_SUFFIXES, mesh_file, write_voxels

@@ -197,8 +197,8 @@ def test_examples_of_the_help_run_as_printed(line: str, capsys: pytest.CaptureFi
 def test_the_recipe_of_the_help_runs_as_printed(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    # what stands in the place of import needs RTK
-    whole = RECIPE.partition("In the place of import")[0]
+    # the second recipe, with reconstruct, needs RTK
+    whole = RECIPE.partition("Instead of import")[0]
     lines = re.findall(r"^  (.*)$", whole, re.MULTILINE)
     (folder / "recipe.yaml").write_text("\n".join(lines) + "\n")
     assert run(["run", "recipe.yaml", "--check"]) == 0, capsys.readouterr().err

@@ -6,10 +6,10 @@
 use glam::DVec3;
 
 use crate::error::SessionError;
-use crate::handover::TickRecord;
 use crate::scenario::rig::{LONGEST, RATE_HZ};
-use crate::session_config::check_point;
-use crate::settings::Settings;
+use crate::servo::channels::TickRecord;
+use crate::session::config::check_point;
+use crate::touch::settings::Settings;
 
 /// Ticks of a drive, at most.
 const MOST_TICKS: f64 = 5e6;

@@ -1,6 +1,6 @@
-//! A ball that presses matter that gives way, place by place, as a finger palpates.
+//! A ball that presses soft tissue, place by place, as a finger palpates.
 //!
-//! Every press begins from matter at rest. Design, section 6; issue of deformation, scenarios.
+//! Every press begins from tissue at rest. Design, section 6; issue of deformation, scenarios.
 
 use palpate_deform::material::MaterialLaw;
 use palpate_deform::model_options::ModelOptions;
@@ -12,8 +12,8 @@ use palpate_volume::segment::Segment;
 use super::drive::{Drive, Sample};
 use super::rig::Rig;
 use crate::error::SessionError;
-use crate::feel::Feel;
 use crate::scene::Properties;
+use crate::touch::touch_feel::TouchFeel;
 
 /// A layer of the body.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct PressedLayer {
 /// What one press felt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Press {
-    /// Every tick; the tool is the ball in the matter.
+    /// Every tick; the tool is the ball in the tissue.
     pub samples: Vec<Sample>,
     /// Answers of the model.
     pub answers: u64,
@@ -54,7 +54,7 @@ pub fn press(
         let properties = Properties {
             law: layer.law,
             // what holds the ball aside would be taken for what is under it
-            feel: Feel::SLIPPERY,
+            feel: TouchFeel::SLIPPERY,
             ..Properties::of_threshold(true, None)
         };
         let segment = layer.segment.clone();

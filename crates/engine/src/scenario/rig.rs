@@ -11,20 +11,20 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::voxels::Voxels;
 
 use super::drive::Drive;
-use crate::deformation::Deformation;
-use crate::deformation_loop::DeformationLoop;
+use crate::deformable::deformation::Deformation;
+use crate::deformable::deformation_loop::DeformationLoop;
 use crate::error::SessionError;
-use crate::feel::Feels;
-use crate::frame::Notice;
-use crate::handover::{Channels, DeviceSample, TickRecord};
-use crate::mapping::Mapping;
-use crate::mask_shares::MaskShares;
+use crate::picture::frame::Notice;
+use crate::picture::scene_updates::SceneUpdate;
 use crate::scene::Scene;
-use crate::scene_news::SceneNews;
+use crate::scene::mask_fractions::MaskFractions;
+use crate::servo::channels::{Channels, DeviceSample, TickRecord};
+use crate::servo::mapping::Mapping;
+use crate::servo::shared::Shared;
 use crate::servo::{ServoLoop, ServoStart};
-use crate::shared::Shared;
 use crate::simulation::{Simulation, SimulationStatus};
-use crate::touchable::Touchable;
+use crate::touch::touch_feel::TouchFeels;
+use crate::touch::touchable::Touchable;
 
 /// Ticks in a second.
 pub(super) const RATE_HZ: u32 = 1000;
@@ -45,7 +45,7 @@ pub(super) struct Rig {
     // what nobody reads is kept, so that the writing ends stay whole
     _status: triple_buffer::Output<SimulationStatus>,
     _notices: mpsc::Receiver<Notice>,
-    _news: mpsc::Receiver<SceneNews>,
+    _updates: mpsc::Receiver<SceneUpdate>,
     shared: Arc<Shared>,
     ticks: u64,
     force: DVec3,
@@ -65,14 +65,14 @@ impl Rig {
         let shared = Arc::new(Shared::default());
         let (status, status_out) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let (notices, notice_inbox) = mpsc::channel();
-        let (news, news_inbox) = mpsc::channel();
+        let (updates, update_inbox) = mpsc::channel();
         let start = ServoStart {
             grid: *grid,
             touchable: Touchable::new(grid, Vec::new(), radius)?,
             mapping: Mapping::IDENTITY,
             probe: drive.start,
             settings,
-            feels: Feels::default(),
+            feels: TouchFeels::default(),
         };
         let limits = DeviceLimits {
             max_force: settings.force_limit,
@@ -82,24 +82,24 @@ impl Rig {
             workspace_radius: LONGEST,
         };
         let (deformation, deformation_loop) = Deformation::new(true);
-        // layers have no flat slopes whose shares would matter
-        let (shares, _) = MaskShares::new();
+        // layers have no flat slopes whose occupancy fractions would matter
+        let (fractions, _) = MaskFractions::new();
         let scene = Scene::new(Voxels::new(*grid, intensities)?);
         Ok(Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                (scene, deformation, shares),
+                (scene, deformation, fractions),
                 settings,
                 limits,
                 channels.simulation,
-                (status, notices, news),
+                (status, notices, updates),
             ),
             deformation: deformation_loop,
             device: channels.device.samples,
             records: channels.records,
             _status: status_out,
             _notices: notice_inbox,
-            _news: news_inbox,
+            _updates: update_inbox,
             shared,
             ticks: 0,
             force: DVec3::ZERO,

@@ -10,7 +10,7 @@ use palpate_volume::voxels::Voxels;
 
 use super::{Properties, ThresholdRange};
 
-/// A model by which matter gives way.
+/// A model of soft tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelChoice {
     /// Its name, one of the registered.
@@ -68,7 +68,7 @@ pub enum Step {
         /// Of what; none where it is hard.
         law: Option<MaterialLaw>,
     },
-    /// Chooses the model by which matter gives way, or none.
+    /// Chooses the model of soft tissue, or none.
     Model(Option<ModelChoice>),
     /// These, one after the other, as one.
     Several(Vec<Step>),

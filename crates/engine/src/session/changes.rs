@@ -1,4 +1,4 @@
-//! Tools in the hand of a session, matter that gives way, and the journal that keeps changes on
+//! Tools in the hand of a session, soft tissue, and the journal that keeps changes on
 //! disk.
 
 use std::path::PathBuf;
@@ -10,12 +10,12 @@ use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
-use crate::deformation::{DeformationNow, ForceSource};
+use crate::deformable::deformable_view::ShownParts;
+use crate::deformable::deformation::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
-use crate::matter_view::ShownParts;
-use crate::needle::NeedleReport;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
+use crate::touch::needle::NeedleReport;
 
 impl Session {
     /// Chooses the tool for the next strokes, or none; a stroke that is on ends.
@@ -51,7 +51,7 @@ impl Session {
         self.ask(|simulation| simulation.needle_report())
     }
 
-    /// Chooses the model by which matter gives way under the probe and what it offers to choose,
+    /// Chooses the model of soft tissue under the probe and what it offers to choose,
     /// or none; an undoable choice is taken back by undo.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl Session {
         self.ask(move |simulation| simulation.set_regions(id, regions))?
     }
 
-    /// Chooses what a tool feels of matter that gives way.
+    /// Chooses what a tool feels of soft tissue.
     ///
     /// # Errors
     /// Where the session has ended.
@@ -105,19 +105,19 @@ impl Session {
     ///
     /// # Errors
     /// Where the session has ended.
-    pub fn deformation(&self) -> Result<DeformationNow, SessionError> {
+    pub fn deformation(&self) -> Result<DeformationStatus, SessionError> {
         self.ask(|simulation| simulation.deformation())
     }
 
     /// Has the nodes or particles of the model shown, or no more.
     pub fn show_model_parts(&self, on: bool) {
-        self.matter_view.want(on);
+        self.deformable_view.want(on);
     }
 
     /// The parts of the model, where they are shown and were not given before.
     #[must_use]
     pub fn model_parts(&self) -> Option<ShownParts> {
-        self.matter_view.take()
+        self.deformable_view.take()
     }
 
     /// What a journal of this scan holds; none where there is no such file.
@@ -125,7 +125,7 @@ impl Session {
     /// # Errors
     /// Where the file is no journal of this scan, another session writes it, or the session has
     /// ended.
-    pub fn look_at_journal(
+    pub fn inspect_journal(
         &self,
         path: PathBuf,
         hash: ScanHash,

@@ -6,11 +6,11 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::{Session, lock};
-use crate::cut::{LineCut, Painted, Plane};
 use crate::error::SessionError;
-use crate::gap::Gap;
-use crate::gap_bodies::{Measured, making};
-use crate::session_config::check_point;
+use crate::scene::cut::{LineCut, Painted, Plane};
+use crate::scene::gap::Gap;
+use crate::scene::gap_bodies::{Measured, options};
+use crate::session::config::check_point;
 use crate::simulation::Simulation;
 
 impl Session {
@@ -122,7 +122,7 @@ impl Session {
         let ((mut first, first_pose), (mut second, second_pose)) = (first?, second?);
         let surfaces = lock(&self.surfaces);
         for one in [&mut first, &mut second] {
-            one.drawn = surfaces.kept(one.id, &making()).cloned();
+            one.drawn = surfaces.kept(one.id, &options()).cloned();
         }
         drop(surfaces);
         let bodies = lock(&self.gap_bodies).ready([first, second], &self.grid, &scan);

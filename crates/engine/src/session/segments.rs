@@ -7,9 +7,9 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::Session;
 use crate::error::SessionError;
-use crate::feel::Feel;
 use crate::scene::{Properties, ThresholdRange};
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::touch::touch_feel::TouchFeel;
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -78,7 +78,7 @@ impl Session {
     }
 
     /// Locks the voxels of a segment, or lets them be changed: locked, no tool, threshold, shape or
-    /// matter that gives way changes them, and it is not removed.
+    /// soft tissue changes them, and it is not removed.
     ///
     /// # Errors
     /// Where there is no such segment or the session has ended.
@@ -90,7 +90,7 @@ impl Session {
     ///
     /// # Errors
     /// Where a value is out of range, there is no such segment, or the session has ended.
-    pub fn set_feel(&self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+    pub fn set_feel(&self, id: SegmentId, feel: TouchFeel) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_feel(id, feel))?
     }
 

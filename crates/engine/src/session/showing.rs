@@ -6,12 +6,12 @@ use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
 use crate::error::SessionError;
-use crate::frame::{Frame, Rates};
-use crate::kept_surface::SurfaceMaking;
-use crate::recording::Recording;
+use crate::picture::frame::{Frame, Rates};
+use crate::picture::surfaces::PictureChange;
+use crate::replay::recording::Recording;
+use crate::replay::tape::Tape;
+use crate::scene::incremental_surface::SurfaceOptions;
 use crate::simulation::Simulation;
-use crate::surfaces::PictureChange;
-use crate::tape::Tape;
 
 impl Session {
     /// Shows a segment as a surface made in this way, or as none.
@@ -21,9 +21,9 @@ impl Session {
     pub fn show_surface(
         &self,
         id: SegmentId,
-        making: Option<SurfaceMaking>,
+        options: Option<SurfaceOptions>,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.show_surface(id, making))?
+        self.ask(move |simulation| simulation.show_surface(id, options))?
     }
 
     /// Has voxels and surfaces that are shown follow edits every so many-th frame of the picture,
@@ -44,7 +44,7 @@ impl Session {
     /// how often they have.
     #[must_use]
     pub fn wait_for_changes(&self, heard: u64, patience: Duration) -> u64 {
-        self.bell.wait(heard, patience)
+        self.signal.wait(heard, patience)
     }
 
     /// What changed in voxels and surfaces since the call before, oldest first; never waits.
@@ -99,7 +99,7 @@ impl Session {
     /// where a change waited for the probe all the time, and in the first tick.
     #[must_use]
     pub fn finish_recording(&self) -> Option<(Recording, Option<Tape>)> {
-        // ticks first, so that the tape has all that they obeyed
+        // ticks first, so that the tape has all that they executed
         let recording = self.lock_picture().stop_recording();
         let tape = lock(&self.tape).finish();
         recording.map(|recording| (recording, tape))

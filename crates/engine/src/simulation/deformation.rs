@@ -1,4 +1,4 @@
-//! Matter that gives way under the probe.
+//! Soft tissue under the probe.
 
 use palpate_deform::material::MaterialLaw;
 use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent, model_from_name};
@@ -8,15 +8,15 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformation::{DeformationNow, ForceSource};
+use crate::deformable::deformation::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
-use crate::frame::Notice;
-use crate::handover::{GivingWay, ServoCommand};
+use crate::picture::frame::Notice;
+use crate::picture::scene_updates::SceneUpdate;
 use crate::scene::{ModelChoice, Step};
-use crate::scene_news::SceneNews;
+use crate::servo::channels::{DeformableContact, ServoCommand};
 
 impl Simulation {
-    /// Chooses the model by which matter gives way and what it offers to choose, or none; an
+    /// Chooses the model of soft tissue and what it offers to choose, or none; an
     /// undoable choice is taken back by undo.
     ///
     /// # Errors
@@ -35,10 +35,10 @@ impl Simulation {
             options: *options,
         });
         let is_other = choice != self.scene.model();
-        self.change_matter(Step::Model(choice), undoable && is_other)
+        self.change_segments(Step::Model(choice), undoable && is_other)
     }
 
-    /// Has matter give way by this model, under this name, or not at all. This is not undone.
+    /// Has soft tissue follow this model, under this name, or not at all. This is not undone.
     pub fn set_deformation_model(
         &mut self,
         model: Option<(&'static str, Box<dyn DeformationModel>)>,
@@ -48,13 +48,14 @@ impl Simulation {
             name,
             options: ModelOptions::default(),
         });
-        self.scene.know_model(choice);
+        self.scene.set_known_model(choice);
         self.deformation.set_model(model);
         self.publish();
     }
 
-    /// Tells what a segment is made of; without a material it is hard. Its friction is felt where the
-    /// segment has none of its own. This changes no voxel; an undoable change is taken back by undo.
+    /// Tells what a segment is made of; without a material it is hard. Its friction is felt where
+    /// the segment has none of its own. This changes no voxel; an undoable change is taken back by
+    /// undo.
     ///
     /// # Errors
     /// Where there is no such segment.
@@ -68,11 +69,11 @@ impl Simulation {
             return Err(VoxelsError::UnknownSegment(id.0).into());
         }
         let is_other = law != self.material(id);
-        self.change_matter(Step::Material { id, law }, undoable && is_other)
+        self.change_segments(Step::Material { id, law }, undoable && is_other)
     }
 
-    /// Performs a step of matter. What is dented meanwhile is no part of it, and goes on.
-    fn change_matter(&mut self, step: Step, undoable: bool) -> Result<(), SessionError> {
+    /// Performs a step of deformation. What is dented meanwhile is no part of it, and goes on.
+    fn change_segments(&mut self, step: Step, undoable: bool) -> Result<(), SessionError> {
         let inverse = self.perform(step, Action::Do)?;
         if undoable {
             let bytes = inverse.bytes();
@@ -82,12 +83,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// Has the model follow a step of matter, told by its inverse.
-    pub(super) fn follow_matter(&mut self, inverse: &Step) {
+    /// Has the model follow a step of deformation, told by its inverse.
+    pub(super) fn follow_deformable_segments(&mut self, inverse: &Step) {
         match inverse {
             Step::Material { id, .. } => {
                 self.deformation.forget_displacements();
-                self.tell_feel(*id);
+                self.publish_feel(*id);
             }
             Step::Model(_) => {
                 let model = self.scene.model().and_then(|choice| {
@@ -109,15 +110,15 @@ impl Simulation {
 
     /// How the deformation goes.
     #[must_use]
-    pub fn deformation(&self) -> DeformationNow {
+    pub fn deformation(&self) -> DeformationStatus {
         let options = self.scene.model().map(|choice| choice.options);
-        DeformationNow {
+        DeformationStatus {
             options: options.unwrap_or_default(),
             ..self.deformation.now()
         }
     }
 
-    /// Chooses what a tool feels of matter that gives way. This is not undone.
+    /// Chooses what a tool feels of soft tissue. This is not undone.
     pub fn set_force_source(&mut self, source: ForceSource) {
         self.deformation.set_force_source(source);
         self.publish();
@@ -133,8 +134,8 @@ impl Simulation {
         self.publish();
     }
 
-    /// In a pass: takes the model's answer, if one has come. Where voxels follow it, the next pass asks
-    /// again; else this one does.
+    /// In a pass: takes the model's answer, if one has come. Where voxels follow it, the next pass
+    /// asks again; else this one does.
     pub(super) fn advance_deformation(&mut self) {
         if !self.take_answer() {
             self.ask_on();
@@ -142,7 +143,7 @@ impl Simulation {
     }
 
     fn ask_on(&mut self) {
-        // a needle has a law of its own, and moves no matter
+        // a needle has a law of its own, and moves no tissue
         if self.touch.needle().on {
             return;
         }
@@ -155,7 +156,7 @@ impl Simulation {
     /// contact to release is one step of undo.
     fn take_answer(&mut self) -> bool {
         if self.touch.needle().on {
-            if self.displaced.is_some() {
+            if self.displacements.is_some() {
                 self.forget_deformation();
             }
             return false;
@@ -165,44 +166,45 @@ impl Simulation {
         let mut seen = Vec::new();
         let has_edit = outcome.edit.is_some();
         if let Some(edit) = outcome.edit {
-            match self.perform_untold(Step::of_edit(edit), Action::Do, false) {
-                Ok((inverse, news)) => {
-                    seen = news;
+            match self.perform_unpublished(Step::of_edit(edit), Action::Do, false) {
+                Ok((inverse, updates)) => {
+                    seen = updates;
                     self.stroke.note(inverse);
                     self.deformation.followed(self.voxels().edit_number());
                 }
                 Err(error) => {
                     self.forget_deformation();
-                    self.tell(Notice::warning(format!("Matter does not move: {error}.")));
+                    self.report(Notice::warning(format!("Matter does not move: {error}.")));
                 }
             }
         }
-        if let Some(giving_way) = outcome.giving_way {
-            self.give_way(giving_way, outcome.displacement.as_ref(), seen);
+        if let Some(deformable_contact) = outcome.deformable_contact {
+            self.give_way(deformable_contact, outcome.displacement.as_ref(), seen);
         }
         for event in outcome.events {
-            self.tell_of_event(event);
+            self.report_event(event);
         }
         has_edit
     }
 
-    /// Has touch follow what gives way, and tells the picture, with what it is to see at once.
+    /// Has touch follow what is deformable, and tells the picture, with what it is to see at once.
     fn give_way(
         &mut self,
-        giving_way: GivingWay,
+        deformable_contact: DeformableContact,
         displacement: Option<&DisplacementField>,
-        mut seen: Vec<SceneNews>,
+        mut seen: Vec<SceneUpdate>,
     ) {
-        let released = giving_way
+        let released = deformable_contact
             .contact
             .is_none_or(|law| law.force == glam::DVec3::ZERO);
         if released && !self.stroke.is_on() {
             self.close_deformation();
         }
-        self.touch.send(ServoCommand::GiveWay(giving_way));
-        seen.extend(self.displaced_news(displacement));
+        self.touch
+            .send(ServoCommand::DeformableContact(deformable_contact));
+        seen.extend(self.displacement_update(displacement));
         if !seen.is_empty() {
-            self.tell_picture(SceneNews::Together(seen));
+            self.publish_update(SceneUpdate::Together(seen));
         }
     }
 
@@ -229,17 +231,17 @@ impl Simulation {
         }
     }
 
-    fn tell_of_event(&self, event: ModelEvent) {
+    fn report_event(&self, event: ModelEvent) {
         match event {
             // shown as numbers
             ModelEvent::BondsBroken { .. } | ModelEvent::Slipped { .. } => {}
             ModelEvent::PoissonClamped { asked, used } => {
                 let used = (1e3 * used).round() / 1e3;
-                self.tell(Notice::warning(format!(
+                self.report(Notice::warning(format!(
                     "Poisson's ratio {asked} is out of what this model can do; {used} is used."
                 )));
             }
-            ModelEvent::Reset => self.tell(Notice::warning(
+            ModelEvent::Reset => self.report(Notice::warning(
                 "The deformation was lost to impossible numbers and begins anew.",
             )),
         }

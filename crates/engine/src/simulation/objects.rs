@@ -9,9 +9,9 @@ use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::grip::Grip;
-use crate::moved_poses::CurrentPoses;
 use crate::scene::{Properties, Step, TouchChange};
+use crate::simulation::grip::Grip;
+use crate::touch::moved_poses::CurrentPoses;
 
 impl Simulation {
     /// Moves a segment; touch goes there smoothly. One step of undo, with all that it was dragged
@@ -117,7 +117,7 @@ impl Simulation {
         };
         self.change(Step::Several(vec![replaced, inserted]))?;
         // the new one feels alike
-        self.tell_feel(new_id);
+        self.publish_feel(new_id);
         Ok(new_id)
     }
 

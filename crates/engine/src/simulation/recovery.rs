@@ -16,10 +16,10 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::feel::Feel;
-use crate::frame::Notice;
-use crate::handover::ServoCommand;
+use crate::picture::frame::Notice;
 use crate::scene::{Properties, Step, TouchChange};
+use crate::servo::channels::ServoCommand;
+use crate::touch::touch_feel::TouchFeel;
 
 /// What came back from a journal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -183,10 +183,10 @@ impl Simulation {
         }
     }
 
-    pub(super) fn tell_of_journal(&mut self) {
+    pub(super) fn report_journal(&mut self) {
         let problem = self.file.as_mut().and_then(JournalFile::take_problem);
         if let Some(problem) = problem {
-            self.tell(Notice::warning(problem));
+            self.report(Notice::warning(problem));
         }
     }
 
@@ -409,7 +409,7 @@ impl Simulation {
         let ids = segments.iter().map(|(id, _)| *id).collect();
         self.send_change(&TouchChange::All(ids));
         for (id, properties) in segments {
-            self.tell_feel(id);
+            self.publish_feel(id);
             if let Some(pose) = properties.pose.filter(|_| properties.touchable) {
                 self.touch.send(ServoCommand::Pose(id, pose));
             }
@@ -428,7 +428,7 @@ struct Group {
 }
 
 fn facts_of(properties: &Properties) -> Facts {
-    let Feel {
+    let TouchFeel {
         stiffness,
         friction_static,
         friction_kinetic,
@@ -448,7 +448,7 @@ fn properties_of(facts: &Facts) -> Properties {
         touchable: facts.touchable,
         range: facts.range,
         made_by: facts.made_by,
-        feel: Feel {
+        feel: TouchFeel {
             stiffness,
             friction_static,
             friction_kinetic,

@@ -1,17 +1,17 @@
-//! Regions of segments that give way: which of them do not, and how touch follows these.
+//! Regions of deformable segments: which of them are rigid, and how touch follows these.
 
 use palpate_deform::material::{Region, Treatment};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
+use crate::deformable::rigid_regions::{Regions, SharedChange, changed_bricks, rigid_mask};
 use crate::error::SessionError;
-use crate::rigid_matter::{Regions, SharedChange, changed_bricks, rigid_mask};
 use crate::scene::{Step, TouchChange};
 
 impl Simulation {
     /// Tells how regions of a segment with a material take part: of several that hold a voxel the
-    /// last counts, and what is in none gives way. This changes no voxel and is not undone.
+    /// last counts, and what is in none is deformable. This changes no voxel and is not undone.
     ///
     /// # Errors
     /// Where there is no such segment, or none that a region is shared with.
@@ -29,7 +29,7 @@ impl Simulation {
                 return Err(VoxelsError::UnknownSegment(id.0).into());
             }
         }
-        self.deformation.change_matter().set_regions(id, regions);
+        self.deformation.change_segments().set_regions(id, regions);
         self.follow_regions(&[id]);
         self.segments_version += 1;
         self.publish();
@@ -41,7 +41,7 @@ impl Simulation {
         for id in ids {
             let regions = self.deformation.matter().regions(*id);
             let rigid = rigid_mask(self.voxels(), regions);
-            if self.scene.know_rigid(*id, rigid) {
+            if self.scene.set_rigid(*id, rigid) {
                 self.send_change(&TouchChange::All(vec![*id]));
             }
         }
@@ -49,10 +49,10 @@ impl Simulation {
 
     /// The same after a change of voxels or segments, with which shared regions go.
     pub(super) fn follow_shared_regions(&mut self) {
-        let news = std::mem::take(&mut self.shared_news);
+        let updates = std::mem::take(&mut self.shared_changes);
         let (mut anew, mut parts) = (Vec::new(), Vec::new());
         for (id, regions) in self.deformation.matter().with_regions() {
-            match (self.scene.rigid(id), news.within(regions)) {
+            match (self.scene.rigid(id), updates.within(regions)) {
                 // one that was removed and came back is known no more
                 (None, _) | (_, SharedChange::All) => anew.push(id),
                 (Some(mask), SharedChange::Bricks(bricks)) => {
@@ -68,11 +68,11 @@ impl Simulation {
         }
     }
 
-    /// Takes note of a step that was performed, told by its inverse: regions may be shared with what
-    /// it changed.
+    /// Takes note of a step that was performed, told by its inverse: regions may be shared with
+    /// what it changed.
     pub(super) fn note_shared(&mut self, inverse: &Step) {
         let matter = self.deformation.matter();
-        self.shared_news.note(inverse, |id| matter.is_shared(id));
+        self.shared_changes.note(inverse, |id| matter.is_shared(id));
     }
 
     /// How regions of a segment take part.
@@ -85,26 +85,94 @@ impl Simulation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::matter::rig::Rig;
-    use crate::bench::matter::world::{BONE_ID, SKIN_ID, SOFT_ID, World};
-    use crate::bench::random::Random;
-    use crate::rigid_matter::SharedNews;
-    use glam::IVec3;
+    use std::sync::mpsc;
+
+    use crate::deformable::deformation::Deformation;
+    use crate::deformable::rigid_regions::SharedRegionChanges;
+    use crate::scene::mask_fractions::MaskFractions;
+    use crate::scene::{Properties, Scene};
+    use crate::servo::channels::Channels;
+    use crate::simulation::SimulationStatus;
+    use crate::touch::settings::Settings;
+    use glam::{DMat3, DVec3, IVec3, UVec3};
+    use oorandom::Rand64;
+    use palpate_deform::material::preset;
+    use palpate_deform::model_options::ModelOptions;
+    use palpate_device::DeviceLimits;
+    use palpate_volume::grid::Grid;
+    use palpate_volume::intensities::Intensities;
     use palpate_volume::segment::Segment;
     use palpate_volume::voxel_box::VoxelBox;
+    use palpate_volume::voxels::Voxels;
 
-    /// Soft matter that is rigid where bone is, and in a corner, but not where skin is.
-    fn rig() -> Rig {
-        let world = World::new(0, &mut Random::of_stream(3, 0));
-        let mut rig = world.rig("lattice").unwrap();
+    const SKIN_ID: SegmentId = SegmentId(1);
+    const SOFT_ID: SegmentId = SegmentId(2);
+    const BONE_ID: SegmentId = SegmentId(3);
+    const DIMENSIONS: UVec3 = UVec3::new(40, 40, 36);
+    const LIMITS: DeviceLimits = DeviceLimits {
+        max_force: 10.0,
+        max_continuous_force: 10.0,
+        max_stiffness: 1.0,
+        damping: 0.0,
+        workspace_radius: 1000.0,
+    };
+
+    /// Skin on soft tissue on bone, whose top has bumps; bone reaches the top along one side.
+    fn segment_at(voxel: IVec3) -> Option<SegmentId> {
+        let place = voxel.as_dvec3() + 0.5;
+        let waves = 0.35 * place;
+        match place.z {
+            z if z < 12.0 + waves.x.sin() + waves.y.sin() || (place.x < 14.0 && z < 26.0) => {
+                Some(BONE_ID)
+            }
+            z if z < 24.0 => Some(SOFT_ID),
+            z if z < 26.0 => Some(SKIN_ID),
+            _ => None,
+        }
+    }
+
+    /// Soft tissue that is rigid where bone is, and in a corner, but not where skin is.
+    fn simulation() -> Simulation {
+        let voxels = VoxelBox::of_dimensions(DIMENSIONS).voxels();
+        let values = voxels.map(|voxel| segment_at(voxel).map_or(0, |id| 100 * id.0 as i16));
+        let scan = Intensities::new(DIMENSIONS, values.collect::<Vec<_>>(), 1.0, 0.0).unwrap();
+        let grid = Grid::new(DIMENSIONS, DVec3::ONE, DVec3::ZERO, DMat3::IDENTITY).unwrap();
+        let scene = Scene::new(Voxels::new(grid, scan).unwrap());
+        let (status, _) = triple_buffer::triple_buffer(&SimulationStatus::default());
+        let mut simulation = Simulation::new(
+            (scene, Deformation::new(true).0, MaskFractions::new().0),
+            Settings::default(),
+            LIMITS,
+            Channels::new(DVec3::new(20.0, 20.0, 30.0)).simulation,
+            (status, mpsc::channel().0, mpsc::channel().0),
+        );
+        for id in [SKIN_ID, SOFT_ID, BONE_ID] {
+            let segment = Segment::from_fn(DIMENSIONS, |voxel| segment_at(voxel) == Some(id));
+            let properties = Properties::of_threshold(true, None);
+            simulation.add_segment(segment, properties, false).unwrap();
+        }
+        for (id, name) in [(SKIN_ID, "skin"), (SOFT_ID, "liver")] {
+            let law = preset(name).and_then(|preset| preset.law()).unwrap();
+            simulation.set_material(id, Some(law), false).unwrap();
+        }
+        simulation
+            .set_deformation(Some("lattice"), &ModelOptions::default(), false)
+            .unwrap();
         let corner = VoxelBox::new(IVec3::ZERO, IVec3::new(13, 11, 7));
         let regions = vec![
             (Region::Shared(BONE_ID), Treatment::Rigid),
             (Region::Within(corner), Treatment::Rigid),
             (Region::Shared(SKIN_ID), Treatment::Deformable),
         ];
-        rig.simulation.set_regions(SOFT_ID, regions).unwrap();
-        rig
+        simulation.set_regions(SOFT_ID, regions).unwrap();
+        simulation
+    }
+
+    /// A voxel anywhere in a grid.
+    fn somewhere(random: &mut Rand64, dimensions: UVec3) -> IVec3 {
+        dimensions
+            .map(|count| random.rand_range(0..u64::from(count)) as u32)
+            .as_ivec3()
     }
 
     /// The mask that is kept is the one that is worked out as a whole.
@@ -124,13 +192,12 @@ mod tests {
 
     #[test]
     fn a_mask_that_follows_edits_is_the_one_worked_out_anew() {
-        let Rig { mut simulation, .. } = rig();
+        let mut simulation = simulation();
         let first = check(&simulation);
-        let mut random = Random::of_stream(5, 1);
-        let size = simulation.voxels().grid().dimensions().as_dvec3();
+        let mut random = Rand64::new(5);
         let (mut counts, mut way_back) = (vec![first], 0);
         for number in 0..60 {
-            let low = random.in_box(glam::DVec3::ZERO, size).as_ivec3();
+            let low = somewhere(&mut random, DIMENSIONS);
             let region = VoxelBox::new(low, low + 1 + number % 9);
             let id = [BONE_ID, SKIN_ID, SOFT_ID][number as usize % 3];
             let region = region.intersect(&simulation.voxels().grid().bounds());
@@ -160,15 +227,15 @@ mod tests {
 
     #[test]
     fn an_edit_of_a_shared_segment_asks_for_its_own_bricks_only() {
-        let Rig { mut simulation, .. } = rig();
+        let mut simulation = simulation();
         let voxel = VoxelBox::of_voxel(IVec3::new(20, 20, 20));
         let bricks = |simulation: &Simulation, id| {
             let edit = simulation.voxels().label_edit(id, &voxel, |_, was| !was);
-            let mut news = SharedNews::default();
-            news.note(&Step::of_edit(edit.unwrap()), |id| {
+            let mut updates = SharedRegionChanges::default();
+            updates.note(&Step::of_edit(edit.unwrap()), |id| {
                 simulation.deformation.matter().is_shared(id)
             });
-            match news.within(simulation.regions(SOFT_ID)) {
+            match updates.within(simulation.regions(SOFT_ID)) {
                 SharedChange::Bricks(bricks) => bricks.len(),
                 SharedChange::All => panic!("of one voxel"),
             }
@@ -177,6 +244,6 @@ mod tests {
         assert_eq!(bricks(&simulation, SOFT_ID), 0);
         // nothing is left of what was looked at
         paint(&mut simulation, BONE_ID, &voxel, true);
-        assert_eq!(simulation.shared_news, SharedNews::default());
+        assert_eq!(simulation.shared_changes, SharedRegionChanges::default());
     }
 }

@@ -10,11 +10,11 @@ use glam::DAffine3;
 
 use super::{Simulation, check_radius};
 use crate::error::SessionError;
-use crate::feel::Feel;
-use crate::handover::ServoCommand;
-use crate::kept_surface::SurfaceMaking;
+use crate::picture::scene_updates::SceneUpdate;
+use crate::scene::incremental_surface::SurfaceOptions;
 use crate::scene::{Properties, Step, ThresholdRange, TouchChange};
-use crate::scene_news::SceneNews;
+use crate::servo::channels::ServoCommand;
+use crate::touch::touch_feel::TouchFeel;
 
 impl Simulation {
     /// Adds a segment; an undoable one is taken away again by undo.
@@ -51,7 +51,7 @@ impl Simulation {
         let action = if undoable { Action::Do } else { Action::Start };
         let inverse = self.perform(step, action)?;
         // its number may have been another one's
-        self.tell_feel(id);
+        self.publish_feel(id);
         if undoable {
             self.done(inverse);
         }
@@ -105,15 +105,15 @@ impl Simulation {
         Ok(())
     }
 
-    /// Locks the voxels of a segment, or lets them be changed; a stroke that is on ends. Undo and redo
-    /// still reach what was done before. This changes no voxel and is not undone.
+    /// Locks the voxels of a segment, or lets them be changed; a stroke that is on ends. Undo and
+    /// redo still reach what was done before. This changes no voxel and is not undone.
     ///
     /// # Errors
     /// Where there is no such segment.
     pub fn set_locked(&mut self, id: SegmentId, locked: bool) -> Result<(), SessionError> {
         if self.scene.set_locked(id, locked)? {
             self.end_stroke();
-            // what is locked does not give way
+            // what is locked is rigid
             self.deformation.forget_displacements();
             self.segments_version += 1;
             self.publish();
@@ -131,18 +131,18 @@ impl Simulation {
     ///
     /// # Errors
     /// Where a value is out of range, or there is no such segment.
-    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+    pub fn set_feel(&mut self, id: SegmentId, feel: TouchFeel) -> Result<(), SessionError> {
         feel.check()?;
         self.scene.set_feel(id, feel)?;
         self.segments_version += 1;
-        self.tell_feel(id);
+        self.publish_feel(id);
         self.write_facts(id);
         self.publish();
         Ok(())
     }
 
     /// Tells touch how the surface of a segment feels.
-    pub(super) fn tell_feel(&mut self, id: SegmentId) {
+    pub(super) fn publish_feel(&mut self, id: SegmentId) {
         let felt = self.scene.properties_of(id).felt();
         self.touch.send(ServoCommand::Feel(id, felt));
     }
@@ -154,14 +154,14 @@ impl Simulation {
     pub fn show_surface(
         &mut self,
         id: SegmentId,
-        making: Option<SurfaceMaking>,
+        options: Option<SurfaceOptions>,
     ) -> Result<(), SessionError> {
-        if let Some(making) = &making {
-            making.settings.check()?;
+        if let Some(options) = &options {
+            options.settings.check()?;
         }
         let voxels = self.voxels_of(id)?;
-        let shown = making.map(|making| (making, voxels));
-        self.tell_picture(SceneNews::Show(id, shown));
+        let shown = options.map(|options| (options, voxels));
+        self.publish_update(SceneUpdate::Show(id, shown));
         Ok(())
     }
 

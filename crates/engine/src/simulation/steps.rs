@@ -6,8 +6,8 @@ use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
+use crate::picture::scene_updates::SceneUpdate;
 use crate::scene::Step;
-use crate::scene_news::SceneNews;
 
 impl Simulation {
     /// Takes the newest change back; false where there is none.
@@ -65,33 +65,36 @@ impl Simulation {
         action: Action,
         goes_on: bool,
     ) -> Result<Step, SessionError> {
-        let (inverse, news) = self.perform_untold(step, action, goes_on)?;
+        let (inverse, updates) = self.perform_unpublished(step, action, goes_on)?;
         // a model moves nothing that is rigid, and what it does is performed elsewhere
         self.follow_shared_regions();
-        for news in news {
-            self.tell_picture(news);
+        for updates in updates {
+            self.publish_update(updates);
         }
         Ok(inverse)
     }
 
     /// Performs a step, or a part of one that `goes_on` with the step before, and gives what the
     /// picture is to be told of it.
-    pub(super) fn perform_untold(
+    pub(super) fn perform_unpublished(
         &mut self,
         step: Step,
         action: Action,
         goes_on: bool,
-    ) -> Result<(Step, Vec<SceneNews>), SessionError> {
+    ) -> Result<(Step, Vec<SceneUpdate>), SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
         self.send_change(&change);
-        self.follow_matter(&inverse);
+        self.follow_deformable_segments(&inverse);
         self.note_shared(&inverse);
         self.segments_version += 1;
-        let news = SceneNews::of(&inverse, &self.scene, &self.labelled);
-        let anew = news.iter().filter(|news| news.needs_labels()).count();
+        let updates = SceneUpdate::of(&inverse, &self.scene, &self.labelled);
+        let anew = updates
+            .iter()
+            .filter(|updates| updates.needs_labels())
+            .count();
         self.voxels_version += anew as u64;
         self.write_down(action, &inverse, goes_on);
-        Ok((inverse, news))
+        Ok((inverse, updates))
     }
 
     /// Notes the inverse of a whole step.

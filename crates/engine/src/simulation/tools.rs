@@ -8,11 +8,11 @@ use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::frame::Notice;
-use crate::handover::ServoCommand;
-use crate::needle::{NeedlePlace, NeedleReport};
+use crate::picture::frame::Notice;
 use crate::scene::Step;
-use crate::tool_stroke::ProbeNow;
+use crate::servo::channels::ServoCommand;
+use crate::simulation::tool_stroke::ProbeStatus;
+use crate::touch::needle::{NeedlePlace, NeedleReport};
 
 /// Where a needle that is taken out stands before its entry [mm].
 const BEFORE_ENTRY: f64 = 2.0;
@@ -49,7 +49,7 @@ impl Simulation {
         }
         let left_out = self.stroke.begin(&self.scene)?;
         if left_out > 0 {
-            self.tell(Notice::info(format!(
+            self.report(Notice::info(format!(
                 "{left_out} of the chosen segments are locked, or stand elsewhere than the first one or \
                  on another grid: the tool passes them over."
             )));
@@ -87,8 +87,8 @@ impl Simulation {
 
     /// Makes obstacles of what the needle is out of, and none of what it has punctured.
     pub(super) fn advance_needle(&mut self) {
-        let obeyed = self.touch.status().command;
-        let punctured = self.needle.follow(self.touch.needle(), obeyed);
+        let executed = self.touch.status().command;
+        let punctured = self.needle.follow(self.touch.needle(), executed);
         if let Some(punctured) = punctured {
             let changed = self.scene.puncture(punctured);
             self.send_all(changed);
@@ -115,7 +115,7 @@ impl Simulation {
 
     /// One pass of the tool, from where the probe was to where it is.
     pub(super) fn advance_tool(&mut self) {
-        let probe = ProbeNow::of(self.touch.status());
+        let probe = ProbeStatus::of(self.touch.status());
         let edit = match self.stroke.advance(&self.scene, &probe) {
             Ok(Some(edit)) => edit,
             Ok(None) => return,
@@ -129,7 +129,7 @@ impl Simulation {
 
     fn break_off(&mut self, error: &SessionError) {
         self.end_stroke();
-        self.tell(Notice::warning(format!("The tool stops: {error}.")));
+        self.report(Notice::warning(format!("The tool stops: {error}.")));
     }
 
     pub(super) fn end_stroke(&mut self) {

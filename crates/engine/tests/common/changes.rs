@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
-use palpate_engine::feel::Feel;
-use palpate_engine::handover::HandTarget;
-use palpate_engine::settings::Settings;
+use palpate_engine::servo::channels::HandTarget;
+use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::touch_feel::TouchFeel;
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::edit::SegmentId;
 
@@ -53,7 +53,7 @@ pub fn change_something(rig: &mut Rig, ids: &[SegmentId; 2], random: &mut Random
             simulation.set_settings(settings).unwrap();
         }
         20 => {
-            let feel = Feel {
+            let feel = TouchFeel {
                 stiffness: Some(random.between(0.1, 0.9)),
                 friction_static: Some(random.share()),
                 friction_kinetic: Some(0.0),

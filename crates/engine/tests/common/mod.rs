@@ -5,7 +5,7 @@
     reason = "each test file uses its part of this module"
 )]
 
-pub mod brute_force;
+pub mod air;
 pub mod changes;
 pub mod recorder;
 
@@ -17,22 +17,22 @@ use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
-use palpate_engine::deformation::Deformation;
-use palpate_engine::deformation_loop::DeformationLoop;
-use palpate_engine::feel::{Feel, Feels};
-use palpate_engine::frame::{Frame, Notice};
-use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
-use palpate_engine::mapping::Mapping;
-use palpate_engine::mask_shares::{MaskShares, ShareLoop};
+use palpate_engine::deformable::deformation::Deformation;
+use palpate_engine::deformable::deformation_loop::DeformationLoop;
+use palpate_engine::picture::frame::{Frame, Notice};
+use palpate_engine::picture::scene_updates::SceneUpdate;
+use palpate_engine::scene::mask_fractions::{FractionLoop, MaskFractions};
 use palpate_engine::scene::{Properties, Scene};
-use palpate_engine::scene_news::SceneNews;
+use palpate_engine::servo::channels::{Channels, DeviceSample, HandTarget, TickRecord};
+use palpate_engine::servo::mapping::Mapping;
+use palpate_engine::servo::shared::Shared;
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::session::Session;
-use palpate_engine::session_config::{Reference, SessionConfig};
-use palpate_engine::settings::Settings;
-use palpate_engine::shared::Shared;
+use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_engine::simulation::{Simulation, SimulationStatus};
-use palpate_engine::touchable::Touchable;
+use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::touch_feel::{TouchFeel, TouchFeels};
+use palpate_engine::touch::touchable::Touchable;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -54,7 +54,7 @@ pub const OBSTACLE: Properties = Properties {
     touchable: true,
     range: None,
     made_by: None,
-    feel: Feel {
+    feel: TouchFeel {
         stiffness: None,
         friction_static: None,
         friction_kinetic: None,
@@ -241,14 +241,14 @@ pub struct Rig {
     pub servo: ServoLoop,
     pub simulation: Simulation,
     pub deformation: DeformationLoop,
-    pub shares: ShareLoop,
+    pub fractions: FractionLoop,
     pub device: triple_buffer::Input<DeviceSample>,
-    pub forces: triple_buffer::Output<palpate_engine::handover::ForceCommand>,
+    pub forces: triple_buffer::Output<palpate_engine::servo::channels::ForceCommand>,
     pub hand: triple_buffer::Input<HandTarget>,
     pub records: rtrb::Consumer<TickRecord>,
     pub status: triple_buffer::Output<SimulationStatus>,
     pub notices: Receiver<Notice>,
-    pub news: Receiver<SceneNews>,
+    pub updates: Receiver<SceneUpdate>,
     pub shared: Arc<Shared>,
     pub readings: u64,
     pub now: f64,
@@ -267,7 +267,7 @@ impl Rig {
         let channels = Channels::new(probe);
         let shared = Arc::new(Shared::default());
         let (notices, notice_inbox) = mpsc::channel();
-        let (news_in, news) = mpsc::channel();
+        let (news_in, updates) = mpsc::channel();
         let (status_in, status) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let start = ServoStart {
             grid: grid(dimensions),
@@ -275,17 +275,17 @@ impl Rig {
             mapping: Mapping::IDENTITY,
             probe,
             settings: Settings::default(),
-            feels: Feels::default(),
+            feels: TouchFeels::default(),
         };
         let scene = Scene::new(Voxels::new(grid(dimensions), scan).unwrap());
         let (deformation, deformation_loop) = Deformation::new(true);
-        let (shares, share_loop) = MaskShares::new();
+        let (fractions, fraction_loop) = MaskFractions::new();
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             deformation: deformation_loop,
-            shares: share_loop,
+            fractions: fraction_loop,
             simulation: Simulation::new(
-                (scene, deformation, shares),
+                (scene, deformation, fractions),
                 Settings::default(),
                 limits(),
                 channels.simulation,
@@ -297,7 +297,7 @@ impl Rig {
             records: channels.records,
             status,
             notices: notice_inbox,
-            news,
+            updates,
             shared,
             readings: 0,
             now: 0.0,

@@ -1,9 +1,9 @@
 //! A rig under random changes whose ticks and commands are recorded, to be replayed.
 
 use glam::{DVec3, UVec3};
-use palpate_engine::recording::Recording;
-use palpate_engine::replay::{ReplayEnd, Replayed, replay};
-use palpate_engine::tape::Tape;
+use palpate_engine::replay::recording::Recording;
+use palpate_engine::replay::run::{ReplayEnd, Replayed, replay};
+use palpate_engine::replay::tape::Tape;
 use palpate_volume::edit::SegmentId;
 
 use super::changes::change_something;
@@ -24,7 +24,7 @@ impl Recorder {
     pub fn new(seed: u128) -> Self {
         let start = DVec3::splat(-5.0);
         let mut rig = Rig::of_scan(waves(DIMENSIONS), start);
-        rig.simulation.switch_mask_shares(true);
+        rig.simulation.switch_mask_fractions(true);
         let ids = [3, 8].map(|one_in| {
             let segment = sponge(DIMENSIONS, one_in, one_in);
             rig.simulation
@@ -48,9 +48,9 @@ impl Recorder {
             change_something(&mut self.rig, &self.ids, &mut self.random);
             if tick % pass == 0 {
                 self.rig.simulation.step();
-                // shares of masks come now and then
+                // occupancy fractions of masks come now and then
                 if self.random.below(40) == 0 {
-                    self.rig.shares.step();
+                    self.rig.fractions.step();
                 }
             }
             self.tick();

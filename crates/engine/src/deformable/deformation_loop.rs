@@ -1,0 +1,170 @@
+//! The loop of the deformation model, at its own pace: one job, one answer.
+//!
+//! The model works on voxels of its own, which share their bricks with the true ones: they are
+//! sent anew only where something else than the model changed the true ones.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::time::{Duration, Instant};
+
+use palpate_deform::material::Materials;
+use palpate_deform::model::{Budget, DeformationModel, ModelAnswer, ModelInput, ToolState};
+use palpate_volume::edit::Edit;
+use palpate_volume::voxels::Voxels;
+
+use crate::deformable::deformable_view::{DeformableView, ShownParts};
+
+/// What the model is to look at.
+#[derive(Debug)]
+pub enum ModelVoxels {
+    /// The true voxels as they are now.
+    Anew(Box<Voxels>),
+    /// As the last answer left them; its edit was applied, if there was one.
+    Followed,
+}
+
+/// Something to work out.
+#[derive(Debug)]
+pub struct DeformationJob {
+    /// A model in the place of the one before.
+    pub model: Option<Box<dyn DeformationModel>>,
+    /// Whether displacements are forgotten.
+    pub reset: bool,
+    /// What is solid.
+    pub voxels: ModelVoxels,
+    /// What it is made of.
+    pub materials: Arc<Materials>,
+    /// Where the tool is; none where tissue is to come back.
+    pub tool: Option<ToolState>,
+    /// Since the last job [s].
+    pub dt: f64,
+    /// How long the model may take; without it, it always does the same work.
+    pub patience: Option<Duration>,
+}
+
+/// Jobs on one side, answers on the other.
+#[derive(Debug)]
+pub struct DeformationLoop {
+    jobs: Receiver<DeformationJob>,
+    answers: Sender<ModelAnswer>,
+    model: Option<Box<dyn DeformationModel>>,
+    voxels: Option<Box<Voxels>>,
+    /// Of the last answer; the next job tells whether the true voxels took it.
+    edit: Option<Edit>,
+    /// Where the model's parts are put, where anybody looks.
+    view: Arc<DeformableView>,
+    /// For one answer, at most.
+    iterations: u32,
+    wake_up: WakeUp,
+}
+
+/// Rung after each answer, for whoever waits for it.
+pub struct WakeUp(Box<dyn Fn() + Send>);
+
+impl WakeUp {
+    /// This is done.
+    #[must_use]
+    pub fn new(notify: impl Fn() + Send + 'static) -> Self {
+        Self(Box::new(notify))
+    }
+}
+
+impl std::fmt::Debug for WakeUp {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        to.write_str("Bell")
+    }
+}
+
+/// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
+/// hundredth of the force, twice over.
+const ITERATIONS: u32 = 80;
+
+impl DeformationLoop {
+    /// A loop without a model.
+    #[must_use]
+    pub fn new(jobs: Receiver<DeformationJob>, answers: Sender<ModelAnswer>) -> Self {
+        Self {
+            jobs,
+            answers,
+            model: None,
+            voxels: None,
+            edit: None,
+            view: Arc::default(),
+            iterations: ITERATIONS,
+            wake_up: WakeUp::new(|| {}),
+        }
+    }
+
+    /// Calls this after each answer from now on.
+    pub fn set_wake_up(&mut self, wake_up: WakeUp) {
+        self.wake_up = wake_up;
+    }
+
+    /// Where the parts of the model are shown.
+    #[must_use]
+    pub fn view(&self) -> Arc<DeformableView> {
+        Arc::clone(&self.view)
+    }
+
+    /// So many iterations for one answer from now on.
+    pub fn set_iterations(&mut self, iterations: u32) {
+        self.iterations = iterations;
+    }
+
+    /// Does what is asked for, if anything is.
+    pub fn step(&mut self) {
+        if let Ok(job) = self.jobs.try_recv() {
+            self.answer(job);
+        }
+    }
+
+    /// Waits for a job, at most so long, and does it; false once none will come any more.
+    pub fn wait(&mut self, patience: Duration) -> bool {
+        match self.jobs.recv_timeout(patience) {
+            Ok(job) => self.answer(job),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+        true
+    }
+
+    fn answer(&mut self, job: DeformationJob) {
+        let began = Instant::now();
+        if let Some(model) = job.model {
+            self.model = Some(model);
+        }
+        let edit = self.edit.take();
+        match job.voxels {
+            ModelVoxels::Anew(voxels) => self.voxels = Some(voxels),
+            ModelVoxels::Followed => {
+                if let (Some(voxels), Some(edit)) = (&mut self.voxels, edit) {
+                    // it was built from these voxels
+                    let _ = voxels.apply(edit);
+                }
+            }
+        }
+        let (Some(model), Some(voxels)) = (&mut self.model, &self.voxels) else {
+            return;
+        };
+        if job.reset {
+            model.reset();
+        }
+        let answer = model.advance(&ModelInput {
+            voxels,
+            materials: &job.materials,
+            tools: job.tool.as_slice(),
+            dt: job.dt,
+            budget: Budget {
+                iterations: self.iterations,
+                deadline: job.patience.map(|patience| began + patience),
+            },
+        });
+        self.edit.clone_from(&answer.edit);
+        // whoever asked may have gone
+        let _ = self.answers.send(answer);
+        (self.wake_up.0)();
+        if self.view.is_wanted() {
+            self.view.put(ShownParts::of(&model.parts()));
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Where tissue stands beside its voxels, told to the picture.
+
+use std::sync::Arc;
+
+use palpate_deform::model::DisplacementField;
+
+use super::Simulation;
+use crate::deformable::displacements::Displacements;
+use crate::picture::scene_updates::SceneUpdate;
+
+impl Simulation {
+    /// Has the model forget all displacements, and the picture with it.
+    pub(super) fn forget_deformation(&mut self) {
+        self.deformation.forget();
+        if let Some(updates) = self.displacement_update(None) {
+            self.publish_update(updates);
+        }
+    }
+
+    /// What the picture is to be told of a field; nothing where that looks as before.
+    pub(super) fn displacement_update(
+        &mut self,
+        field: Option<&DisplacementField>,
+    ) -> Option<SceneUpdate> {
+        let grid = *self.voxels().grid();
+        let now = field.and_then(|field| Displacements::of(field, &grid));
+        let is_other = match (&now, &self.displacements) {
+            (Some(now), Some(before)) => now.differs(before, &grid),
+            (now, before) => now.is_some() != before.is_some(),
+        };
+        if !is_other {
+            return None;
+        }
+        self.displacements = now.map(Arc::new);
+        Some(SceneUpdate::Displacements(self.displacements.clone()))
+    }
+}

@@ -1,0 +1,193 @@
+//! A needle as the servo knows it: what its voxels mean to the law of `palpate_haptics::needle`,
+//! and what the simulation is told.
+//!
+//! Only segments that stand where the scan has them can be punctured; one that was moved is hard.
+//! Frame: scene [mm] and grid; N, s.
+
+use glam::{DVec3, IVec3};
+use palpate_haptics::needle::events::{Events, NeedleEvent};
+use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
+use palpate_haptics::needle::{Needle, NeedleForces};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
+
+use crate::touch::contact_model::Model;
+use crate::touch::settings::Settings;
+use crate::touch::touchable::{Part, Touchable};
+
+/// Friction of a tip that sticks where it touches, unless it is pushed nearly along the surface.
+const TIP_STICKS: f64 = 2.0;
+/// Friction of a tip that slides.
+const TIP_SLIDES: f64 = 1.5;
+
+/// Touch with a sharp tip.
+#[must_use]
+pub fn sharp(settings: &Settings) -> Settings {
+    Settings {
+        // the models of the thesis have no spring that a needle could follow
+        model: Model::Exact,
+        friction_static: TIP_STICKS,
+        friction_kinetic: TIP_SLIDES,
+        ..*settings
+    }
+}
+
+impl Matter for Touchable {
+    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
+        let mut layer = Layered::default();
+        let stand = |part: &&Part| part.moved.is_none();
+        for part in self.parts.iter().filter(stand) {
+            if !part.bits.is_solid(voxel) {
+                continue;
+            }
+            match tissues.place_of(part.id.0) {
+                // what is hard counts before whatever else is there
+                None => return Met::Wall(part.id.0),
+                Some(place) => layer = layer.with(place),
+            }
+        }
+        if layer == Layered::default() {
+            Met::Nothing
+        } else {
+            Met::Tissue(layer)
+        }
+    }
+
+    fn is_open(&self) -> bool {
+        let mut parts = self.parts.iter();
+        parts.any(|part| part.punctured && part.moved.is_none())
+    }
+}
+
+/// What the servo tells of the needle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NeedleStatus {
+    /// Whether it is in the hand.
+    pub on: bool,
+    /// Where it is in; none where it is out.
+    pub place: Option<NeedlePlace>,
+    /// What holds it [N].
+    pub forces: NeedleForces,
+    /// Segments that are to be no obstacle.
+    pub punctured: SegmentSet,
+    /// What happened to it.
+    pub events: Events,
+}
+
+/// Where a needle is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NeedlePlace {
+    /// Where it went in [mm].
+    pub entry: DVec3,
+    /// Inward, of length 1.
+    pub direction: DVec3,
+    /// The tip, from the entry along that direction [mm].
+    pub depth: f64,
+    /// How far the tissue is cut [mm]: the rest of the depth is tissue that is pressed in.
+    pub cut: f64,
+    /// The segment at the tip; 0 where there is none.
+    pub segment: u8,
+}
+
+impl NeedleStatus {
+    /// What it is now.
+    #[must_use]
+    pub fn of(needle: &Needle) -> Self {
+        let place = needle.insertion().map(|insertion| NeedlePlace {
+            entry: insertion.line.entry,
+            direction: insertion.line.direction,
+            depth: insertion.shaft.tip,
+            cut: insertion.cut,
+            segment: insertion.segment(needle.tissues()).unwrap_or(0),
+        });
+        Self {
+            on: needle.is_felt(),
+            place,
+            forces: needle.forces(),
+            punctured: needle.punctured(),
+            events: *needle.events(),
+        }
+    }
+}
+
+/// The needle as the picture shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NeedleDisplay {
+    /// Where it is in; none where it is out.
+    pub place: Option<NeedlePlace>,
+    /// What holds it [N].
+    pub forces: NeedleForces,
+    /// How many events there were since the session began.
+    pub events: u64,
+}
+
+/// Events of one stroke that are kept, at most.
+const MAX_KEPT: usize = 10_000;
+
+/// What a needle has done since it was taken in the hand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NeedleReport {
+    /// Where it is in; none where it is out.
+    pub place: Option<NeedlePlace>,
+    /// What holds it [N].
+    pub forces: NeedleForces,
+    /// Segments that it is in, by rising number.
+    pub punctured: Vec<SegmentId>,
+    /// What happened, oldest first.
+    pub events: Vec<NeedleEvent>,
+}
+
+/// Gathers what the servo tells.
+#[derive(Debug, Default)]
+pub struct NeedleWatch {
+    report: NeedleReport,
+    known: u64,
+    /// What the servo says before it has executed so many commands does not count.
+    from_command: u64,
+}
+
+impl NeedleWatch {
+    /// Begins a new report.
+    pub fn begin(&mut self) {
+        self.report.events.clear();
+    }
+
+    /// The probe jumps: what the servo says before this command is about the time before.
+    pub fn jump(&mut self, command: u64) {
+        self.from_command = command;
+        self.report.place = None;
+        self.report.punctured.clear();
+    }
+
+    /// Takes what the servo says, after so many commands; gives the segments that are to be no
+    /// obstacle, where that counts.
+    pub fn follow(&mut self, status: &NeedleStatus, command: u64) -> Option<SegmentSet> {
+        let room = MAX_KEPT - self.report.events.len();
+        let new = status.events.since(self.known).take(room);
+        self.report.events.extend(new);
+        self.known = status.events.count();
+        if command < self.from_command {
+            return None;
+        }
+        self.report.place = status.place;
+        self.report.forces = status.forces;
+        self.report.punctured = status.punctured.ids().collect();
+        Some(status.punctured)
+    }
+
+    /// What the picture shows of it.
+    #[must_use]
+    pub fn now(&self) -> NeedleDisplay {
+        NeedleDisplay {
+            place: self.report.place,
+            forces: self.report.forces,
+            events: self.known,
+        }
+    }
+
+    /// What it has done.
+    #[must_use]
+    pub fn report(&self) -> &NeedleReport {
+        &self.report
+    }
+}

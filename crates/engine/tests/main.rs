@@ -1,0 +1,18 @@
+//! All tests of the engine in one binary, in folders as the sources are, but for those that need a
+//! process of their own: `closed_tick.rs`, `small_edit.rs` and `live.rs`.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail a test, as the tests themselves"
+)]
+
+mod common;
+mod deformable;
+mod picture;
+mod replay;
+mod scenario;
+mod scene;
+mod servo;
+mod session;
+mod simulation;
+mod touch;

@@ -1,0 +1,3 @@
+//! What the picture is told.
+
+mod surfaces;

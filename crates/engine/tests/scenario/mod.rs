@@ -1,0 +1,3 @@
+//! Tools at work without a device.
+
+mod drives;

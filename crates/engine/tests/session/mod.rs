@@ -1,0 +1,3 @@
+//! Whole sessions.
+
+mod offline;

@@ -1,0 +1,9 @@
+//! What is touched, how it feels, and that changes leave the probe free.
+
+mod admission;
+mod carried;
+mod intensities;
+mod moving;
+mod needle;
+mod radius;
+mod touchable;
