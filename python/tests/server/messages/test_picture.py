@@ -11,7 +11,7 @@ import pytest
 from made_scans import make_ball
 from palpate import protocol
 from palpate.server import live as server_live
-from palpate.server import outbox as server_outbox
+from palpate.server.messages import outbox as server_outbox
 from palpate.server.messages.outbox import Box, Outbox
 from palpate.server.messages.picture import ToldPicture, labels_anew, voxel_slabs
 from palpate.session.session import Session

@@ -11,7 +11,7 @@ import pytest
 from palpate import protocol
 from palpate.segmentation import operations as segmentation
 from palpate.segmentation.mask_shape import margin
-from palpate.server import segment_work as server_segment_work
+from palpate.server.messages import segment_work as server_segment_work
 from palpate.server.messages.segment_list import ShownSegments
 from palpate.server.messages.segment_work import SegmentWork
 from palpate.session.session import Session, SessionOptions
