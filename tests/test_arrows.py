@@ -120,7 +120,7 @@ def python_arrows(folder: Path, module: str, line: str) -> str:
         ),
         (
             "cli/export_run.py",
-            "from palpate.server.messages.segment_list import ShownSegments",
+            "from palpate.server.messages.segment_list import SegmentList",
             "palpate.cli.export_run -> palpate.server.messages.segment_list",
         ),
         (

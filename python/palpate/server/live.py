@@ -27,7 +27,7 @@ from palpate.server.messages.picture import (
     label_messages,
 )
 from palpate.server.messages.registration import Registering
-from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
 from palpate.server.messages.segments import GapWatch, SegmentMessages
 from palpate.server.messages.session import Recovery, SessionMessages
@@ -72,7 +72,7 @@ class Live:
         self.session = session
         self.recorder = recorder
         self.journal = journal
-        self.segments = ShownSegments(session, None if journal is None else journal.note)
+        self.segments = SegmentList(session, None if journal is None else journal.note)
         if looks is not None:
             self.segments.restore(looks)
         self._recovery = Recovery(

@@ -24,7 +24,7 @@ from palpate.segmentation.operations import (
     otsu,
     smoothed_together,
 )
-from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.session.session import Session
 from palpate.volumes.segment import Segment
@@ -74,7 +74,7 @@ class SegmentWork:
     def __init__(
         self,
         session: Session,
-        segments: ShownSegments,
+        segments: SegmentList,
         tell: Callable[[protocol.ToPage], None],
     ) -> None:
         """Takes where messages go, which may come from any thread."""

@@ -12,7 +12,7 @@ import numpy as np
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
 from palpate.server.messages.outbox import Outbox
-from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.session.painted_cut import PaintedCut
 from palpate.session.session import Session
@@ -67,7 +67,7 @@ class SegmentMessages:
     def __init__(
         self,
         session: Session,
-        segments: ShownSegments,
+        segments: SegmentList,
         gaps: GapWatch,
         *,
         publish: Callable[[protocol.ToPage], None],

@@ -9,7 +9,7 @@ from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
 from palpate.server.messages.outbox import Outbox
 from palpate.server.messages.painting import Painter
-from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.server.recording import Recorder
 from palpate.session.session import Session
@@ -24,7 +24,7 @@ class Recovery:
     def __init__(
         self,
         journal: Journal | None,
-        segments: ShownSegments,
+        segments: SegmentList,
         *,
         show_second: Callable[[SecondScan | None], None],
         publish: Callable[[protocol.ToPage], None],

@@ -15,7 +15,15 @@ from palpate.session.model_options import ModelOptions, Prony, offered_models
 from palpate.session.session import Session
 from palpate.volumes.material import Material, Region, material_presets
 
-__all__ = ["ModelParts", "SoftTissueMessages", "material_of", "models", "presets", "regions_of"]
+__all__ = [
+    "ModelParts",
+    "SoftTissueMessages",
+    "material_of",
+    "models",
+    "presets",
+    "regions_of",
+    "wanted_material",
+]
 
 
 class SoftTissueMessages:
@@ -41,7 +49,7 @@ class SoftTissueMessages:
         self._session.set_force_source(wanted.source)
 
     def _set_material(self, wanted: protocol.SetMaterial, _: Outbox) -> None:
-        self._session.set_material(wanted.id, _wanted_material(wanted), undoable=wanted.undoable)
+        self._session.set_material(wanted.id, wanted_material(wanted), undoable=wanted.undoable)
 
     def _set_regions(self, wanted: protocol.SetRegions, _: Outbox) -> None:
         self._session.set_regions(wanted.id, _wanted_regions(wanted))
@@ -146,7 +154,7 @@ def material_of(state: dict[str, Any]) -> protocol.SegmentMaterial | None:
     )
 
 
-def _wanted_material(wanted: protocol.SetMaterial) -> Material | str | None:
+def wanted_material(wanted: protocol.SetMaterial) -> Material | str | None:
     """Returns the material that a page asks for; None is a rigid segment."""
     if wanted.preset is not None or wanted.constants is None:
         return wanted.preset

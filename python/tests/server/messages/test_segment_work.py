@@ -12,7 +12,7 @@ from palpate import protocol
 from palpate.segmentation import operations as segmentation
 from palpate.segmentation.mask_shape import margin
 from palpate.server.messages import segment_work as server_segment_work
-from palpate.server.messages.segment_list import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
@@ -122,7 +122,7 @@ def work_with(
     with Session(ball_scene, options=SessionOptions(real_time=False)) as session:
 
         async def ask() -> None:
-            work = SegmentWork(session, ShownSegments(session), told.append)
+            work = SegmentWork(session, SegmentList(session), told.append)
             runner = asyncio.create_task(work.run())
             work.ask(protocol.ChangeShape(id=1, kind="shrink", amount=3.0, other=None))
             assert await asyncio.to_thread(begun.wait, PATIENCE)
