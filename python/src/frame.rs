@@ -4,9 +4,9 @@
 //! `segments_version` and `voxels_version`.
 
 use glam::DVec3;
-use palpate_engine::picture::frame::{
-    ForceOff, ForceState, Frame, Notice, NoticeLevel, Rates, Safety,
-};
+use palpate_engine::notice::{Notice, NoticeLevel};
+use palpate_engine::picture::frame::{ForceOff, Frame, Rates, Safety};
+use palpate_engine::servo::force_state::ForceState;
 use palpate_engine::simulation::SegmentState;
 use palpate_engine::threads::rate::Rate;
 use palpate_engine::touch::touch_feel::TouchFeel;

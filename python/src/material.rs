@@ -3,8 +3,9 @@
 use palpate_deform::material::{
     MaterialError, MaterialLaw, PRESETS, Preset, Region, Solid, SolidSi, Treatment, preset,
 };
-use palpate_deform::model::{MODELS, Registered};
-use palpate_deform::model_options::{Calibration, ModelOptions, Motion, Prony, Range};
+use palpate_deform::registry::{
+    Calibration, MODELS, ModelOptions, Motion, Prony, Range, Registered,
+};
 use palpate_engine::deformable::deformable_view::ShownParts;
 use palpate_engine::deformable::deformation::{DeformationStatus, ForceSource};
 use palpate_volume::edit::SegmentId;

@@ -11,7 +11,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
 use crate::model::DisplacementField;
-use crate::rest_matter::Ledger;
+use crate::voxel_ledger::Ledger;
 
 /// Shares of the displacement of matter with which the empty nodes beside it go along, by their
 /// distance [nodes].

@@ -3,9 +3,10 @@
 use glam::{DMat3, DQuat, DVec3, UVec3};
 use palpate_deform::material::{Materials, SegmentMatter, preset};
 use palpate_deform::model::{
-    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState, model_from_name,
+    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
 use palpate_deform::particles::{GlobalModel, GlobalSettings};
+use palpate_deform::registry::model_from_name;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

@@ -1,12 +1,10 @@
 //! The lattice as an elastic body: moduli, isotropy, border.
 
-mod support;
-
+use crate::support::{ball, block, half_space, press, solid};
 use glam::{DMat3, DVec3, UVec3};
 use palpate_deform::lattice::{
     Border, Lattice, LatticeModuli, LatticeTool, NodeMatter, RelaxReport, RelaxSettings, Relaxer,
 };
-use support::{ball, block, half_space, press, solid};
 
 /// Compresses a block of `count`³ nodes between plates without friction by a thousandth, and
 /// returns Young's modulus and Poisson's ratio as seen from outside.

@@ -1,13 +1,11 @@
 //! What does not come back: breaking, yield, fading force; and contact of what is not bonded.
 
-mod support;
-
+use crate::support::{block, solid};
 use glam::{DVec3, UVec3};
 use palpate_deform::lattice::{
     Border, Inelastic, InelasticSettings, Lattice, NodeMatter, Prony, RelaxSettings, Relaxer,
 };
 use palpate_deform::material::Solid;
-use support::{block, solid};
 
 /// A bar along z, both ends of which are held.
 fn bar(solid: Solid) -> Lattice {

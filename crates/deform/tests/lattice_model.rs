@@ -6,9 +6,8 @@ use glam::{DMat3, DQuat, DVec3};
 use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, SolidSi, Treatment};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ToolShape, ToolState,
-    model_from_name,
 };
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::{ModelOptions, model_from_name};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

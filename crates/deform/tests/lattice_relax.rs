@@ -1,11 +1,9 @@
 //! Rest under tools: how near, how soon, how smooth, and what absurd input does.
 
-mod support;
-
+use crate::support::{ball, block, half_space, press, solid};
 use glam::{DVec3, UVec3};
 use palpate_deform::lattice::{Lattice, LatticeTool, Relaxer};
 use palpate_deform::material::Solid;
-use support::{ball, block, half_space, press, solid};
 
 #[test]
 fn the_force_of_a_moving_ball_is_within_a_hundredth_of_that_at_full_rest() {

@@ -1,9 +1,7 @@
 //! Voxels that follow the lattice: they move, come back to the bit, and stay cut where cut.
 
-mod model_support;
-
+use crate::model_support::{Bench, LIVER, RADIUS, TOP};
 use glam::{DVec3, IVec3};
-use model_support::{Bench, LIVER, RADIUS, TOP};
 use palpate_deform::lattice::{LatticeModel, LatticeSettings};
 use palpate_deform::material::SolidSi;
 use palpate_deform::model::{DisplacementField, ModelAnswer};

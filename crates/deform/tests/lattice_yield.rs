@@ -1,9 +1,7 @@
 //! Matter that yields stays as it was pressed: under the box, behind it, and when it comes back.
 
-mod model_support;
-
+use crate::model_support::{Bench, LIVER, RADIUS, TOP};
 use glam::{DVec3, IVec3};
-use model_support::{Bench, LIVER, RADIUS, TOP};
 use palpate_deform::lattice::{InelasticSettings, LatticeModel, LatticeSettings};
 use palpate_deform::model::ModelAnswer;
 use palpate_volume::voxel_box::VoxelBox;

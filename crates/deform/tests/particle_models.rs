@@ -1,11 +1,10 @@
 //! The thesis' local models as models: pressing, giving back, edits of others.
 
-mod liver;
-
+use crate::liver::{H, TOP, advance, ball, force, models, picture, scan};
 use glam::{DVec3, IVec3};
-use liver::{H, TOP, advance, ball, force, models, picture, scan};
-use palpate_deform::model::{Budget, DeformationModel, ModelInput, model_from_name};
+use palpate_deform::model::{Budget, DeformationModel, ModelInput};
 use palpate_deform::particles::{LocalModel, LocalSettings};
+use palpate_deform::registry::model_from_name;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 
@@ -176,7 +175,7 @@ fn matter_that_a_drill_takes_away_does_not_come_back() {
         }
         // a hole beside the tool, made by somebody else
         let hole = VoxelBox::new(IVec3::new(17, 13, TOP - 2), IVec3::new(19, 17, TOP));
-        let empty = palpate_volume::matter::Matter {
+        let empty = palpate_volume::voxel_state::Matter {
             stored: -1000,
             segments: Default::default(),
         };

@@ -1,18 +1,14 @@
 //! What the thesis' local models are told: treatments, settings, laws, and absurd input.
 
-mod liver;
-
 use std::time::{Duration, Instant};
 
+use crate::liver::{H, SIDE, TOP, advance, ball, force, models, picture, scan};
 use glam::{DMat3, DQuat, DVec3, UVec3};
-use liver::{H, SIDE, TOP, advance, ball, force, models, picture, scan};
 use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, Treatment, preset};
-use palpate_deform::model::{
-    Budget, DeformationModel, ModelInput, ToolShape, ToolState, model_from_name,
-};
-use palpate_deform::model_options::{Calibration, ModelOptions};
+use palpate_deform::model::{Budget, DeformationModel, ModelInput, ToolShape, ToolState};
 use palpate_deform::particles::calibration::{LatticeKind, LatticeScale};
 use palpate_deform::particles::{FadedLaw, LocalModel, LocalSettings, Motion};
+use palpate_deform::registry::{Calibration, ModelOptions, model_from_name};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;

@@ -2,7 +2,7 @@
 
 use palpate_haptics::ball::BallError;
 use palpate_haptics::scene::{MAX_OBJECTS, PoseError};
-use palpate_tools::journal_error::JournalError;
+use palpate_tools::journal::JournalError;
 use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
@@ -146,10 +146,10 @@ pub enum SessionError {
     NotOffline,
     /// No deformation model of that name.
     #[error(transparent)]
-    Model(#[from] palpate_deform::model::UnknownModel),
+    Model(#[from] palpate_deform::registry::UnknownModel),
     /// No such box of a deformation model.
     #[error(transparent)]
-    ModelOption(#[from] palpate_deform::model_options::WrongOption),
+    ModelOption(#[from] palpate_deform::registry::WrongOption),
     /// Voxels that do not fit.
     #[error(transparent)]
     Voxels(#[from] VoxelsError),

@@ -8,6 +8,7 @@
 
 pub mod deformable;
 pub mod error;
+pub mod notice;
 pub mod picture;
 pub mod replay;
 pub mod scenario;

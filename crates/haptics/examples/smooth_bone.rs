@@ -15,14 +15,11 @@
 mod support;
 
 use glam::{DMat3, DVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
-use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
+use palpate_haptics::force::{ForceLimits, Safety, Surface, Uniform};
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::cache::{SmoothCache, Source};
 use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother, Smoothing};
-use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;

@@ -12,10 +12,21 @@
 //!
 //! Frame: grid; radii in mm.
 
-use crate::ball_brick::dilated_brick;
-use crate::ball_cache::BallCache;
-use crate::ball_nearest::nearest_solid;
-pub use crate::ball_shape::{BallError, BallShape, MAX_REACH};
+mod brick;
+mod cache;
+mod closing;
+mod limits;
+mod nearest;
+mod probe;
+mod shape;
+
+pub use limits::{ball_limits, most_bricks};
+pub use probe::{MAX_BODIES, ProbeSolid, ProbeView, admit_radius};
+pub use shape::{BallError, BallShape, MAX_REACH};
+
+use crate::ball::brick::dilated_brick;
+use crate::ball::cache::BallCache;
+use crate::ball::nearest::nearest_solid;
 use glam::IVec3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::block::block_of_bricks;

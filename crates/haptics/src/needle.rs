@@ -22,12 +22,11 @@
 
 use glam::DVec3;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
-use crate::coupling::Coupling;
-use crate::friction::Friction;
+use crate::force::{Coupling, Friction};
 use crate::soft_contact::{STEP, SoftInput, gone_over, pushed_over, put};
 use crate::tick::TickOutput;
 

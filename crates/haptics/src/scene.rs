@@ -126,7 +126,7 @@ impl<O> Object<O> {
         (self.low, self.high) = box_in_world(bounds, &self.pose);
     }
 
-    /// Moves it there at once; whether the probe admits that is asked in `moving.rs`.
+    /// Moves it there at once; whether the probe admits that is asked in `admission/motion.rs`.
     pub fn set_pose(&mut self, pose: ObjectPose) {
         self.pose = pose;
         (self.low, self.high) = box_in_world(self.bounds, &pose);

@@ -18,23 +18,22 @@
 
 mod ahead;
 mod aim;
+mod binomial_filter;
 pub mod blur;
 pub mod cache;
+mod cell_fractions;
 mod cell_shape;
-mod cell_shares;
 mod descent;
 pub mod field;
+mod fraction_lanes;
 mod half_spaces;
+pub mod occupancy_fractions;
 mod rows;
-mod share_lanes;
-pub mod shares;
 mod spline;
 mod surface_rows;
-mod tents;
 mod window;
 
-use crate::contact::Contact;
-use crate::proxy::Proxy;
+use crate::contact::{Contact, Proxy};
 use cache::NearFields;
 use descent::{Query, descend};
 use field::Field;

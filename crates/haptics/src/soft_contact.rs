@@ -25,9 +25,7 @@ use glam::{DMat3, DVec3};
 use palpate_volume::material::LocalContact;
 use serde::{Deserialize, Serialize};
 
-use crate::coupling::Coupling;
-use crate::friction::{Friction, FrictionState};
-use crate::surface::{Feel, SurfaceBlend};
+use crate::force::{Coupling, Feel, Friction, FrictionState, SurfaceBlend};
 use crate::tick::TickOutput;
 
 /// From when on an answer counts no more [s].

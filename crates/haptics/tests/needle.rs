@@ -1,7 +1,7 @@
 //! The needle's law on layers across the z axis, without a servo around it.
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::coupling::Coupling;
+use palpate_haptics::force::Coupling;
 use palpate_haptics::needle::events::EventKind;
 use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces, NeedleInput};

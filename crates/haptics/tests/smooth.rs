@@ -1,14 +1,11 @@
 //! The smooth contact point: true to the surface, without steps, at rest to the bit.
 
-mod support;
-
+use crate::support::{Random, SPACINGS, Thresholded, grid, noise};
 use glam::{DAffine3, DMat3, DQuat, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_haptics::smooth::cache::{SmoothCache, Source};
-use palpate_haptics::smooth::shares::{Around, Limits};
+use palpate_haptics::smooth::occupancy_fractions::{Around, Limits};
 use palpate_haptics::smooth::{SmoothContact, SmoothInput, SmoothState, Smoother};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
@@ -17,7 +14,6 @@ use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::threshold::threshold;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Random, SPACINGS, Thresholded, grid, noise};
 
 const CENTRE: DVec3 = DVec3::new(45.3, 45.1, 45.2);
 

@@ -2,8 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use oorandom::Rand64;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::friction::Friction;
+use palpate_haptics::force::{Coupling, Friction};
 use palpate_haptics::soft_contact::{STALE_SECS, STEP, SoftContact, SoftInput, Stop};
 use palpate_haptics::tick::TickOutput;
 use palpate_volume::material::LocalContact;

@@ -153,7 +153,7 @@ impl Field {
     /// A plane at distance d changes the depth by its slope along each axis: d is the depth over
     /// the sum of the slopes. Where a bit is not what the depth says, an edit made it so, and the
     /// sample counts as those far inside or outside do: so edits look as their bits. It is how
-    /// touch counts shares of voxels (`palpate-haptics`, `smooth/shares.rs`).
+    /// touch counts shares of voxels (`palpate-haptics`, `smooth/occupancy_fractions.rs`).
     fn distances(&self, bits: &Samples, first: IVec3, distances: &mut [f32]) {
         let (start, [_, y, z]) = (self.index(first), self.strides());
         let row =

@@ -21,9 +21,10 @@
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::segment::Segment;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::Matter;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::specific_energy::SpecificEnergy;

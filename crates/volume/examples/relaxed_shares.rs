@@ -9,9 +9,9 @@ use std::error::Error;
 use std::time::Instant;
 
 use glam::{IVec3, Vec3};
+use palpate_volume::occupancy_fractions::Shares;
 use palpate_volume::relax::{regions, relaxed_shares};
 use palpate_volume::segment::Segment;
-use palpate_volume::shares::Shares;
 use palpate_volume::voxel_box::VoxelBox;
 
 /// Radius of the hole that the edit makes [mm].

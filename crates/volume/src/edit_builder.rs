@@ -11,9 +11,10 @@ use crate::bits::moved;
 use crate::brick_grid::{BrickGrid, BrickSwap};
 use crate::edit::{Edit, EditKind, SegmentId};
 use crate::intensity_brick::IntensityBrick;
-use crate::matter::{Matter, SegmentSet};
 use crate::segment::Segment;
+use crate::segment_set::SegmentSet;
 use crate::voxel_box::VoxelBox;
+use crate::voxel_state::Matter;
 use crate::voxels::Voxels;
 
 /// From here on, handing out work to threads costs less than it saves; a brick takes some

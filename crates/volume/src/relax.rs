@@ -35,7 +35,7 @@ use glam::{IVec3, UVec3, Vec3};
 use crate::bit_brick::BitBrick;
 use crate::bits::Bits;
 use crate::brick_grid::BrickSwap;
-use crate::shares::{ShareBrick, Shares, byte_of};
+use crate::occupancy_fractions::{ShareBrick, Shares, byte_of};
 use crate::voxel_box::VoxelBox;
 use level::Level;
 

@@ -16,11 +16,11 @@ use crate::edit_builder;
 use crate::grid::Grid;
 use crate::intensities::Intensities;
 use crate::intensity_brick::IntensityBrick;
-use crate::matter::Matter;
 use crate::overlay::Overlay;
 use crate::segment::Segment;
 use crate::threshold::threshold;
 use crate::voxel_box::VoxelBox;
+use crate::voxel_state::Matter;
 
 /// A change that does not fit the state.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]

@@ -9,9 +9,9 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::occupancy_fractions::Shares;
 use palpate_volume::relax::{regions, relaxed_shares};
 use palpate_volume::segment::Segment;
-use palpate_volume::shares::Shares;
 use palpate_volume::voxel_box::VoxelBox;
 use proptest::prelude::*;
 

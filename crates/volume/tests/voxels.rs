@@ -1,18 +1,17 @@
 //! Edits against a dense model, their inverses and dirty boxes.
 
-mod support;
-
 use std::collections::BTreeMap;
 
+use crate::support::{Random, box_where};
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::edit::{Edit, EditKind, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::segment::Segment;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::Matter;
 use palpate_volume::voxels::{Voxels, VoxelsError};
-use support::{Random, box_where};
 
 const DIMENSIONS: UVec3 = UVec3::new(25, 18, 33);
 const AIR: i16 = -1000;

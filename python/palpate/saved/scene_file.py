@@ -5,7 +5,7 @@ A zip archive with
 - ``scene.json``: which scan, what segments are called and look like, of what they are, the model by
   which matter gives way, and the page's view;
 - ``segments.journal``: voxels of segments, edits of the scan, poses, feel, as the head of a journal
-  (``crates/tools/src/journal_file.rs``);
+  (``crates/tools/src/journal/file.rs``);
 - ``scan.i16``: the scan's stored values, x fastest, where the file is to stand alone;
 - ``second.i16``: those of a second scan that is shown with it.
 

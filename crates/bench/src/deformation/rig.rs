@@ -2,22 +2,23 @@
 //!
 //! Frame: scene [mm], which is the device's; N, s.
 
-use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState};
 use palpate_engine::deformable::deformation::Deformation;
 use palpate_engine::deformable::deformation_loop::DeformationLoop;
 use palpate_engine::error::SessionError;
+use palpate_engine::picture::simulation_status::SimulationStatus;
 use palpate_engine::scene::mask_fractions::MaskFractions;
 use palpate_engine::scene::{Properties, Scene};
-use palpate_engine::servo::channels::{Channels, DeviceChannels, DeviceSample, TickRecord};
+use palpate_engine::servo::channels::{Channels, DeviceChannels, TickRecord};
+use palpate_engine::servo::inputs::DeviceSample;
 use palpate_engine::servo::mapping::Mapping;
 use palpate_engine::servo::shared::Shared;
 use palpate_engine::servo::{ServoLoop, ServoStart};
-use palpate_engine::simulation::{Simulation, SimulationStatus};
+use palpate_engine::simulation::Simulation;
 use palpate_engine::touch::settings::Settings;
 use palpate_engine::touch::touch_feel::TouchFeels;
 use palpate_engine::touch::touchable::Touchable;

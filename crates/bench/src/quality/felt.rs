@@ -3,20 +3,18 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use palpate_engine::touch::part::Part;
 use palpate_engine::touch::scan_values::{ScanValues, Threshold};
-use palpate_engine::touch::touchable::{Part, Touchable};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_engine::touch::touchable::Touchable;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
+use palpate_haptics::force::Uniform;
 use palpate_haptics::smooth::Smoothing;
-use palpate_haptics::surface::Uniform;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::occupancy_fractions::Shares;
 use palpate_volume::relax::{self, relaxed_shares};
-use palpate_volume::shares::Shares;
 
 use super::body::Body;
 use super::solid::{Solid, THRESHOLD};

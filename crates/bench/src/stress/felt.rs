@@ -7,15 +7,15 @@ use std::sync::Arc;
 
 use glam::IVec3;
 use palpate_engine::touch::occupancy_fractions::BodyFractions;
+use palpate_engine::touch::part::Part;
 use palpate_engine::touch::scan_values::{ScanValues, Threshold};
-use palpate_engine::touch::touchable::Part;
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::shares::{ShareBrick, Shares, byte_of};
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares, byte_of};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::random::Random;

@@ -9,12 +9,13 @@
 //! Source: Smith, Bjørstad & Gropp, Domain Decomposition (1996), chapter 2.
 
 use glam::{DMat3, DVec3, IVec3};
+use palpate_volume::simd_dispatch;
 
 use super::layout::CHUNK;
 use super::moduli::LatticeModuli;
 use super::nodes::Lattice;
 use super::tool_contact::ContactNode;
-use super::vectors::{Field, Lanes, lanes, lanes_mut, widest, zero_field};
+use super::vectors::{Field, Lanes, lanes, lanes_mut, zero_field};
 
 /// The 12 affine displacements and 3 of a point force.
 pub(super) const MODES: usize = 15;
@@ -216,9 +217,9 @@ fn mean_poisson(lattice: &Lattice) -> f64 {
 /// Which of the six entries of the point force's matrix each row has.
 const ROWS: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
-widest! {
+simd_dispatch! {
     /// The force along each mode.
-    fn project(coarse: &Coarse, force: &Field, sums: &mut ModeVector) = project_body
+    fn project(coarse: &Coarse, force: &Field, sums: &mut ModeVector) = [avx512, avx2] project_body
 }
 
 #[inline(always)]
@@ -246,9 +247,9 @@ fn project_body(coarse: &Coarse, force: &Field, sums: &mut ModeVector) {
     *sums = lanewise.map(|lanes| lanes.iter().sum());
 }
 
-widest! {
+simd_dispatch! {
     /// Moves all nodes along the modes; none of them moves a node that is held.
-    fn move_along(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) = move_along_body
+    fn move_along(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) = [avx512, avx2] move_along_body
 }
 
 #[inline(always)]

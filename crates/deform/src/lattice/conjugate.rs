@@ -7,10 +7,12 @@
 //! matrix is built. Chunks of nodes of which none moves, as air and bone, are passed over.
 //! Source: Nocedal & Wright, Numerical Optimization (2006), algorithms 5.3 and 7.1.
 
+use palpate_volume::simd_dispatch;
+
 use super::coarse::{Coarse, CoarseFactor};
 use super::layout::CHUNK;
 use super::nodes::Lattice;
-use super::vectors::{Field, Lanes, lanes, lanes_mut, widest, zero_field};
+use super::vectors::{Field, Lanes, lanes, lanes_mut, zero_field};
 
 /// How far the farthest node goes to see how forces change [spacings].
 const PROBE: f64 = 1e-4;
@@ -198,7 +200,7 @@ fn longest(chunks: &[usize], field: &Field) -> f64 {
     most.into_iter().fold(0.0, f64::max)
 }
 
-widest! {
+simd_dispatch! {
     /// place + share · direction.
     fn place_along(
         chunks: &[usize],
@@ -206,7 +208,7 @@ widest! {
         share: f64,
         direction: &Field,
         moved: &mut Field,
-    ) = place_along_body
+    ) = [avx512, avx2] place_along_body
 }
 
 #[inline(always)]
@@ -228,9 +230,9 @@ fn place_along_body(
     }
 }
 
-widest! {
+simd_dispatch! {
     /// How the forces fall along the direction, and how much of that is along it.
-    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64) = look_body
+    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64) = [avx512, avx2] look_body
 }
 
 #[inline(always)]
@@ -256,9 +258,9 @@ fn look_body(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &m
     *along = sums.iter().sum();
 }
 
-widest! {
+simd_dispatch! {
     /// Goes so many directions on, and adds up what is left.
-    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums) = descend_body
+    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums) = [avx512, avx2] descend_body
 }
 
 #[inline(always)]
@@ -298,9 +300,9 @@ fn descend_body(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut 
     };
 }
 
-widest! {
+simd_dispatch! {
     /// The next direction: the response, and a share of the one before.
-    fn turn(share: f64, problem: &mut Conjugate) = turn_body
+    fn turn(share: f64, problem: &mut Conjugate) = [avx512, avx2] turn_body
 }
 
 #[inline(always)]
@@ -316,9 +318,9 @@ fn turn_body(share: f64, problem: &mut Conjugate) {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// The sum of all products.
-    fn dot(chunks: &[usize], first: &Field, second: &Field, sum: &mut f64) = dot_body
+    fn dot(chunks: &[usize], first: &Field, second: &Field, sum: &mut f64) = [avx512, avx2] dot_body
 }
 
 #[inline(always)]

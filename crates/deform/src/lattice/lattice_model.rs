@@ -6,13 +6,13 @@ use std::time::Instant;
 use glam::IVec3;
 use palpate_volume::voxel_box::VoxelBox;
 
-use super::measured::measured;
+use super::damage::Scars;
+use super::measured_stiffness::measured;
 use super::moduli::POISSON_RANGE;
 use super::moving_box::{MovingBox, grid_mm};
 use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_near};
-use super::scars::Scars;
 use super::settings::LatticeSettings;
 use super::tool_contact::LatticeTool;
 use super::write_back::WriteBack;
@@ -20,8 +20,8 @@ use crate::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
     ToolState,
 };
-use crate::rest_matter::{Ledger, Wanted, matter_of};
-use crate::seen::Seen;
+use crate::observed_voxels::Seen;
+use crate::voxel_ledger::{Ledger, Wanted, matter_of};
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;

@@ -6,12 +6,12 @@ use palpate_volume::material::LocalContact;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::border::Border;
+use super::damage::Scars;
 use super::inelastic::{Breaking, Inelastic, InelasticSettings};
 use super::layout::Layout;
 use super::nodes::{Lattice, NodeMatter};
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_place};
-use super::scars::Scars;
 use super::shift::shift;
 use super::tool_contact::{LatticeTool, ToolForce};
 use super::vectors::{Field, vector_at, zero_field};

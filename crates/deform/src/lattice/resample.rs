@@ -12,7 +12,7 @@ use palpate_volume::voxels::Voxels;
 
 use super::nodes::NodeMatter;
 use crate::material::{Materials, Region, SegmentMatter, Treatment};
-use crate::rest_matter::Ledger;
+use crate::voxel_ledger::Ledger;
 
 /// The matter of a scan at rest.
 pub(super) struct RestVoxels<'a> {

@@ -1,7 +1,6 @@
 //! How the lattice works, as it is chosen.
 
 use super::inelastic::InelasticSettings;
-use crate::model_options::ModelOptions;
 
 /// How the lattice works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,22 +25,6 @@ impl Default for LatticeSettings {
             tolerance: 1e-3,
             inelastic: InelasticSettings::default(),
             air: -1000.0,
-        }
-    }
-}
-
-impl LatticeSettings {
-    /// The default settings, but for what is chosen.
-    #[must_use]
-    pub fn of(options: &ModelOptions) -> Self {
-        let usual = Self::default();
-        Self {
-            nodes: options.edge.unwrap_or(usual.nodes),
-            inelastic: InelasticSettings {
-                yield_strain: options.yield_strain,
-                prony: options.prony,
-            },
-            ..usual
         }
     }
 }

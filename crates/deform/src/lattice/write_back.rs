@@ -6,13 +6,14 @@
 //! Source: thesis 5.25, whose threshold is not given; errata, section 4 (hysteresis).
 
 use glam::{DVec3, IVec3};
-use palpate_volume::matter::{Matter, SegmentSet};
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::Matter;
 
 use crate::displacement::Displacement;
 use crate::material::Treatment;
 use crate::model::{ModelInput, ToolState};
-use crate::rest_matter::{Ledger, Wanted, solid_of};
+use crate::voxel_ledger::{Ledger, Wanted, solid_of};
 
 /// How far beyond a voxel its matter may come from, and still be shown [voxels].
 const MARGIN: f64 = 0.15;

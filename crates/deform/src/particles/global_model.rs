@@ -18,21 +18,20 @@ use palpate_volume::voxels::Voxels;
 
 use super::body::ParticleBody;
 use super::calibration::{Calibration, LatticeKind, LatticeScale};
-use super::following::{FollowRule, Following};
 use super::global_field::{GlobalField, SEEN};
-use super::global_matter::{extent, matter_around};
+use super::global_sites::{extent, matter_around};
 use super::lattices::FCC_BASIS;
 use super::local_model::Motion;
 use super::pair_laws::FadedLaw;
 use super::tool_push::ParticleTool;
+use super::voxel_following::{FollowRule, Following};
 use crate::material::{Materials, Treatment};
 use crate::model::{
     Budget, DeformationModel, Effort, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
     ToolContact, ToolState,
 };
-use crate::model_options::ModelOptions;
-use crate::rest_matter::{Ledger, Wanted, solid_of};
-use crate::seen::Seen;
+use crate::observed_voxels::Seen;
+use crate::voxel_ledger::{Ledger, Wanted, solid_of};
 
 /// Steps in which particles come to rest before the first call is answered.
 const SETTLING: u32 = 200;
@@ -78,17 +77,6 @@ impl Default for GlobalSettings {
 }
 
 impl GlobalSettings {
-    /// The default settings, but for what is chosen.
-    #[must_use]
-    pub fn of(options: &ModelOptions) -> Self {
-        let usual = Self::default();
-        Self {
-            binding: options.binding.unwrap_or(usual.binding),
-            calibration: options.calibration.unwrap_or(usual.calibration),
-            ..usual
-        }
-    }
-
     /// The nearest settings that make sense; comparisons with NaN are false.
     fn sane(mut self) -> Self {
         let within = |value: f64, low: f64, high: f64, other: f64| {

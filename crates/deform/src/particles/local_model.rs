@@ -14,7 +14,6 @@ use super::local_state::LocalState;
 use super::pair_laws::{CuboidLaw, FadedLaw, LaneLaw};
 use super::tool_push::ParticleTool;
 use crate::model::{DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts};
-use crate::model_options::ModelOptions;
 
 /// Half axis of a tool, at least: a thinner one would slip between particles [a].
 const THINNEST: f64 = 0.5;
@@ -85,21 +84,6 @@ impl Default for LocalSettings {
 }
 
 impl LocalSettings {
-    /// The default settings, but for what is chosen.
-    #[must_use]
-    pub fn of(options: &ModelOptions) -> Self {
-        let usual = Self::default();
-        Self {
-            box_cells: options.edge.map_or(usual.box_cells, |cells| cells as i32),
-            binding: options.binding.unwrap_or(usual.binding),
-            walls: options.walls,
-            layers: options.layers.unwrap_or(usual.layers),
-            calibration: options.calibration.unwrap_or(usual.calibration),
-            motion: options.motion.unwrap_or(usual.motion),
-            ..usual
-        }
-    }
-
     /// The nearest settings that make sense.
     pub(super) fn sane(mut self) -> Self {
         self.box_cells = self.box_cells.clamp(7, 41) | 1;

@@ -19,7 +19,7 @@ use super::write_back::WriteBack;
 use crate::displacement::Displacement;
 use crate::material::Treatment;
 use crate::model::{Budget, DisplacementField, ModelEvent, ModelInput};
-use crate::rest_matter::{Ledger, solid_of};
+use crate::voxel_ledger::{Ledger, solid_of};
 
 /// Displacement that is seen [cells].
 const SEEN: f64 = 0.03;

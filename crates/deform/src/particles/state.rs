@@ -5,7 +5,8 @@
 //! while a model runs (the pool of thesis 5.11, without its flags and lists).
 
 use glam::{DVec3, IVec3};
-use palpate_volume::matter::{Matter, SegmentSet};
+use palpate_volume::segment_set::SegmentSet;
+use palpate_volume::voxel_state::Matter;
 
 /// Where a particle is, and how soft its links are. Four doubles, so that one load brings all
 /// that a pair needs to know of it.

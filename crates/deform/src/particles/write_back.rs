@@ -9,12 +9,13 @@
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
-use palpate_volume::matter::{Matter, SegmentSet};
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::Matter;
 use palpate_volume::voxels::Voxels;
 
 use super::state::Particles;
-use crate::rest_matter::{Ledger, Wanted, matter_of};
+use crate::voxel_ledger::{Ledger, Wanted, matter_of};
 
 /// Share of its particles below which a voxel is cleared.
 const CLEAR_BELOW: f64 = 0.5;

@@ -1,14 +1,12 @@
 //! A soft block in a small scan, a model and its tool, as tests of voxels share them.
-#![allow(dead_code, reason = "each test file uses its part")]
-
 use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3, IVec3};
 use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, SolidSi};
 use palpate_deform::model::{
-    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState, model_from_name,
+    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::{ModelOptions, model_from_name};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

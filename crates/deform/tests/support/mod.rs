@@ -1,6 +1,4 @@
 //! Bodies and tools that tests of the lattice share. Spacing 1 mm, E = 1 N/mm².
-#![allow(dead_code, reason = "each test file uses its part")]
-
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::lattice::{
     Border, Lattice, LatticeTool, NodeMatter, RelaxReport, RelaxSettings, Relaxer,

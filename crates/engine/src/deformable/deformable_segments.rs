@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, Treatment};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
+use palpate_volume::segment_set::SegmentSet;
 
 use crate::deformable::rigid_regions::Regions;
 use crate::scene::Scene;

@@ -6,5 +6,6 @@ pub mod frame;
 pub mod frame_collector;
 pub mod packed_patch;
 pub mod scene_updates;
+pub mod simulation_status;
 pub mod surface_loop;
 pub mod surfaces;

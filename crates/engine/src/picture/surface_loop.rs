@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use crate::picture::scene_updates::SceneUpdate;
 use crate::picture::surfaces::Surfaces;
-use crate::session::live::PICTURE_HZ;
 use crate::threads::change_signal::ChangeSignal;
+use crate::threads::pacing::PICTURE_HZ;
 
 /// Surfaces follow at least every so many-th frame.
 pub const SLOWEST_PACE: u32 = 4;

@@ -6,9 +6,9 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::servo::channels::{HandTarget, TickRecord};
-use crate::servo::servo_state::TickInputs;
-use crate::simulation::tool_stroke::ToolStatus;
+use crate::scene::tool_status::ToolStatus;
+use crate::servo::channels::TickRecord;
+use crate::servo::inputs::{HandTarget, TickInputs};
 
 /// Longest recording, in ticks: an hour at 1 kHz, some 1 GB.
 pub const MAX_TICKS: usize = 3_600_000;

@@ -17,18 +17,17 @@ use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensity_brick::IntensityBrick;
-use palpate_volume::shares::ShareBrick;
+use palpate_volume::occupancy_fractions::ShareBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
 use crate::replay::tape::{
     PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, put_fractions, rooted,
 };
-use crate::servo::channels::{FractionSwap, MAX_BRICKS};
 use crate::servo::servo_state::ServoState;
-use crate::simulation::check_radius;
+use crate::touch::occupancy_change::{FractionSwap, MAX_BRICKS};
 use crate::touch::scan_values::ScanValues;
-use crate::touch::settings::{Settings, SettingsError};
+use crate::touch::settings::{Settings, SettingsError, check_radius};
 
 /// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
 pub const MAX_FILE_VOXELS: u64 = 1 << 33;

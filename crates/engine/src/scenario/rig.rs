@@ -1,8 +1,7 @@
 //! Servo, simulation and model of deformation with a drive in place of a device, in lock-step.
 
-use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState};
@@ -14,15 +13,17 @@ use super::drive::Drive;
 use crate::deformable::deformation::Deformation;
 use crate::deformable::deformation_loop::DeformationLoop;
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
+use crate::notice::Notice;
 use crate::picture::scene_updates::SceneUpdate;
+use crate::picture::simulation_status::SimulationStatus;
 use crate::scene::Scene;
 use crate::scene::mask_fractions::MaskFractions;
-use crate::servo::channels::{Channels, DeviceSample, TickRecord};
+use crate::servo::channels::{Channels, TickRecord};
+use crate::servo::inputs::DeviceSample;
 use crate::servo::mapping::Mapping;
 use crate::servo::shared::Shared;
 use crate::servo::{ServoLoop, ServoStart};
-use crate::simulation::{Simulation, SimulationStatus};
+use crate::simulation::Simulation;
 use crate::touch::touch_feel::TouchFeels;
 use crate::touch::touchable::Touchable;
 

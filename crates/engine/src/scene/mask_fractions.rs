@@ -18,13 +18,13 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
 use palpate_volume::relax::{regions, relaxed_shares};
 use palpate_volume::segment::Segment;
-use palpate_volume::shares::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::scene::{Scene, TouchChange};
-use crate::servo::channels::FractionSwap;
+use crate::touch::occupancy_change::FractionSwap;
 
 /// How far from a change fractions are worked out again [voxels].
 const REACH: i32 = 8;

@@ -7,19 +7,19 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::scene::incremental_surface::SegmentVoxels;
-use crate::touch::scan_values::{ScanValues, Threshold};
+use crate::touch::occupancy_fractions::FractionalBits;
+use crate::touch::part::{MovedPart, Part};
+use crate::touch::scan_values::{ScanValues, Threshold, ThresholdRange};
 use crate::touch::touch_feel::{TouchFeel, TouchFeels};
-use crate::touch::touchable::{MovedPart, Part};
-use crate::touch::union_fractions::FractionalBits;
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::occupancy_fractions::Shares;
 use palpate_volume::segment::Segment;
-use palpate_volume::shares::Shares;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
@@ -31,11 +31,9 @@ pub mod mask_fractions;
 mod perform;
 pub mod point_tree;
 mod step;
+pub mod tool_status;
 
 pub use step::{ModelChoice, Step, TouchChange};
-
-/// Threshold that a segment is, in physical units: low and high, both included.
-pub type ThresholdRange = (f64, f64);
 
 /// What is known of a segment beside its voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,13 +2,14 @@
 //! one tick allows.
 
 use glam::DVec3;
-use palpate_haptics::placement::nearest_free_in;
+use palpate_haptics::admission::nearest_free_in;
 use palpate_haptics::soft_contact::SoftContact;
 use palpate_haptics::tick::TickState;
 
 use super::ServoLoop;
-use crate::servo::channels::{Garbage, ServoCommand};
-use crate::servo::servo_state::TickInputs;
+use crate::servo::channels::ServoCommand;
+use crate::servo::inputs::TickInputs;
+use crate::touch::occupancy_change::Garbage;
 use crate::touch::probe::Probe;
 
 /// Commands executed per tick, at most, and one change of the occupancy.

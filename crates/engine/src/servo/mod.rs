@@ -8,10 +8,9 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::contact::ContactModel as _;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::friction::Friction;
+use palpate_haptics::contact::Proxy;
+use palpate_haptics::force::{Coupling, Friction};
 use palpate_haptics::needle::{Needle, NeedleInput};
-use palpate_haptics::proxy::Proxy;
 use palpate_haptics::soft_contact::{SoftContact, SoftInput, Stop};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
@@ -19,13 +18,13 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 
 use crate::servo::channels::{
-    DeformableContact, DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand,
-    ServoStatus, Snapshot, TickRecord,
+    ForceCommand, ServoChannels, ServoCommand, ServoStatus, Snapshot, TickRecord,
 };
 use crate::servo::device_loop::WATCHDOG_SECS;
 use crate::servo::guarantee_watch::keeps_guarantees;
+use crate::servo::inputs::{DeformableContact, DeviceSample, HandTarget, TickInputs};
 use crate::servo::mapping::Mapping;
-use crate::servo::servo_state::{ServoState, TickInputs};
+use crate::servo::servo_state::ServoState;
 use crate::servo::shared::Shared;
 use crate::touch::contact_model::LimitedModel;
 use crate::touch::moved_poses::{CurrentPoses, MovedPoses};
@@ -42,7 +41,9 @@ use crate::touch::touched_surfaces::TouchedSurfaces;
 pub mod channels;
 mod commands;
 pub mod device_loop;
+pub mod force_state;
 pub mod guarantee_watch;
+pub mod inputs;
 pub mod mapping;
 mod publish;
 pub mod servo_state;

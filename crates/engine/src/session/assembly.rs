@@ -16,23 +16,26 @@ use triple_buffer::{Input, triple_buffer};
 use crate::deformable::deformable_view::DeformableView;
 use crate::deformable::deformation::Deformation;
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
-use crate::picture::frame_collector::{FrameSources, Picture, RateReaders};
+use crate::notice::Notice;
+use crate::picture::frame_collector::{FrameCollector, FrameSources, RateReaders};
+use crate::picture::simulation_status::{PictureEnds, SimulationStatus};
 use crate::picture::surface_loop::{SurfaceLoop, SurfacePace};
 use crate::picture::surfaces::Surfaces;
 use crate::replay::tape::TapeRecorder;
 use crate::scene::mask_fractions::MaskFractions;
 use crate::scene::{Properties, Scene, Step};
-use crate::servo::channels::{Channels, HandTarget, SimulationChannels};
+use crate::servo::channels::{Channels, SimulationChannels};
 use crate::servo::device_loop::DeviceLoop;
+use crate::servo::inputs::HandTarget;
 use crate::servo::mapping::{Mapping, view_from_the_front};
 use crate::servo::shared::Shared;
 use crate::servo::{ServoLoop, ServoStart};
 use crate::session::config::{Reference, SessionConfig};
-use crate::session::live::{Loops, PICTURE_HZ, SIMULATION_HZ};
+use crate::session::live::Loops;
+use crate::simulation::Simulation;
 use crate::simulation::touch_sender::touchable_of;
-use crate::simulation::{PictureEnds, Simulation, SimulationStatus};
 use crate::threads::change_signal::ChangeSignal;
+use crate::threads::pacing::{PICTURE_HZ, SIMULATION_HZ};
 use crate::threads::rate::RateMeter;
 use crate::touch::placement::{REACH, free_point, in_front_of};
 use crate::touch::settings::Settings;
@@ -42,7 +45,7 @@ pub struct Assembly {
     /// What the threads will run.
     pub loops: Loops,
     /// What is shown.
-    pub picture: Arc<Mutex<Picture>>,
+    pub picture: Arc<Mutex<FrameCollector>>,
     /// Segments shown as surfaces, and what changed in the picture.
     pub surfaces: Arc<Mutex<Surfaces>>,
     /// How often they follow the voxels.
@@ -115,7 +118,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         rates,
         shared: Arc::clone(&shared),
     };
-    let picture = Arc::new(Mutex::new(Picture::new(sources, rate_hz, probe)));
+    let picture = Arc::new(Mutex::new(FrameCollector::new(sources, rate_hz, probe)));
 
     report_start(&notices, config.start, probe);
     report_limits(&notices, &settings, &config.settings);

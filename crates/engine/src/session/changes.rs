@@ -4,9 +4,9 @@
 use std::path::PathBuf;
 
 use palpate_deform::material::{MaterialLaw, Region, Treatment};
-use palpate_deform::model_options::ModelOptions;
-use palpate_tools::journal_entry::ScanHash;
-use palpate_tools::tool::ToolSettings;
+use palpate_deform::registry::ModelOptions;
+use palpate_tools::factory::ToolSettings;
+use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};

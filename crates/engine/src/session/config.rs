@@ -2,15 +2,14 @@
 
 use glam::DVec3;
 use palpate_device::HapticDevice;
-use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::force::SafetySettings;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 
 use crate::error::SessionError;
 use crate::scene::Properties;
-use crate::simulation::check_radius;
-use crate::touch::settings::Settings;
+use crate::touch::settings::{Settings, check_radius};
 
 /// Farthest point that a session takes [mm].
 const POINT_LIMIT: f64 = 1e6;

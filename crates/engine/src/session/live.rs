@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use crate::deformable::deformation_loop::{DeformationLoop, WakeUp};
 use crate::error::SessionError;
-use crate::picture::frame_collector::Picture;
+use crate::picture::frame_collector::FrameCollector;
 use crate::picture::surface_loop::SurfaceLoop;
 use crate::scene::mask_fractions::FractionLoop;
 use crate::servo::ServoLoop;
@@ -21,14 +21,9 @@ use crate::servo::device_loop::DeviceLoop;
 use crate::servo::shared::Shared;
 use crate::simulation::Simulation;
 use crate::threads::clock;
-use crate::threads::pacing::Pacer;
+use crate::threads::pacing::{PICTURE_HZ, Pacer, SIMULATION_HZ};
 use crate::threads::priority::{self, Priority};
 use crate::threads::rate::RateMeter;
-
-/// Rate of the simulation thread [Hz].
-pub const SIMULATION_HZ: u32 = 100;
-/// Rate of the picture thread [Hz].
-pub const PICTURE_HZ: u32 = 60;
 
 /// From the start of the threads to their first tick [ns].
 const HEAD_START_NS: u64 = 20_000_000;
@@ -55,7 +50,7 @@ pub struct Loops {
     /// The simulation and its meter.
     pub simulation: (Simulation, RateMeter),
     /// The picture and its meter.
-    pub picture: (Arc<Mutex<Picture>>, RateMeter),
+    pub picture: (Arc<Mutex<FrameCollector>>, RateMeter),
     /// The surfaces.
     pub surfaces: SurfaceLoop,
     /// The deformation.
@@ -326,7 +321,7 @@ fn run_surfaces(surfaces: &mut SurfaceLoop, shared: &Shared) {
     while !shared.stopping() && surfaces.wait(PATIENCE) {}
 }
 
-fn run_picture((picture, meter): (Arc<Mutex<Picture>>, RateMeter), context: &Context) {
+fn run_picture((picture, meter): (Arc<Mutex<FrameCollector>>, RateMeter), context: &Context) {
     let pacer = Pacer::new(PICTURE_HZ, context.start_ns);
     context.run(pacer, meter, |_| {
         picture

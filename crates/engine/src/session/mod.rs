@@ -13,13 +13,13 @@ use palpate_volume::voxels::Voxels;
 
 use crate::deformable::deformable_view::DeformableView;
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
-use crate::picture::frame_collector::Picture;
+use crate::notice::Notice;
+use crate::picture::frame_collector::FrameCollector;
 use crate::picture::surface_loop::SurfacePace;
 use crate::picture::surfaces::Surfaces;
 use crate::replay::tape::TapeRecorder;
 use crate::scene::gap_bodies::GapBodies;
-use crate::servo::channels::HandTarget;
+use crate::servo::inputs::HandTarget;
 use crate::servo::mapping::rotation_of_view;
 use crate::servo::shared::Shared;
 use crate::session::assembly::{Assembly, assemble};
@@ -54,7 +54,7 @@ enum Run {
 /// A running session. It ends when it is dropped.
 pub struct Session {
     run: Run,
-    picture: Arc<Mutex<Picture>>,
+    picture: Arc<Mutex<FrameCollector>>,
     surfaces: Arc<Mutex<Surfaces>>,
     pace: SurfacePace,
     signal: Arc<ChangeSignal>,
@@ -298,7 +298,7 @@ impl Session {
         }
     }
 
-    fn lock_picture(&self) -> MutexGuard<'_, Picture> {
+    fn lock_picture(&self) -> MutexGuard<'_, FrameCollector> {
         lock(&self.picture)
     }
 

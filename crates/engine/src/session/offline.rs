@@ -5,11 +5,11 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::picture::frame_collector::Picture;
+use crate::picture::frame_collector::FrameCollector;
 use crate::servo::shared::Shared;
-use crate::session::live::{Loops, PICTURE_HZ, Paces, SIMULATION_HZ, message_of};
+use crate::session::live::{Loops, Paces, message_of};
 use crate::simulation::Simulation;
-use crate::threads::pacing::Start;
+use crate::threads::pacing::{PICTURE_HZ, SIMULATION_HZ, Start};
 
 /// The loops and how far they are.
 pub struct Offline {
@@ -123,6 +123,6 @@ fn in_time(tick: u64, rate_hz: u64) -> Start {
 }
 
 /// A picture is whole even where a thread failed while it held the lock.
-fn lock(picture: &Mutex<Picture>) -> std::sync::MutexGuard<'_, Picture> {
+fn lock(picture: &Mutex<FrameCollector>) -> std::sync::MutexGuard<'_, FrameCollector> {
     picture.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -7,8 +7,9 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::Session;
 use crate::error::SessionError;
-use crate::scene::{Properties, ThresholdRange};
+use crate::scene::Properties;
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::touch::scan_values::ThresholdRange;
 use crate::touch::touch_feel::TouchFeel;
 
 /// Edits of more voxels than this are built outside the simulation thread.

@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex};
 use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_deform::material::MaterialLaw;
 use palpate_device::DeviceLimits;
-use palpate_haptics::ball::{BallError, BallShape};
-use palpate_tools::journal_file::JournalFile;
+use palpate_haptics::ball::BallError;
+use palpate_tools::journal::JournalFile;
 use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -18,24 +18,25 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::deformable::deformation::{Deformation, DeformationStatus};
+use crate::deformable::deformation::Deformation;
 use crate::deformable::displacements::Displacements;
 use crate::deformable::rigid_regions::SharedRegionChanges;
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
+use crate::notice::Notice;
 use crate::picture::scene_updates::SceneUpdate;
+use crate::picture::simulation_status::{PictureEnds, SimulationStatus};
 use crate::replay::tape::TapeRecorder;
 use crate::scene::incremental_surface::SegmentVoxels;
 use crate::scene::mask_fractions::MaskFractions;
-use crate::scene::{Scene, Step, ThresholdRange, TouchChange};
+use crate::scene::{Scene, Step, TouchChange};
 use crate::servo::channels::{ServoCommand, SimulationChannels};
 use crate::simulation::grip::Grip;
-use crate::simulation::tool_stroke::{ToolStatus, ToolStroke};
+use crate::simulation::tool_stroke::ToolStroke;
 use crate::simulation::touch_sender::{TouchSender, touchable_of};
-use crate::touch::moved_poses::CurrentPoses;
-use crate::touch::needle::{NeedleDisplay, NeedleWatch};
+use crate::touch::needle::NeedleWatch;
 use crate::touch::placement::{REACH, free_point};
-use crate::touch::settings::Settings;
+use crate::touch::scan_values::ThresholdRange;
+use crate::touch::settings::{Settings, check_radius};
 use crate::touch::touch_feel::TouchFeel;
 
 mod deformation;
@@ -50,49 +51,6 @@ mod steps;
 pub mod tool_stroke;
 mod tools;
 pub mod touch_sender;
-
-/// What the picture shows of the simulation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SimulationStatus {
-    /// Number of the newest edit.
-    pub edit: u64,
-    /// The segment that the probe touches; 0 where there is none.
-    pub touched: u8,
-    /// Radius that the probe has [mm]: less than the settings', where there is no room for it.
-    pub probe_radius: f64,
-    /// Where moved segments stand by now.
-    pub poses: CurrentPoses,
-    /// The segment that follows the probe; 0 where none does.
-    pub grabbed: u8,
-    /// Whether the device moves without the probe.
-    pub clutched: bool,
-    /// The middle of the device's workspace in the scene [mm].
-    pub device_origin: DVec3,
-    /// Changes that touch does not follow yet.
-    pub pending: usize,
-    /// Whether there is a change to take back.
-    pub can_undo: bool,
-    /// Whether there is an undone change to do again.
-    pub can_redo: bool,
-    /// Steps that were made, less those that were taken back; one that is not ended counts.
-    pub step: u64,
-    /// Steps that were made and ended, ever.
-    pub steps_made: u64,
-    /// Rises with each change of a segment's voxels or of the list of segments.
-    pub segments_version: u64,
-    /// Rises with each change of voxels that the picture is not told box by box.
-    pub voxels_version: u64,
-    /// The tool in the hand.
-    pub tool: ToolStatus,
-    /// The needle, where it is that.
-    pub needle: NeedleDisplay,
-    /// Soft tissue.
-    pub matter: DeformationStatus,
-    /// Bytes that undo and redo hold on to.
-    pub undo_bytes: usize,
-    /// How many they may.
-    pub undo_budget: usize,
-}
 
 /// A segment as the session holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,13 +82,6 @@ pub struct SegmentState {
     /// Whether its voxels stay as they are.
     pub locked: bool,
 }
-
-/// Where the simulation tells what is shown: its status, sentences, and changes of voxels.
-pub type PictureEnds = (
-    triple_buffer::Input<SimulationStatus>,
-    Sender<Notice>,
-    Sender<SceneUpdate>,
-);
 
 /// The state of the simulation thread.
 #[derive(Debug)]
@@ -394,17 +345,6 @@ impl Simulation {
             .filter_map(Segment::own_grid)
             .try_for_each(|grid| check_radius(radius, grid))
     }
-}
-
-/// Refuses a ball that is too large for the voxels of a grid.
-///
-/// # Errors
-/// [`BallError`] says what fits.
-pub fn check_radius(radius: f64, grid: &Grid) -> Result<(), BallError> {
-    if radius > 0.0 {
-        BallShape::new(radius, grid.spacing())?;
-    }
-    Ok(())
 }
 
 /// The voxels of a grid from `low` up to, but without, `high`.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_tools::journal_entry::Action;
+use palpate_tools::journal::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;

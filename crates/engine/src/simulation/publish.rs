@@ -1,8 +1,9 @@
 //! What the simulation tells: its status, sentences, and changes of the scene.
 
-use super::{Simulation, SimulationStatus};
-use crate::picture::frame::Notice;
+use super::Simulation;
+use crate::notice::Notice;
 use crate::picture::scene_updates::SceneUpdate;
+use crate::picture::simulation_status::SimulationStatus;
 use crate::replay::tape::MAX_TAPE_BYTES;
 
 impl Simulation {

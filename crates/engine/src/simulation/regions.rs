@@ -89,15 +89,15 @@ mod tests {
 
     use crate::deformable::deformation::Deformation;
     use crate::deformable::rigid_regions::SharedRegionChanges;
+    use crate::picture::simulation_status::SimulationStatus;
     use crate::scene::mask_fractions::MaskFractions;
     use crate::scene::{Properties, Scene};
     use crate::servo::channels::Channels;
-    use crate::simulation::SimulationStatus;
     use crate::touch::settings::Settings;
     use glam::{DMat3, DVec3, IVec3, UVec3};
     use oorandom::Rand64;
     use palpate_deform::material::preset;
-    use palpate_deform::model_options::ModelOptions;
+    use palpate_deform::registry::ModelOptions;
     use palpate_device::DeviceLimits;
     use palpate_volume::grid::Grid;
     use palpate_volume::intensities::Intensities;

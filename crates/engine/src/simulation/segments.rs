@@ -1,19 +1,21 @@
 //! Segments of the simulation: added, changed, removed, and how they are touched and shown.
 
 use palpate_haptics::scene::ObjectPose;
-use palpate_tools::journal_entry::Action;
+use palpate_tools::journal::Action;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 use glam::DAffine3;
 
-use super::{Simulation, check_radius};
+use super::Simulation;
 use crate::error::SessionError;
 use crate::picture::scene_updates::SceneUpdate;
 use crate::scene::incremental_surface::SurfaceOptions;
-use crate::scene::{Properties, Step, ThresholdRange, TouchChange};
+use crate::scene::{Properties, Step, TouchChange};
 use crate::servo::channels::ServoCommand;
+use crate::touch::scan_values::ThresholdRange;
+use crate::touch::settings::check_radius;
 use crate::touch::touch_feel::TouchFeel;
 
 impl Simulation {

@@ -1,6 +1,6 @@
 //! Steps of the simulation: performed, written down, taken back and done again.
 
-use palpate_tools::journal_entry::Action;
+use palpate_tools::journal::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 

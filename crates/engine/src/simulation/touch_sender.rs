@@ -12,13 +12,14 @@ use palpate_volume::edit::SegmentId;
 
 use crate::replay::tape::TapeRecorder;
 use crate::scene::{Scene, TouchChange};
-use crate::servo::channels::{
-    BrickChange, FractionSwap, Garbage, MAX_BRICKS, MAX_FRACTIONS, ServoCommand, ServoStatus,
-    SimulationChannels,
-};
+use crate::servo::channels::{ServoCommand, ServoStatus, SimulationChannels};
 use crate::touch::moved_poses::CurrentPoses;
 use crate::touch::needle::NeedleStatus;
-use crate::touch::touchable::{Part, Touchable};
+use crate::touch::occupancy_change::{
+    BrickChange, FractionSwap, Garbage, MAX_BRICKS, MAX_FRACTIONS,
+};
+use crate::touch::part::Part;
+use crate::touch::touchable::Touchable;
 
 /// A change that touch does not follow yet.
 #[derive(Debug)]

@@ -5,6 +5,11 @@
 
 use crate::threads::clock;
 
+/// Rate of the simulation thread [Hz].
+pub const SIMULATION_HZ: u32 = 100;
+/// Rate of the picture thread [Hz].
+pub const PICTURE_HZ: u32 = 60;
+
 /// One tick that has begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start {

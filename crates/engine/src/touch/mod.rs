@@ -6,8 +6,10 @@ pub mod body;
 pub mod contact_model;
 pub mod moved_poses;
 pub mod needle;
+pub mod occupancy_change;
 pub mod occupancy_fractions;
 pub mod owners;
+pub mod part;
 pub mod patched;
 pub mod placement;
 #[cfg(feature = "planted-fault")]
@@ -20,4 +22,3 @@ pub mod touch_feel;
 pub mod touch_occupancy;
 pub mod touchable;
 pub mod touched_surfaces;
-pub mod union_fractions;

@@ -9,11 +9,12 @@ use palpate_haptics::needle::events::{Events, NeedleEvent};
 use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 
 use crate::touch::contact_model::Model;
+use crate::touch::part::Part;
 use crate::touch::settings::Settings;
-use crate::touch::touchable::{Part, Touchable};
+use crate::touch::touchable::Touchable;
 
 /// Friction of a tip that sticks where it touches, unless it is pushed nearly along the surface.
 const TIP_STICKS: f64 = 2.0;

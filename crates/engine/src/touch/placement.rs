@@ -1,7 +1,7 @@
 //! Where the probe can be placed: at a point, or in the free voxel nearest to it.
 
 use glam::DVec3;
-use palpate_haptics::placement::nearest_free_in;
+use palpate_haptics::admission::nearest_free_in;
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;

@@ -10,21 +10,19 @@
 
 use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};
-use palpate_haptics::ball::Ball;
-use palpate_haptics::ball_probe::ProbeView;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::ball::{Ball, ProbeView};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{MAX_OBJECTS, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::first_solid::Traversal;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::segment_set::SegmentSet;
 
-use crate::touch::touchable::{Body, Part, Touchable, unmoved};
+use crate::touch::part::Part;
+use crate::touch::touchable::{Body, Touchable, unmoved};
 
 /// Where a tool was stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,13 +11,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use glam::{IVec3, UVec3};
-use palpate_haptics::smooth::shares::{Around, Limits, Stored};
+use palpate_haptics::smooth::occupancy_fractions::{Around, Limits, Stored};
 use palpate_volume::brick_grid::{BRICK, BrickGrid, BrickSwap};
 use palpate_volume::intensities::Intensities;
 use palpate_volume::intensity_brick::IntensityBrick;
 use palpate_volume::overlay::Overlay;
 
-use crate::scene::ThresholdRange;
+/// Threshold that a segment is, in physical units: low and high, both included.
+pub type ThresholdRange = (f64, f64);
 
 /// Values of a scan. A clone shares them, and the marks.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelInput, ModelReport, ToolContact,
     ToolShape,
 };
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_engine::deformable::deformation::ForceSource;
 use palpate_engine::picture::scene_updates::SceneUpdate;
 use palpate_engine::picture::surfaces::ShownDisplacements;

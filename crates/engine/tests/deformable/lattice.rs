@@ -4,7 +4,7 @@ use std::sync::mpsc;
 
 use glam::DVec3;
 use palpate_deform::material::preset;
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_engine::deformable::deformation_loop::WakeUp;
 use palpate_engine::touch::settings::Settings;
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_engine::servo::channels::TickRecord;
 use palpate_engine::touch::settings::Settings;
 use palpate_volume::edit::SegmentId;

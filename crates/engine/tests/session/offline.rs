@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::picture::frame::NoticeLevel;
+use palpate_engine::notice::NoticeLevel;
 use palpate_engine::session::Session;
 use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_engine::touch::settings::Settings;

@@ -12,7 +12,8 @@ use palpate_engine::scenario::needle::{NeedleLayer, NeedleRun, drive_needle};
 use palpate_engine::servo::channels::TickRecord;
 use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
-use palpate_tools::tool::{ToolError, ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
+use palpate_tools::tool::ToolError;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::tissue::Tissue;
 

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 

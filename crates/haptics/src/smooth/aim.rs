@@ -10,7 +10,7 @@
 
 use super::cache::Source;
 use super::cell_shape::CellShape;
-use crate::ball_probe::MAX_BODIES;
+use crate::ball::MAX_BODIES;
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::walk::voxel_of;

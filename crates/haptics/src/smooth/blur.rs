@@ -13,16 +13,16 @@
 //! Frame: grid.
 
 use super::aim::Aim;
+use super::binomial_filter::{Cells, ChangesOfRows, unit_of};
 use super::cache::Source;
+use super::cell_fractions::CellShares;
 use super::cell_shape::{CELLS, CellShape};
-use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
-use super::tents::{Cells, ChangesOfRows, unit_of};
 use super::window::{Window, counts};
-use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::simd_dispatch;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::walk::voxel_of;
 
@@ -106,7 +106,7 @@ impl BlurField {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
     /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
     /// nothing can be told apart, and the field is that of nothing.
@@ -116,12 +116,12 @@ widest! {
         aim: &Aim,
         spacing: DVec3,
         known: Option<(Source, &mut CellShares)>,
-    ) = BlurField::around_plainly
+    ) = [avx2] BlurField::around_plainly
 }
 
-widest! {
+simd_dispatch! {
     /// Sets nodes to the cells, blurred and times a scale.
-    fn blur(cells: &Cells, scale: f32, nodes: &mut Nodes) = blur_plainly
+    fn blur(cells: &Cells, scale: f32, nodes: &mut Nodes) = [avx2] blur_plainly
 }
 
 #[inline(always)]
@@ -189,7 +189,7 @@ impl Field for BlurField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide::Noise;
+    use crate::noise::Noise;
 
     #[test]
     fn fields_for_wide_machines_are_those_for_plain_ones_to_the_bit() {

@@ -7,10 +7,10 @@
 use super::ahead::Ahead;
 use super::aim::{Aim, Aims};
 use super::blur::{BlurField, make_around};
-use super::cell_shares::CellShares;
+use super::cell_fractions::CellShares;
 use super::field::Field;
-use crate::ball_probe::MAX_BODIES;
-use crate::proxy::Proxy;
+use crate::ball::MAX_BODIES;
+use crate::contact::Proxy;
 use crate::scene::{MAX_OBJECTS, TouchScene};
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use palpate_volume::occupancy::Occupancy;

@@ -9,10 +9,10 @@
 
 use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
 use super::rows::CellRows;
-use crate::flood::flood;
-use crate::wide::widest;
+use crate::contact::flood::flood;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::simd_dispatch;
 
 /// Calls a method with the logarithm of a row's bits and the words of a layer, as they are for a
 /// shape, so that both are known when it is compiled.
@@ -181,15 +181,15 @@ impl Window {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// Voxels of a window that are not reached in each cell: a word for each row of cells, a byte
     /// for each.
-    pub(super) fn counts(window: &Window) -> [u64; 64] = Window::counts_plainly
+    pub(super) fn counts(window: &Window) -> [u64; 64] = [avx2] Window::counts_plainly
 }
 
-widest! {
+simd_dispatch! {
     /// Grows what is reached of a layer, as far as it goes; whether that came to its end.
-    fn flood_from(window: &mut Window, layer: usize) -> bool = Window::flood_plainly
+    fn flood_from(window: &mut Window, layer: usize) -> bool = [avx2] Window::flood_plainly
 }
 
 /// Reads the free voxels; false where all are.

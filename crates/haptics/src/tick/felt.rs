@@ -4,7 +4,7 @@
 
 use super::{Tick, TickState};
 use crate::contact::Contact;
-use crate::coupling::Coupling;
+use crate::force::Coupling;
 use crate::scene::Solid;
 use glam::DVec3;
 

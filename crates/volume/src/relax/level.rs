@@ -9,7 +9,7 @@ use super::solve::System;
 use super::terms::Terms;
 use super::{MARGIN, cell_of};
 use crate::bits::Bits;
-use crate::shares::Shares;
+use crate::occupancy_fractions::Shares;
 use crate::voxel_box::VoxelBox;
 
 /// Terms are taken anew so often, with iterations in between.

@@ -7,14 +7,14 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::Shares;
+use palpate_volume::occupancy_fractions::Shares;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::{PartSwap, TapePart};
 use crate::replay::mask_runs::mask_of;
-use crate::servo::channels::FractionSwap;
+use crate::touch::occupancy_change::FractionSwap;
+use crate::touch::part::{MovedPart, Part};
 use crate::touch::scan_values::{ScanValues, Threshold};
-use crate::touch::touchable::{MovedPart, Part};
 
 /// Puts bricks in the place of those that are there.
 pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {

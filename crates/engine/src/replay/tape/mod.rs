@@ -14,13 +14,13 @@ use palpate_volume::grid::Grid;
 use serde::{Deserialize, Serialize};
 
 use crate::replay::mask_runs::{MaskRun, runs_of};
-use crate::scene::ThresholdRange;
-use crate::servo::channels::{DeformableContact, FractionSwap};
+use crate::servo::inputs::DeformableContact;
 use crate::servo::servo_state::ServoState;
-use crate::touch::scan_values::ScanValues;
+use crate::touch::occupancy_change::FractionSwap;
+use crate::touch::part::{MovedPart, Part};
+use crate::touch::scan_values::{ScanValues, ThresholdRange};
 use crate::touch::settings::Settings;
 use crate::touch::touch_feel::TouchFeel;
-use crate::touch::touchable::{MovedPart, Part};
 
 mod bricks;
 mod recorder;

@@ -2,15 +2,16 @@
 
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::ShareBrick;
+use palpate_volume::occupancy_fractions::ShareBrick;
 use rtrb::Consumer;
 
 use super::bricks::{changed_bricks, changed_fractions, put, put_fractions};
 use super::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart};
-use crate::servo::channels::{FractionSwap, ServoCommand, Snapshot};
+use crate::servo::channels::{ServoCommand, Snapshot};
 use crate::servo::servo_state::ServoState;
+use crate::touch::occupancy_change::FractionSwap;
+use crate::touch::part::Part;
 use crate::touch::scan_values::ScanValues;
-use crate::touch::touchable::Part;
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;
