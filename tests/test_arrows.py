@@ -177,8 +177,8 @@ def python_arrows(folder: Path, module: str, line: str) -> str:
         ),
         (
             "cli/export_run.py",
-            "from palpate.server.segments import ShownSegments",
-            "palpate.cli.export_run -> palpate.server.segments",
+            "from palpate.server.messages.segment_list import SegmentList",
+            "palpate.cli.export_run -> palpate.server.messages.segment_list",
         ),
         (
             "io/reading.py",

@@ -22,8 +22,8 @@ from palpate.saved.scene_file import SavedScene, open_scene, save_scene
 from palpate.scenarios.drive import Drive
 from palpate.scenarios.needle import drive_needle
 from palpate.scenarios.run import read_run, write_run
+from palpate.server.messages.segment_list import SegmentList
 from palpate.server.resume import kept_port, note_port
-from palpate.server.segments import ShownSegments
 from palpate.session.model_options import ModelOptions, Prony
 from palpate.session.needle import TISSUES
 from palpate.volumes.material import LinearMaterial, Material, Region
@@ -160,7 +160,7 @@ def told(session: Session) -> list[dict[str, Any]]:
         "material",
     ]
     rows = [
-        {name: each[name] for name in known}
+        {name: dict[str, Any](each)[name] for name in known}
         | {"mask": _hash(session.segment(each["id"]).mask())}
         | {"regions": [_region(one) for one in session.regions(each["id"])]}
         for each in session.segments()
@@ -214,7 +214,7 @@ def _hash(array: NDArray[Any]) -> str:
 
 def looks_again(session: Session, looks: list[dict[str, Any]]) -> Any:
     """Has a server take looks that were kept; returns what it keeps of them."""
-    segments = ShownSegments(session)
+    segments = SegmentList(session)
     segments.restore(json.dumps(looks).encode())
     return json.loads(segments.kept())
 

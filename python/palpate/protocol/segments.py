@@ -8,23 +8,18 @@ import msgspec
 
 from palpate.protocol.soft_tissue import MatterRegion, SegmentMaterial
 from palpate.protocol.types import (
-    Colour,
     Friction,
     GridPlace,
-    LightFactor,
     Message,
     Name,
     Pose,
     SegmentId,
     ShapeKind,
-    Share,
-    ShownAs,
-    SmoothingDegree,
     Stiffness,
-    SurfaceSource,
     Value,
     Vector,
 )
+from palpate.volumes.appearance import SegmentAppearance
 
 __all__ = [
     "ChangeShape",
@@ -66,7 +61,7 @@ class Feel(msgspec.Struct, frozen=True):
     friction_kinetic: Friction | None
 
 
-class Segment(msgspec.Struct, frozen=True):
+class Segment(SegmentAppearance, frozen=True):
     """A segment of the scan.
 
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
@@ -83,8 +78,6 @@ class Segment(msgspec.Struct, frozen=True):
 
     id: SegmentId
     name: Name
-    colour: Colour
-    visible: bool
     touchable: bool
     locked: bool
     range: tuple[Value, Value] | None
@@ -98,13 +91,6 @@ class Segment(msgspec.Struct, frozen=True):
     pose: Pose | None
     bounds: tuple[GridPlace, GridPlace] | None
     grid: Pose | None
-    shown_as: ShownAs
-    opacity: Share
-    smoothing: SmoothingDegree
-    surface_from: SurfaceSource
-    wireframe: bool
-    ambient: LightFactor
-    specular: LightFactor
 
 
 class MovedPose(msgspec.Struct, frozen=True):
@@ -233,22 +219,13 @@ class StopSegmentWork(Message, frozen=True, tag="stop_segment_work"):
     """Stops what ``SegmentWork`` tells of and forgets what waits; what is not done is not begun."""
 
 
-class SegmentProperties(Message, frozen=True, tag="segment_properties"):
+class SegmentProperties(SegmentAppearance, Message, frozen=True, tag="segment_properties"):
     """Changes how a segment looks and whether it can be touched, and its voxels changed."""
 
     id: SegmentId
     name: Name
-    colour: Colour
-    visible: bool
     touchable: bool
     locked: bool
-    shown_as: ShownAs
-    opacity: Share
-    smoothing: SmoothingDegree
-    surface_from: SurfaceSource
-    wireframe: bool
-    ambient: LightFactor
-    specular: LightFactor
 
 
 class SegmentFeel(Message, frozen=True, tag="segment_feel"):

@@ -208,10 +208,17 @@ export interface MatterRegion {
  * stay as they are.
  */
 export interface Segment {
-  readonly id: SegmentId;
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
+  readonly shown_as: ShownAs;
+  readonly opacity: Share;
+  readonly smoothing: SmoothingDegree;
+  readonly surface_from: SurfaceSource;
+  readonly wireframe: boolean;
+  readonly ambient: LightFactor;
+  readonly specular: LightFactor;
+  readonly id: SegmentId;
   readonly touchable: boolean;
   readonly locked: boolean;
   readonly range: readonly [Value, Value] | null;
@@ -225,13 +232,6 @@ export interface Segment {
   readonly pose: Pose | null;
   readonly bounds: readonly [GridPlace, GridPlace] | null;
   readonly grid: Pose | null;
-  readonly shown_as: ShownAs;
-  readonly opacity: Share;
-  readonly smoothing: SmoothingDegree;
-  readonly surface_from: SurfaceSource;
-  readonly wireframe: boolean;
-  readonly ambient: LightFactor;
-  readonly specular: LightFactor;
 }
 
 /** What a person can set about touch; `gain` is scene mm per mm of the device. */
@@ -961,12 +961,9 @@ export interface FillOutline {
 /** Changes how a segment looks and whether it can be touched, and its voxels changed. */
 export interface SegmentProperties {
   readonly type: "segment_properties";
-  readonly id: SegmentId;
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
-  readonly touchable: boolean;
-  readonly locked: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -974,6 +971,9 @@ export interface SegmentProperties {
   readonly wireframe: boolean;
   readonly ambient: LightFactor;
   readonly specular: LightFactor;
+  readonly id: SegmentId;
+  readonly touchable: boolean;
+  readonly locked: boolean;
 }
 
 /** Changes how the surface of a segment feels. */
@@ -1474,10 +1474,17 @@ const isMatterRegion = record({
 });
 
 const isSegment = record({
-  id: isSegmentId,
   name: isName,
   colour: isColour,
   visible: flag,
+  shown_as: isShownAs,
+  opacity: isShare,
+  smoothing: isSmoothingDegree,
+  surface_from: isSurfaceSource,
+  wireframe: flag,
+  ambient: isLightFactor,
+  specular: isLightFactor,
+  id: isSegmentId,
   touchable: flag,
   locked: flag,
   range: nullable(tuple(isValue, isValue)),
@@ -1491,13 +1498,6 @@ const isSegment = record({
   pose: nullable(isPose),
   bounds: nullable(tuple(isGridPlace, isGridPlace)),
   grid: nullable(isPose),
-  shown_as: isShownAs,
-  opacity: isShare,
-  smoothing: isSmoothingDegree,
-  surface_from: isSurfaceSource,
-  wireframe: flag,
-  ambient: isLightFactor,
-  specular: isLightFactor,
 });
 
 const isSettings = record({

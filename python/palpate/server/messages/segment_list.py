@@ -1,4 +1,4 @@
-"""The list of segments as pages see it: the engine's voxels, and how each segment looks.
+"""The list of segments as pages see it: what the engine has of each, and how it is shown.
 
 Names and colours are kept when a segment is removed, since undo may bring it back.
 """
@@ -6,47 +6,49 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from palpate import protocol
-from palpate.server.soft_tissue import material_of, regions_of
+from palpate.server.messages.soft_tissue import material_of, regions_of
 from palpate.server.voxel_data import labels_of
 from palpate.session.appearance import (
     UNMOVED,
-    Look,
+    ShownAppearance,
+    appearance_of_number,
+    appearances_of,
     colour_of_number,
-    kept_looks,
-    look_of_number,
-    looks_of,
-    restored_looks,
-    scene_with_looks,
+    keep_appearances,
+    restore_appearances,
+    scene_with_appearances,
+    with_colour_chosen,
 )
 from palpate.session.segment_state import Bounds, SegmentState
 from palpate.session.session import Session
 from palpate.volumes.anatomical_colour import colour_of_name, first_colour
-from palpate.volumes.scene import Scene
+from palpate.volumes.appearance import Colour, SegmentAppearance, SurfaceSource
+from palpate.volumes.scene import Scene, new_appearance
 from palpate.volumes.segment import Segment
 
-__all__ = ["ShownSegments"]
+__all__ = ["SegmentList"]
 
 
-class ShownSegments:
-    """Segments of a session and their looks; every method may be called from any thread."""
+class SegmentList:
+    """Segments of a session; every method may be called from any thread."""
 
     def __init__(self, session: Session, keep: Callable[[bytes], None] | None = None) -> None:
-        """Takes the looks from the session's scene; ``keep`` is given them when they change."""
+        """Takes appearances from the session's scene; ``keep`` is given them when they change."""
         self._session = session
         self._keep = keep
-        self._looks = looks_of(session)
+        self._appearances = appearances_of(session)
         self._lock = Lock()
         self._seen: tuple[int, ...] | None = None
         self._notices: list[str] = []
-        self._looks_version = 0
+        self._appearances_version = 0
         self._labels_key: Any = None
         self._labels = 0
         self._made: dict[int, MadeSurface | None] = {}
@@ -61,7 +63,7 @@ class ShownSegments:
             pending: How many changes touch does not follow yet.
         """
         with self._lock:
-            seen = (segments_version, self._looks_version, pending)
+            seen = (segments_version, self._appearances_version, pending)
             if seen == self._seen:
                 return False
             self._seen = seen
@@ -73,20 +75,8 @@ class ShownSegments:
         self._session.set_touchable(wanted.id, touchable=wanted.touchable)
         self._session.set_locked(wanted.id, locked=wanted.locked)
         colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=wanted.colour)
-        look = Look(
-            name=wanted.name,
-            colour=colour,
-            chosen=chosen,
-            visible=wanted.visible,
-            shown_as=wanted.shown_as,
-            opacity=wanted.opacity,
-            smoothing=wanted.smoothing,
-            surface_from=wanted.surface_from,
-            wireframe=wanted.wireframe,
-            ambient=wanted.ambient,
-            specular=wanted.specular,
-        )
-        self._set_look(wanted.id, look)
+        look = replace(with_colour_chosen(wanted, chosen=chosen), colour=colour)
+        self._set_appearance(wanted.id, look)
         self._show(wanted.id, look)
         self.keep()
 
@@ -101,17 +91,20 @@ class ShownSegments:
             self.add(segment)
             return
         self._session.replace_segment(wanted.id, segment)
-        look = self._look_of(wanted.id)
+        look = self._appearance_of(wanted.id)
         colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=look.colour)
-        self._set_look(wanted.id, replace(look, name=wanted.name, colour=colour, chosen=chosen))
+        self._set_appearance(
+            wanted.id, replace(look, name=wanted.name, colour=colour, colour_chosen=chosen)
+        )
         self.keep()
 
-    def add(self, segment: Segment, *, colour: tuple[float, float, float] | None = None) -> None:
+    def add(self, segment: Segment, *, colour: Colour | None = None) -> None:
         """Adds a segment under its name, in a colour of its own where none is given."""
         segment_id = self._session.add_segment(segment)
         own = self._own_colour(segment_id, segment.name)
         chosen = colour is not None and colour != own
-        self._set_look(segment_id, Look(segment.name, colour or own, chosen=chosen))
+        new = new_appearance(segment.name, colour or own)
+        self._set_appearance(segment_id, with_colour_chosen(new, chosen=chosen))
         self.keep()
 
     def add_empty(self, name: str) -> None:
@@ -121,11 +114,11 @@ class ShownSegments:
 
     def is_shown(self, segment_id: int) -> bool:
         """Returns whether pages show a segment."""
-        return self._look_of(segment_id).visible
+        return self._appearance_of(segment_id).visible
 
     def name_of(self, segment_id: int) -> str:
         """Returns what pages call a segment."""
-        return self._look_of(segment_id).name
+        return self._appearance_of(segment_id).name
 
     def scene(self, values: NDArray[np.int16]) -> tuple[Scene, list[str]]:
         """Returns the scan with such stored values and its segments as they are now, for files.
@@ -135,41 +128,43 @@ class ShownSegments:
         Raises:
             OptionError: Segments came or went meanwhile.
         """
-        return scene_with_looks(self._session, values, self._look_of)
+        return scene_with_appearances(self._session, values, self._appearance_of)
 
     def keep(self) -> None:
-        """Hands the looks over to be kept, with which segments can be touched and changed."""
+        """Has appearances written to the journal, with what can be touched and changed."""
         if self._keep is not None:
             self._keep(self.kept())
 
     def kept(self) -> bytes:
-        """Returns the looks, with which segments can be touched and changed, for ``restore``."""
-        return kept_looks(self._session, self._look_of)
+        """Returns appearances and what can be touched and changed, as ``restore`` takes them."""
+        return keep_appearances(self._session, self._appearance_of)
 
     def restore(self, kept: bytes) -> None:
-        """Takes looks that were kept.
+        """Takes appearances that were kept.
 
         Raises:
-            OptionError: The bytes are none.
+            OptionError: The bytes are not what ``kept`` returns.
         """
-        looks = restored_looks(self._session, kept)
+        appearances = restore_appearances(self._session, kept)
         there = {state["id"] for state in self._session.segments()}
-        for segment_id, look in looks.items():
+        for segment_id, look in appearances.items():
             if segment_id in there:
-                self._set_look(segment_id, look)
+                self._set_appearance(segment_id, look)
             else:
                 self._remember(segment_id, look)
 
     def cut(self, segment_id: int, cut: Callable[[], int]) -> None:
-        """Parts a segment; the part whose number ``cut`` returns looks alike, in a new colour.
+        """Cuts a segment in two; the part whose number ``cut`` returns gets a new colour.
 
         Raises:
             PalpateError: All of it is left on one side.
         """
         part = cut()
-        look = self._look_of(segment_id)
+        look = self._appearance_of(segment_id)
         name = f"{look.name[:80]}, part {part}"
-        self._set_look(part, replace(look, name=name, colour=colour_of_number(part), chosen=False))
+        self._set_appearance(
+            part, replace(look, name=name, colour=colour_of_number(part), colour_chosen=False)
+        )
         self.keep()
 
     def take_notices(self) -> list[str]:
@@ -179,24 +174,24 @@ class ShownSegments:
         return notices
 
     def _show_moved_as_surface(self, state: SegmentState) -> None:
-        """Shows a segment that stands elsewhere as a surface: voxels stay where the scan is."""
+        """Shows a moved segment as a surface, since voxels are drawn where the scan has them."""
         segment_id, pose, has_own_grid = state["id"], state["pose"], state["grid"] is not None
-        look = self._look_of(segment_id)
+        look = self._appearance_of(segment_id)
         stands_there = (pose is None or pose == UNMOVED) and not has_own_grid
         if stands_there or look.shown_as == "surface":
             return
         look = replace(look, shown_as="surface")
         self._show(segment_id, look)
         with self._lock:
-            self._looks[segment_id] = look
+            self._appearances[segment_id] = look
             why = "has a grid of its own" if has_own_grid else "was moved"
             self._notices.append(
                 f"{look.name} {why}: it is shown as a surface from now on, since voxels "
                 "are drawn where the scan has them."
             )
 
-    def _show(self, segment_id: int, look: Look) -> None:
-        """Has the engine make a surface where a look needs one that is not made yet."""
+    def _show(self, segment_id: int, look: ShownAppearance) -> None:
+        """Has the engine make the surface that is shown, where it is not made yet."""
         wanted = _surface_of(look)
         with self._lock:
             if wanted == self._made.get(segment_id):
@@ -217,45 +212,43 @@ class ShownSegments:
         }
         return labels_of(masks, self._session.scene.volume.shape)
 
-    def _set_look(self, segment_id: int, look: Look) -> None:
-        """Gives a segment that is there a look, and a surface where that shows one."""
+    def _set_appearance(self, segment_id: int, look: ShownAppearance) -> None:
+        """Shows a segment that is there in this way, with a surface where it has one."""
         self._show(segment_id, look)
         self._remember(segment_id, look)
 
-    def _remember(self, segment_id: int, look: Look) -> None:
+    def _remember(self, segment_id: int, look: ShownAppearance) -> None:
         with self._lock:
-            self._looks[segment_id] = look
-            self._looks_version += 1
+            self._appearances[segment_id] = look
+            self._appearances_version += 1
 
-    def _look_of(self, segment_id: int) -> Look:
+    def _appearance_of(self, segment_id: int) -> ShownAppearance:
         # a program beside the page may have added it
-        return self._looks.get(segment_id, look_of_number(segment_id))
+        return self._appearances.get(segment_id, appearance_of_number(segment_id))
 
-    def _colour_after(
-        self, segment_id: int, *, name: str, colour: tuple[float, float, float]
-    ) -> tuple[tuple[float, float, float], bool]:
+    def _colour_after(self, segment_id: int, *, name: str, colour: Colour) -> tuple[Colour, bool]:
         """Returns the colour of a segment that gets this name and colour, and if it is chosen.
 
         One that nobody has chosen follows the name from and to those of the body.
         """
-        before = self._look_of(segment_id)
+        before = self._appearance_of(segment_id)
         if colour != before.colour:
             # undo of a name gives its own colour back
             return colour, colour != self._own_colour(segment_id, name)
-        told = colour_of_name(name) is not None or colour_of_name(before.name) is not None
-        if name != before.name and not before.chosen and told:
+        anatomical = colour_of_name(name) is not None or colour_of_name(before.name) is not None
+        if name != before.name and not before.colour_chosen and anatomical:
             return self._own_colour(segment_id, name), False
-        return colour, before.chosen
+        return colour, before.colour_chosen
 
-    def _own_colour(self, segment_id: int, name: str) -> tuple[float, float, float]:
-        others = [look.name for other, look in self._looks.items() if other != segment_id]
+    def _own_colour(self, segment_id: int, name: str) -> Colour:
+        others = [look.name for other, look in self._appearances.items() if other != segment_id]
         return first_colour(name, others, otherwise=colour_of_number(segment_id))
 
     def _make_message(self, voxels_version: int) -> protocol.Segments:
         states = self._session.segments()
         for state in states:
             self._show_moved_as_surface(state)
-            self._show(state["id"], self._look_of(state["id"]))
+            self._show(state["id"], self._appearance_of(state["id"]))
         segments = [self._segment(state) for state in states]
         labelled = [segment.id for segment in segments if _is_labelled(segment)]
         # labels change with their voxels, and with which segments have them
@@ -269,12 +262,10 @@ class ShownSegments:
 
     def _segment(self, state: SegmentState) -> protocol.Segment:
         segment_id = state["id"]
-        look = self._look_of(segment_id)
+        look = self._appearance_of(segment_id)
         return protocol.Segment(
+            **{name: getattr(look, name) for name in SegmentAppearance.__struct_fields__},
             id=segment_id,
-            name=look.name,
-            colour=look.colour,
-            visible=look.visible,
             touchable=state["touchable"],
             locked=state["locked"],
             range=state["range"],
@@ -288,13 +279,6 @@ class ShownSegments:
             pose=state["pose"],
             bounds=_box_of(state["bounds"]),
             grid=state["grid"],
-            shown_as=look.shown_as,
-            opacity=look.opacity,
-            smoothing=look.smoothing,
-            surface_from=look.surface_from,
-            wireframe=look.wireframe,
-            ambient=look.ambient,
-            specular=look.specular,
         )
 
 
@@ -317,11 +301,11 @@ class MadeSurface(NamedTuple):
     """How the engine makes a surface."""
 
     smoothing: int
-    source: protocol.SurfaceSource
+    source: SurfaceSource
 
 
-def _surface_of(look: Look) -> MadeSurface | None:
-    """Returns how the surface that a look shows is made; None where it shows none."""
+def _surface_of(look: SegmentAppearance) -> MadeSurface | None:
+    """Returns how the surface of a segment is made; None where none is shown."""
     if not look.visible or look.shown_as == "volume":
         return None
     return MadeSurface(look.smoothing, look.surface_from)

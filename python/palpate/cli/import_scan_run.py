@@ -20,7 +20,7 @@ from palpate.io.dicomweb.address import WebAddress
 from palpate.io.dicomweb.series import RemoteSeries, fetch_series
 from palpate.io.reading import list_series
 from palpate.saved.scene_file import ENDING, save_scene
-from palpate.session.appearance import kept_looks, looks_of
+from palpate.session.appearance import appearances_of, keep_appearances
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
@@ -186,7 +186,7 @@ def beside_of(out: Path) -> Path:
 def _write_scene(scene: Scene, out: Path) -> None:
     # it stands alone: what it was read from may be a download, or a disc that goes back
     with Session(scene, options=SessionOptions(real_time=False)) as session:
-        looks = kept_looks(session, looks_of(session).__getitem__)
+        looks = keep_appearances(session, appearances_of(session).__getitem__)
         save_scene(out, session, looks=looks, copy=True)
 
 

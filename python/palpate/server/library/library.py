@@ -32,12 +32,11 @@ from palpate.saved.autosave import autosave_of, note_scene
 from palpate.saved.opening import Opening, is_scene, opening, opening_of
 from palpate.saved.recent import Recent, forget_recent, note_recent, recent_scans
 from palpate.server.answers import answered, as_json, body_of
-from palpate.server.headerless import WantedLayout, layout_told
 from palpate.server.job import Job, Tell
-from palpate.server.labels import add_labels
-from palpate.server.open_scan import OpenScan
-from palpate.server.reconstruction import WantedReconstruction, grid_told, made_of
-from palpate.server.search_results import (
+from palpate.server.library.conversions import WantedLayout, layout_told
+from palpate.server.library.opening import add_labels
+from palpate.server.library.reconstruction import WantedReconstruction, grid_told, made_of
+from palpate.server.library.search_results import (
     Finds,
     Place,
     WantedFind,
@@ -45,12 +44,13 @@ from palpate.server.search_results import (
     WantedSegments,
     path_of,
 )
-from palpate.server.upload import (
+from palpate.server.library.upload import (
     MOST_UPLOAD_BYTES,
     MOST_UPLOAD_FILES,
     Uploads,
     WantedFile,
 )
+from palpate.server.open_scan import OpenScan
 from palpate.server.workbench import Workbench
 from palpate.volumes.second_scan import placed
 

@@ -1,4 +1,4 @@
-"""Segments grown and changed on behalf of a page: each is one step of undo."""
+"""Work on segments on behalf of a page: thresholds that are dragged, growing, changes of shape."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pytest
 from palpate import protocol
 from palpate.segmentation import operations as segmentation
 from palpate.segmentation.mask_shape import margin
-from palpate.server import segment_work as server_segment_work
-from palpate.server.segment_work import SegmentWork
-from palpate.server.segments import ShownSegments
+from palpate.server.messages import segment_work as server_segment_work
+from palpate.server.messages.segment_list import SegmentList
+from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
@@ -122,9 +122,9 @@ def work_with(
     with Session(ball_scene, options=SessionOptions(real_time=False)) as session:
 
         async def ask() -> None:
-            work = SegmentWork(session, ShownSegments(session), told.append)
+            work = SegmentWork(session, SegmentList(session), told.append)
             runner = asyncio.create_task(work.run())
-            work.take(protocol.ChangeShape(id=1, kind="shrink", amount=3.0, other=None))
+            work.ask(protocol.ChangeShape(id=1, kind="shrink", amount=3.0, other=None))
             assert await asyncio.to_thread(begun.wait, PATIENCE)
             meanwhile(work, session)
             go_on.set()
@@ -140,7 +140,7 @@ def work_with(
 def test_stopped_work_changes_nothing(ball_scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(work: SegmentWork, _: Session) -> None:
         # what waits is forgotten too
-        work.take(protocol.ChangeShape(id=1, kind="shrink", amount=1.0, other=None))
+        work.ask(protocol.ChangeShape(id=1, kind="shrink", amount=1.0, other=None))
         work.stop()
 
     told, _ = work_with(ball_scene, monkeypatch, stop)
@@ -157,3 +157,87 @@ def test_an_edit_meanwhile_is_not_overwritten(
     told, _ = work_with(ball_scene, monkeypatch, edit)
     notices = [one.text for one in told if isinstance(one, protocol.Notice)]
     assert notices == ["ball was changed meanwhile; allowed: to try again"]
+
+
+def test_a_threshold_makes_a_segment_and_changes_it(server: Any) -> None:
+    with server.page() as page:
+        new = {"type": "threshold", "id": None, "name": "air", "low": -1000.0, "high": -900.0}
+        page.send(new)
+        both = page.receive("segments", until=lambda m: len(m["segments"]) == 2)["segments"]
+        assert both[1]["name"] == "air"
+        assert both[1]["voxels"] == 41**3 - both[0]["voxels"]
+        assert both[0]["colour"] != both[1]["colour"]
+
+        page.send(new | {"id": 2, "name": "all", "high": 100.0})
+        both = page.receive("segments", until=lambda m: m["segments"][1]["name"] == "all")[
+            "segments"
+        ]
+        assert both[1]["voxels"] == 41**3
+        assert both[1]["range"] == [-1000.0, 100.0]
+
+
+def test_a_drag_of_a_threshold_ends_at_its_last_position(server: Any) -> None:
+    with server.page() as page:
+        page.receive("hello")
+        for low in range(-1000, 0, 2):
+            message = {"type": "threshold", "id": 1, "name": "ball", "low": low, "high": 100.0}
+            page.send(message)
+        last = page.receive("segments", until=lambda m: m["segments"][0]["range"][0] == -2.0)
+        assert last["segments"][0]["voxels"] == int(
+            (server.session.scene.volume.array == 100).sum()
+        )
+
+
+def threshold(number: int | None, low: float) -> protocol.Threshold:
+    return protocol.Threshold(id=number, name="bone", low=low, high=1000.0)
+
+
+def thresholds_made(thresholds: list[protocol.Threshold]) -> list[protocol.Threshold]:
+    """Asks for all but the first while the first is being made; returns what was made."""
+    begun, all_asked = Event(), Event()
+    done: list[protocol.Threshold] = []
+
+    def work(one: protocol.Threshold) -> None:
+        begun.set()
+        # a limit, so that a test that fails does not hang
+        assert all_asked.wait(60.0)
+        done.append(one)
+
+    async def ask() -> None:
+        jobs = ThresholdJobs(work)
+        runner = asyncio.create_task(jobs.run())
+        first, *others = thresholds
+        jobs.ask(first)
+        assert await asyncio.to_thread(begun.wait, 60.0)
+        for one in others:
+            jobs.ask(one)
+            # the runner would begin the next one here, if it did not wait
+            await asyncio.sleep(0)
+        all_asked.set()
+        while thresholds[-1] not in done:
+            await asyncio.sleep(0.001)
+        runner.cancel()
+
+    asyncio.run(asyncio.wait_for(ask(), 60.0))
+    return done
+
+
+def test_a_drag_makes_the_threshold_it_began_with_and_the_last() -> None:
+    drag = [threshold(1, float(low)) for low in range(200)]
+    assert thresholds_made(drag) == [drag[0], drag[-1]]
+
+
+def test_drags_of_two_segments_do_not_replace_each_other() -> None:
+    drags = [
+        threshold(1, 0.0),
+        threshold(2, 1.0),
+        threshold(3, 2.0),
+        threshold(2, 3.0),
+        threshold(1, 4.0),
+    ]
+    assert thresholds_made(drags) == [drags[0], drags[2], drags[3], drags[4]]
+
+
+def test_new_segments_are_all_made() -> None:
+    new = [threshold(None, float(low)) for low in range(5)]
+    assert thresholds_made(new) == new

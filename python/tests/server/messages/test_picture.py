@@ -11,9 +11,9 @@ import pytest
 from made_scans import make_ball
 from palpate import protocol
 from palpate.server import live as server_live
-from palpate.server import outbox as server_outbox
-from palpate.server.outbox import Box, Outbox
-from palpate.server.picture import ToldPicture, labels_anew, voxel_slabs
+from palpate.server.messages import outbox as server_outbox
+from palpate.server.messages.outbox import Box, Outbox
+from palpate.server.messages.picture import PublishedPicture, label_messages, voxel_slabs
 from palpate.session.picture_change import PictureChange
 from palpate.session.session import Session
 from running_server import PATIENCE, Page, RunningServer, running, write_page
@@ -151,7 +151,7 @@ def test_a_page_that_does_not_read_while_edits_run_is_right_in_the_end_and_slows
 
 
 def test_a_box_is_told_in_slabs_of_whole_slices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("palpate.server.picture.MOST_VOXELS", 100)
+    monkeypatch.setattr("palpate.server.messages.picture.MOST_VOXELS", 100)
     array = np.arange(10 * 11 * 12, dtype="<i2").reshape(10, 11, 12)
     box = Box((1, 2, 3), (7, 9, 10))
     slabs = list(voxel_slabs(box, array))
@@ -163,27 +163,27 @@ def test_a_box_is_told_in_slabs_of_whole_slices(monkeypatch: pytest.MonkeyPatch)
 
 def test_values_follow_edits_and_those_of_the_scan_stay() -> None:
     scan = np.zeros((4, 5, 6), np.int16)
-    picture = ToldPicture(scan)
+    picture = PublishedPicture(scan)
     stored = np.arange(2 * 3 * 4, dtype="<i2")
     box = protocol.ChangedVoxels((1, 2, 1), (5, 5, 3), stored.tobytes(), None)
     picture.take(protocol.Changed(edit=7, applied=None, voxels=[box], surfaces=[]))
     np.testing.assert_array_equal(picture.values[1:3, 2:5, 1:5], stored.reshape(2, 3, 4))
     assert picture.values.sum() == stored.sum()
     assert not scan.any()
-    (told,) = picture.values_anew(Box((1, 2, 1), (5, 5, 3)), edit=7)
+    (told,) = picture.value_messages(Box((1, 2, 1), (5, 5, 3)), edit=7)
     assert told.edit == 7
     assert told.voxels == [box]
 
 
 def test_labels_of_a_box_are_told_as_they_are() -> None:
     labels = np.arange(4 * 5 * 6, dtype=np.uint8).reshape(4, 5, 6)
-    (told,) = labels_anew(Box((0, 1, 2), (6, 2, 3)), labels, edit=3)
+    (told,) = label_messages(Box((0, 1, 2), (6, 2, 3)), labels, edit=3)
     assert told.voxels[0].labels == labels[2:3, 1:2].tobytes()
     assert told.voxels[0].stored is None
 
 
 def test_a_surface_that_is_gone_is_forgotten() -> None:
-    picture = ToldPicture(np.zeros((2, 2, 2), np.int16))
+    picture = PublishedPicture(np.zeros((2, 2, 2), np.int16))
     gone = protocol.SegmentSurface(5, whole=True, dropped=[], patches=[])
     picture.take(protocol.Changed(edit=1, applied=None, voxels=[], surfaces=[gone]))
     whole: PictureChange = {
@@ -193,7 +193,31 @@ def test_a_surface_that_is_gone_is_forgotten() -> None:
         "surfaces": [],
         "displaced": None,
     }
-    (told,) = picture.surfaces_anew(whole, edit=1)
+    (told,) = picture.surface_messages(whole, edit=1)
     assert told.surfaces == [gone]
     # a page that is new is told nothing where there never was a surface
-    assert list(ToldPicture(np.zeros((2, 2, 2), np.int16)).surfaces_anew(whole, edit=1)) == []
+    assert (
+        list(PublishedPicture(np.zeros((2, 2, 2), np.int16)).surface_messages(whole, edit=1)) == []
+    )
+
+
+def test_the_slowest_page_says_how_often_surfaces_follow(server: Any) -> None:
+    asked: list[int] = []
+    follow = server.session.follow_edits
+
+    def noted(every: int) -> None:
+        asked.append(every)
+        follow(every)
+
+    server.session.follow_edits = noted
+    with server.page() as quick:
+        with server.page() as slow:
+            slow.send({"type": "follow_edits", "every": 4})
+            quick.receive("state", until=lambda _: asked == [4])
+            quick.send({"type": "follow_edits", "every": 2})
+            quick.receive("state", until=lambda _: asked == [4, 4])
+        # the slow one leaves
+        quick.receive("state", until=lambda _: asked[-1] == 2)
+        quick.send({"type": "follow_edits", "every": 5})
+        refused = quick.receive("notice", until=lambda m: m["level"] == "error")
+        assert "<= 4" in refused["text"]

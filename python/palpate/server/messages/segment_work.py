@@ -1,7 +1,9 @@
-"""Work on segments that takes its time: growing them, and changing their shape.
+"""Messages on segments whose work takes its time: thresholds, growing, changes of shape.
 
-One piece after another is done beside the event loop. A person may stop it: what is not finished
-then changes nothing.
+It is done beside the event loop. Of thresholds that are dragged the latest goes first: while one is
+computed, newer ones for the same segment replace each other; so a drag of any speed costs at most
+one threshold at a time, and its last position always arrives. All other work is done in the order
+it was asked for, and can be stopped: what is not finished then changes nothing.
 """
 
 from __future__ import annotations
@@ -22,13 +24,44 @@ from palpate.segmentation.operations import (
     otsu,
     smoothed_together,
 )
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
+from palpate.server.messages.table import MessageTable, Runs
 from palpate.session.session import Session
 from palpate.volumes.segment import Segment
 
-__all__ = ["SegmentWork", "Wanted"]
+__all__ = ["SegmentWork", "ThresholdJobs", "Wanted"]
 
 Wanted = protocol.Otsu | protocol.GrowSegment | protocol.GrowSeeds | protocol.ChangeShape
+
+
+class ThresholdJobs:
+    """Waiting thresholds, at most one per segment and any number of new ones."""
+
+    def __init__(self, work: Callable[[protocol.Threshold], None]) -> None:
+        """Takes the function that makes a threshold, which may take its time."""
+        self._work = work
+        self._waiting: list[protocol.Threshold] = []
+        self._filled = asyncio.Event()
+
+    def add_to(self, table: MessageTable) -> None:
+        """Adds the row of thresholds."""
+        table.add(protocol.Threshold, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+
+    def ask(self, threshold: protocol.Threshold) -> None:
+        """Adds a threshold; it replaces one that waits for the same segment."""
+        if threshold.id is not None:
+            self._waiting = [other for other in self._waiting if other.id != threshold.id]
+        self._waiting.append(threshold)
+        self._filled.set()
+
+    async def run(self) -> None:
+        """Makes thresholds until it is cancelled."""
+        while True:
+            await self._filled.wait()
+            threshold = self._waiting.pop(0)
+            if not self._waiting:
+                self._filled.clear()
+            await asyncio.to_thread(self._work, threshold)
 
 
 class StoppedError(Exception):
@@ -41,7 +74,7 @@ class SegmentWork:
     def __init__(
         self,
         session: Session,
-        segments: ShownSegments,
+        segments: SegmentList,
         tell: Callable[[protocol.ToPage], None],
     ) -> None:
         """Takes where messages go, which may come from any thread."""
@@ -52,22 +85,18 @@ class SegmentWork:
         self._filled = asyncio.Event()
         self._stops = 0
 
-    def take(self, message: protocol.FromPage) -> bool:
-        """Adds what a page asks for, or stops; says whether the message was for this."""
-        match message:
-            case protocol.StopSegmentWork():
-                self.stop()
-            case (
-                protocol.Otsu()
-                | protocol.GrowSegment()
-                | protocol.GrowSeeds()
-                | protocol.ChangeShape()
-            ):
-                self._waiting.append(message)
-                self._filled.set()
-            case _:
-                return False
-        return True
+    def add_to(self, table: MessageTable) -> None:
+        """Adds the rows of the work."""
+        table.add(protocol.Otsu, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.GrowSegment, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.GrowSeeds, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.ChangeShape, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.StopSegmentWork, lambda _message, _: self.stop(), runs=Runs.ON_LOOP)
+
+    def ask(self, wanted: Wanted) -> None:
+        """Adds a piece of work; it is done after those that wait."""
+        self._waiting.append(wanted)
+        self._filled.set()
 
     def stop(self) -> None:
         """Stops what is done as soon as it can be, and forgets what waits."""

@@ -14,7 +14,7 @@ import pytest
 import SimpleITK
 from orthanc import orthanc
 from palpate.saved.recent import recent_scans
-from palpate.server import upload as server_upload
+from palpate.server.library import upload as server_upload
 from running_server import PATIENCE, LibraryClient
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from palpate import protocol
 from palpate.base.package_version import package_version
 from palpate.segmentation.threshold_presets import PRESETS
-from palpate.server.soft_tissue import models, presets
+from palpate.server.messages.soft_tissue import models, presets
 from palpate.session.session import Session
 from palpate.volumes.volume import Volume
 

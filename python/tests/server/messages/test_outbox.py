@@ -8,8 +8,8 @@ from typing import Any
 import msgspec
 import pytest
 from palpate import protocol
-from palpate.server import outbox as server_outbox
-from palpate.server.outbox import MOST_NOTICES, MOST_SAMPLES, Box, Missed, Outbox
+from palpate.server.messages import outbox as server_outbox
+from palpate.server.messages.outbox import MOST_NOTICES, MOST_SAMPLES, Box, Missed, Outbox
 
 RATE = protocol.Rate(asked_hz=1000.0, hz=1000.0, ticks=1, late=0, worst_late_ms=0.0)
 ZERO = (0.0, 0.0, 0.0)

@@ -12,7 +12,7 @@ import pytest
 import SimpleITK
 from numpy.typing import NDArray
 from palpate import SearchOptions
-from palpate.server import registration as server_registration
+from palpate.server.messages import registration as server_registration
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.volume import Volume

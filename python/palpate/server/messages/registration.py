@@ -30,6 +30,8 @@ from palpate.registration.registration import (
     write_transform,
 )
 from palpate.server.download import file_name, file_response, refusal
+from palpate.server.messages.outbox import Outbox
+from palpate.server.messages.table import MessageTable, Runs
 from palpate.session.session import Session
 from palpate.volumes.second_scan import SecondScan, placed
 from palpate.volumes.volume import Volume
@@ -108,26 +110,13 @@ class Registering:
         """How far it is; pages are told of each other one."""
         self._restart(session.scene.second)
 
-    def take(self, message: protocol.FromPage) -> bool:
-        """Does what a page asks for, or begins it; says whether the message was for this.
-
-        Raises:
-            OptionError: It cannot be done now.
-        """
-        match message:
-            case protocol.Register():
-                self._begin(message)
-            case protocol.StopRegistration():
-                self.stop()
-            case protocol.ShowRegistration(which):
-                self._go(self._at, before=which == "before")
-            case protocol.UndoRegistration():
-                self._go(self._at - 1, before=False)
-            case protocol.RedoRegistration():
-                self._go(self._at + 1, before=False)
-            case _:
-                return False
-        return True
+    def add_to(self, table: MessageTable) -> None:
+        """Adds the rows of registration."""
+        table.add(protocol.Register, self._begin, runs=Runs.BESIDE)
+        table.add(protocol.StopRegistration, self._stop, runs=Runs.ON_LOOP)
+        table.add(protocol.ShowRegistration, self._show_which, runs=Runs.ON_LOOP)
+        table.add(protocol.UndoRegistration, self._undo, runs=Runs.ON_LOOP)
+        table.add(protocol.RedoRegistration, self._redo, runs=Runs.ON_LOOP)
 
     def stop(self) -> None:
         """Stops what runs as soon as it can be."""
@@ -152,9 +141,23 @@ class Registering:
             called="registration's file",
         )
 
+    # --- messages -------------------------------------------------------------------------
+
+    def _stop(self, _message: protocol.StopRegistration, _: Outbox) -> None:
+        self.stop()
+
+    def _show_which(self, message: protocol.ShowRegistration, _: Outbox) -> None:
+        self._go(self._at, before=message.which == "before")
+
+    def _undo(self, _message: protocol.UndoRegistration, _: Outbox) -> None:
+        self._go(self._at - 1, before=False)
+
+    def _redo(self, _message: protocol.RedoRegistration, _: Outbox) -> None:
+        self._go(self._at + 1, before=False)
+
     # --- the search -----------------------------------------------------------------------
 
-    def _begin(self, wanted: protocol.Register) -> None:
+    def _begin(self, wanted: protocol.Register, _: Outbox) -> None:
         if not self._places:
             raise OptionError("there is no second scan; allowed: after one is shown with the first")
         if self._task is not None and not self._task.done():

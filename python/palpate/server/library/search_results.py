@@ -25,9 +25,9 @@ from palpate.labels.kind import labels_told
 from palpate.reconstruction.projections import ProjectionStack, are_projections, stack_at
 from palpate.saved.autosave import Autosave
 from palpate.saved.opening import is_scene
-from palpate.server.headerless import Bare, bare_pictures, bare_raw, bare_told
 from palpate.server.job import Tell
-from palpate.server.reconstruction import told_of
+from palpate.server.library.conversions import Bare, bare_pictures, bare_raw, bare_told
+from palpate.server.library.reconstruction import told_of
 from palpate.volumes.volume import Volume
 
 __all__ = ["Finds", "Place", "WantedFind", "WantedScan", "WantedSegments", "path_of"]
