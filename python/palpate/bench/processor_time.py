@@ -1,6 +1,6 @@
-"""Processor time of a running browser, by what its processes are for: as Linux's kernel tells it.
+"""Processor time of a running browser by the role of its processes, as the Linux kernel reports it.
 
-On a busy machine it tells more than the clock: others make a page wait, not work more.
+On a busy machine it says more than elapsed time: other programs make a page wait, not work more.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ PROC = Path("/proc")
 
 
 def spent(browser: int) -> dict[str, float]:
-    """Returns what a browser's processes have used until now [s]; nothing where no kernel tells.
+    """Returns the processor time of a browser's processes until now [s]; empty on other systems.
 
-    ``page`` runs scripts, lays out and paints, ``graphics`` is the process of the GPU, which draws
-    in software where there is none. What has ended is no longer counted.
+    ``page`` runs scripts, lays out and paints; ``graphics`` is the GPU process, which draws in
+    software where there is no GPU. Processes that have ended do not count.
     """
     if not PROC.is_dir():
         return {}
@@ -40,7 +40,7 @@ def _is_below(number: int, browser: int, told: dict[int, tuple[int, float]]) -> 
 
 
 def _stat(number: int) -> tuple[int, float] | None:
-    """Returns a process's parent and its time [s]; None where it has ended meanwhile."""
+    """Returns the parent and the time of a process [s]; None where it has ended meanwhile."""
     try:
         stat = (PROC / str(number) / "stat").read_text(encoding="utf-8", errors="replace")
     except OSError:

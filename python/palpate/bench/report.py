@@ -1,4 +1,4 @@
-"""Rows of figures: as a table for people, as JSON for programs."""
+"""Rows of figures: as a table, and as JSON."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Row", "print_rows", "row_of", "rows_told", "write_rows"]
 
 @dataclass(frozen=True)
 class Row:
-    """One figure, and the goal it is held against."""
+    """One figure and its goal."""
 
     case: str
     metric: str
@@ -32,13 +32,13 @@ class Row:
 
 
 def row_of(goal: Goal, report: dict[str, float]) -> Row:
-    """Returns the figure that a goal asks for, from the engine's report."""
+    """Returns the figure of a goal from the engine's report."""
     value = report[goal.key] * goal.scale
     return Row(goal.case, goal.metric, value, goal.unit, goal.goal, goal.better)
 
 
 def rows_told(goals: Iterable[Goal], report: dict[str, dict[str, float]]) -> list[Row]:
-    """Returns those of the rows of which a report, figures by case, tells."""
+    """Returns the rows of the goals that a report has figures for."""
     return [
         row_of(goal, report[goal.case]) for goal in goals if goal.key in report.get(goal.case, {})
     ]

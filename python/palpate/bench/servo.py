@@ -1,9 +1,9 @@
-"""``palpate bench servo``: how late the ticks of the real servo thread begin.
+"""``palpate bench servo``: lateness of the ticks of the real servo thread.
 
-A session on the built-in phantom runs at each rate: at rest and beside processes that keep all
-cores busy, while the hand is led in circles through the bone; and with the lattice at work, while
-it is led into the liver and out again. Lateness is counted by the thread itself, in bins; quantiles
-are read off between the ends of a bin.
+A session on the built-in phantom runs at each rate: at rest and while other processes keep all
+cores busy, with the hand moving in circles through bone; and with the lattice at work, with the
+hand moving into the liver and out again. The thread itself counts its lateness, in bins; quantiles
+are interpolated between the ends of a bin.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ __all__ = ["Lateness", "measure", "rows_of", "told"]
 LEAST_SECONDS = 0.1
 MOST_SECONDS = 3600.0
 HAND_RATE = 60.0
-"""Hand targets a second, as a page sends them."""
+"""Hand targets per second, as a page sends them."""
 BAR = 40
-"""Letters of the longest bar of a histogram."""
+"""Characters of the longest bar of a histogram."""
 
 
 @dataclass(frozen=True)
 class Lateness:
-    """How late the servo was in one case."""
+    """Lateness of the servo in one case."""
 
     case: str
     real_time: bool
@@ -50,16 +50,16 @@ class Lateness:
     ticks: int
     missed: int
     late: int
-    """Ticks that began more than 2 ms late, or fell out when that late."""
+    """Ticks that began more than 2 ms late, or were left out when that late."""
     ends_us: tuple[int, ...]
     """Upper ends of the bins [µs]; one more bin holds the rest."""
     counts: tuple[int, ...]
     worst_ms: float
     answers_hz: float = 0.0
-    """How often a model of deformation answered [1/s]."""
+    """Answers of the deformation model per second."""
 
     def quantile_ms(self, share: float) -> float:
-        """Returns the lateness [ms] that this share of the ticks keeps below."""
+        """Returns the lateness [ms] that this fraction of the ticks does not exceed."""
         ends = [*(end / 1000.0 for end in self.ends_us), math.inf]
         begins = [0.0, *ends[:-1]]
         left = share * sum(self.counts)
@@ -71,7 +71,7 @@ class Lateness:
         return self.worst_ms
 
     def report(self) -> dict[str, float]:
-        """Returns the figures that rows are made of."""
+        """Returns the figures of the rows."""
         return {
             "p50_ms": self.quantile_ms(0.5),
             "p99_ms": self.quantile_ms(0.99),
@@ -85,11 +85,11 @@ class Lateness:
 
 @dataclass(frozen=True)
 class Way:
-    """A circle on which the hand is led, patient frame LPS [mm]."""
+    """A circle of the hand, patient frame LPS [mm]."""
 
     centre: NDArray[np.float64]
     arms: tuple[NDArray[np.float64], NDArray[np.float64]]
-    """From its middle to two of its points, a right angle apart."""
+    """From its centre to two of its points, at a right angle."""
 
     def at(self, angle: float) -> tuple[float, float, float]:
         """Returns the point at an angle [rad]."""
@@ -98,7 +98,11 @@ class Way:
 
 
 def measure(seconds: float, progress: Progress = silent) -> list[Lateness]:
-    """Measures every rate and load, each for so long [s].
+    """Measures every rate and load.
+
+    Args:
+        seconds: Duration of each case [s].
+        progress: Takes the progress.
 
     Raises:
         OptionError: The time is not allowed.
@@ -146,7 +150,7 @@ def _through_bone(made: Phantom) -> Way:
 
 
 def _into_liver(made: Phantom) -> Way:
-    """Returns a circle half in the liver and half before it, about the front of its middle."""
+    """Returns a circle half inside the liver and half in front of it."""
     liver = np.argwhere(made.labels == made.names["liver"])
     z, _, x = np.round(liver.mean(axis=0)).astype(int).tolist()
     front = liver[(liver[:, 0] == z) & (liver[:, 2] == x), 1].min()
@@ -156,7 +160,7 @@ def _into_liver(made: Phantom) -> Way:
 def _way(
     made: Phantom, middle: list[float], radius: float, *, across: tuple[float, float, float]
 ) -> Way:
-    """Returns an upright circle about a place of the grid [voxels], its radius in mm."""
+    """Returns an upright circle around a place of the grid [voxels], with a radius in mm."""
     centre = (made.volume.patient_from_grid @ [*middle, 1.0])[:3]
     return Way(centre, (radius * np.array(across), radius * np.array([0.0, 0.0, 1.0])))
 
@@ -193,7 +197,7 @@ def _busy(count: int) -> Iterator[None]:
 
 
 def rows_of(found: Sequence[Lateness]) -> list[Row]:
-    """Returns the figures; without real-time priority nothing is held against a goal."""
+    """Returns the rows; without real-time priority they have no goals."""
     by_case = {one.case: one for one in found}
     rows = []
     for goal in GOALS["servo"]:
