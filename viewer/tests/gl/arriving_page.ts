@@ -31,7 +31,7 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
   // nothing fits into so short a frame: while the view moves it would be as coarse as it gets
   picture.setQuality({ ...firstQuality(true), frameBudget: 0.01 });
   picture.setScan(coarse, brickRanges(coarse));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   picture.resize(edge, edge, { x: edge / 2, y: 0, width: edge / 2, height: edge });
   picture.setSliceLook({ window: 2000, level: 0, slab: 0, slabMode: "mean", fill: 0, outline: 0 });

@@ -6,7 +6,7 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import { keptSpan, planesOf, type Clip, type Plane } from "../../src/core/view/clip";
 import { frameOf } from "../../src/core/scan/scan_volume";
 import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/geometry/vector";
-import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../src/core/base/colour";
 import { keyLight } from "../../src/gl/march/key_light";
 import { scanOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";

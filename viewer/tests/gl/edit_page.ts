@@ -52,7 +52,7 @@ export async function edit(test: EditTest): Promise<EditResult> {
   const open = (): ReturnType<typeof pictureOf> => {
     const drawn = pictureOf(false);
     drawn.picture.setScan(volume, held.bricks);
-    drawn.picture.setLook(lookOf(test.scan));
+    drawn.picture.setAppearance(lookOf(test.scan));
     drawn.picture.setCamera(lookFrom(test.scan.from, extent, viewport), extent);
     edits.showAll(drawn.picture);
     drawn.picture.setSegments(segments);

@@ -56,7 +56,7 @@ export function light(test: LightTest): LightResult {
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher({ software: true, lightCells: 32 });
   marcher.setField(field, bricks);
-  marcher.setLook({
+  marcher.setAppearance({
     // straight in the value, so that what lies between two voxels keeps what both do
     transferFunction: {
       points: [

@@ -35,7 +35,7 @@ export async function programs(test: MarchTest, software: boolean): Promise<Prog
     const volume = fieldOf(test);
     const extent = outlineOf(test);
     picture.setScan(volume, bricksOf(volume, true));
-    picture.setLook(lookOf(test));
+    picture.setAppearance(lookOf(test));
     picture.setCamera(viewOf(test, extent), extent);
     await until(() => picture.hasPicture);
     const awaited = links;

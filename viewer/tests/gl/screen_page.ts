@@ -106,7 +106,7 @@ export async function refined(test: MarchTest, quality: Quality): Promise<{ read
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), quality });
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   const pixels = await finished(drawn);
   const { shown } = picture;
@@ -167,13 +167,13 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
     picture.resize(edge, edge);
   }
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   const view = viewOf(test, extent);
   picture.setCamera({ ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind }, extent);
   picture.setClip(test.clip ?? []);
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
-    picture.setGives(true);
+    picture.setDeforming(true);
     picture.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
   }
   if (markers !== undefined) {
@@ -193,7 +193,7 @@ export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ rea
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), frameBudget: 1e-3 });
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough([]) });
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
@@ -217,7 +217,7 @@ export async function withoutFrames(test: MarchTest, software: boolean): Promise
   const extent = outlineOf(test);
   const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
   // on a busy machine a piece may take longer than any pause
@@ -257,7 +257,7 @@ export async function turned(test: MarchTest, probes: readonly Vec3[], marks: re
     const drawn = pictureOf(false, true);
     drawn.picture.resize(size, size);
     drawn.picture.setScan(volume, bricksOf(volume, true));
-    drawn.picture.setLook(lookOf(test));
+    drawn.picture.setAppearance(lookOf(test));
     drawn.picture.setMarks(shown);
     return drawn;
   };
@@ -288,7 +288,7 @@ async function atWork({ scan: test, surfaces = [] }: ScreenTest): Promise<Return
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   showSurfaces(picture, surfaces);
   await finished(drawn);

@@ -10,7 +10,7 @@ import { shadedOptics, type Blend } from "../../src/core/appearance/optics";
 import type { SecondLook } from "../../src/core/second/second_scan";
 import type { TransferFunction } from "../../src/core/appearance/transfer_function";
 import { FieldTexture } from "../../src/gl/textures/field_texture";
-import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { scanOf, volumeOf } from "../support/volumes";
 import type { MarchResult } from "./scenes_page";
@@ -59,7 +59,7 @@ export function second(test: SecondTest): MarchResult[] {
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher();
   marcher.setField(field, brickRanges(volume));
-  marcher.setLook({
+  marcher.setAppearance({
     transferFunction: everywhere(test.first, [1, 0, 0]),
     ranges: [],
     edgeGradient: 40,

@@ -21,7 +21,7 @@ export async function snapshot(
   const view = viewOf(test, extent);
   const camera = { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind };
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   picture.setCamera(camera, extent);
   showSurfaces(picture, surfaces);
   const before = await finished(drawn);
@@ -45,7 +45,7 @@ export async function cancelled(test: MarchTest): Promise<string> {
   const extent = outlineOf(test);
   const camera = viewOf(test, extent);
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(lookOf(test));
   picture.setCamera(camera, extent);
   while (!picture.hasPicture) {
     picture.advance(performance.now());

@@ -10,7 +10,7 @@ import { decodeSurface } from "../../src/core/surfaces/surface_patches";
 import type { Vec3 } from "../../src/core/geometry/vector";
 import { FieldTexture } from "../../src/gl/textures/field_texture";
 import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures";
-import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { Surfaces } from "../../src/gl/surfaces/surfaces";
 import { ThreeCamera } from "../../src/gl/picture/three_camera";
@@ -33,7 +33,7 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher({ software: test.software ?? true, lightCells: 64 });
   marcher.setField(field, brickRanges(volume));
-  marcher.setLook(lookOf(test));
+  marcher.setAppearance(lookOf(test));
   const surfaces = new Surfaces(marcher, true);
   surfaces.setFrame(volume.frame);
   surfaces.setSegments(segmentsOf(balls), modes);
@@ -73,7 +73,7 @@ export function embodied(test: MarchTest, balls: readonly SurfaceTest[], modes: 
   const bench = surfaceBench(test, balls, view, modes);
   const { marcher, volume, close } = bench;
   const segments = segmentsOf(balls);
-  marcher.setLook({ ...lookOf(test), ranges: rangesInside(shownRanges(segments, volume.frame.rescale), modes) });
+  marcher.setAppearance({ ...lookOf(test), ranges: rangesInside(shownRanges(segments, volume.frame.rescale), modes) });
   marcher.setClip(test.clip ?? []);
   bench.surfaces.setClip(test.clip ?? []);
   if (segments.some(({ range }) => range === null)) {

@@ -2,7 +2,7 @@
  * A transfer function as people draw it: points of opacity and stops of colour over the values.
  * Opacity is that of 1 mm of tissue, so it does not depend on the ray's step.
  */
-import { hexFromSrgb, linearFromHex, srgbFromLinear } from "./colour";
+import { hexFromSrgb, linearFromHex, srgbFromLinear } from "../base/colour";
 import { sample, type ControlPoint, type TransferFunction } from "./transfer_function";
 
 export interface OpacityPoint {

@@ -5,7 +5,7 @@
  * range: a visible one is a solid surface in its colour, a hidden one is left out of the
  * picture. Where both claim a value, the visible one wins.
  */
-import { linearFromSrgb } from "../appearance/colour";
+import { linearFromSrgb } from "../base/colour";
 import type { Segment } from "../protocol";
 import { biasedRange, type Rescale } from "../scan/stored_values";
 import type { Vec3 } from "../geometry/vector";

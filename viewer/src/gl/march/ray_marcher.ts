@@ -27,9 +27,9 @@ import { transferTextures } from "../textures/lookup_textures";
 import { LightVolume } from "./light_volume";
 import { MarchProgram } from "./march_program";
 import { lookFrom, marchUniforms, standAt, type FieldUniform, type MarchUniforms } from "./march_uniforms";
-import type { PictureTarget } from "../picture/picture_target";
+import type { PictureTarget } from "../base/picture_target";
 import { SecondTexture, type ShownSecond } from "../textures/second_texture";
-import type { SurfaceLayers } from "../surfaces/surface_layers";
+import type { SurfaceLayers } from "../textures/surface_layers";
 
 export interface MarchQuality {
   /** Steps per smallest voxel edge. */
@@ -77,7 +77,7 @@ export class RayMarcher {
   /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
   private layers = -1;
   /** Whether tissue may be displaced from its voxels. */
-  private gives = false;
+  private deforming = false;
   private withSecond = false;
   /** Of the look on which the light was worked out. */
   private opacity = "";
@@ -139,7 +139,7 @@ export class RayMarcher {
   }
 
   /** Shows the scan in another way. */
-  setLook(look: Appearance): void {
+  setAppearance(look: Appearance): void {
     if (this.frame === null) {
       return;
     }
@@ -231,9 +231,9 @@ export class RayMarcher {
    * Whether a model of deformation is at work: then shaders look for displacements, else they
    * know of none.
    */
-  setGives(gives: boolean): void {
-    if (gives !== this.gives) {
-      this.gives = gives;
+  setDeforming(deforming: boolean): void {
+    if (deforming !== this.deforming) {
+      this.deforming = deforming;
       this.compile();
     }
   }
@@ -291,9 +291,9 @@ export class RayMarcher {
 
   /** Corners of a box that holds all that is drawn of the scan; scene [mm]. Null where something may be drawn anywhere. */
   get outline(): readonly Vec3[] | null {
-    const { empty, frame, gives, step, withSecond } = this;
+    const { empty, frame, deforming, step, withSecond } = this;
     const { bounds } = empty;
-    if (frame === null || bounds === null || gives || withSecond) {
+    if (frame === null || bounds === null || deforming || withSecond) {
       return null;
     }
     // as `standAt` places bricks; with a voxel around them, by which smooth surfaces leave theirs at most
@@ -329,7 +329,7 @@ export class RayMarcher {
     return {
       [this.format]: "",
       ...(!this.labelled ? {} : { LABELS: "" }),
-      ...(this.gives ? { DISPLACED: "" } : {}),
+      ...(this.deforming ? { DISPLACED: "" } : {}),
     };
   }
 
@@ -388,7 +388,7 @@ export class RayMarcher {
 
   /** A scan alone is shown by a light program too, in modes of which most looks are. */
   private get lightVariant(): Record<string, string> | null {
-    const alone = this.layers < 0 && !this.labelled && !this.gives && !this.withSecond;
+    const alone = this.layers < 0 && !this.labelled && !this.deforming && !this.withSecond;
     const simple = alone && (this.mode === "shaded" || this.mode === "composite");
     return simple ? { [this.format]: "", LAYERS: "0", FIRST: "", ...this.blendDefine } : null;
   }

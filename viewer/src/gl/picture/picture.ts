@@ -63,7 +63,7 @@ export class Picture {
   /** The GPU has the programs for a first picture, or cannot have them before it. */
   private prepared = false;
   private quality: QualityChoice;
-  private gives = false;
+  private deforming = false;
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
   private begun = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
@@ -180,9 +180,9 @@ export class Picture {
     }
   }
 
-  setLook(look: Appearance): void {
-    this.marcher.setLook(look);
-    this.compositor.bendsHighlights = !isGrey(look.optics.blend);
+  setAppearance(appearance: Appearance): void {
+    this.marcher.setAppearance(appearance);
+    this.compositor.bendsHighlights = !isGrey(appearance.optics.blend);
     this.refiner.restart();
   }
 
@@ -239,10 +239,10 @@ export class Picture {
   }
 
   /** Whether a model of deformation is at work: only then tissue can be displaced. */
-  setGives(gives: boolean): void {
-    if (gives !== this.gives) {
-      this.gives = gives;
-      this.marcher.setGives(gives);
+  setDeforming(on: boolean): void {
+    if (on !== this.deforming) {
+      this.deforming = on;
+      this.marcher.setDeforming(on);
       this.slices.follow(this.scan.frame);
       this.refiner.restart();
     }

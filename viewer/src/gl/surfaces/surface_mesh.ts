@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { columnMajor, linearColumnMajor, type Affine } from "../../core/geometry/affine";
 import { CoarseSurface } from "../../core/surfaces/coarse_surface";
-import { linearFromSrgb } from "../../core/appearance/colour";
+import { linearFromSrgb } from "../../core/base/colour";
 import type { Detail } from "../../core/view/draw_budget";
 import type { Segment } from "../../core/protocol";
 import type { ScanFrame } from "../../core/scan/scan_volume";

@@ -18,7 +18,7 @@ import type { HandControl } from "../features/touch/hand_control.svelte";
 import { anatomy } from "../features/appearance/appearance_control.svelte";
 import { qualityNames } from "../features/view/quality_names";
 import type { Session } from "../state/session.svelte";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 import { stereoNames } from "../features/view/stereo_names";
 import { themes, type ThemeControl } from "../theme/theme.svelte";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
@@ -102,13 +102,13 @@ function look({ session, stage }: ActionTargets): readonly Action[] {
       group,
       name: `Draw as ${blendNames[blend].name}`,
       keys: [],
-      run: () => { stage.looks.choose("blend", blend); },
+      run: () => { stage.appearance.choose("blend", blend); },
     }) as const),
     ...[anatomy, ...presets.map(({ name }) => name)].map((name) => ({
       group,
       name: `Transfer function ${name}`,
       keys: [],
-      run: () => { stage.looks.usePreset(name); },
+      run: () => { stage.appearance.usePreset(name); },
     }) as const),
   ];
 }
@@ -116,17 +116,17 @@ function look({ session, stage }: ActionTargets): readonly Action[] {
 /** How the picture is made, cut and kept. */
 function picture({ stage, page }: ActionTargets): readonly Action[] {
   const group = "Look";
-  const { clips, images, looks } = stage;
+  const { appearance, clips, images } = stage;
   const drawable = (): boolean => stage.view.camera !== null && images.job === null;
-  const lit = (): boolean => looks.choice?.blend === "shaded";
+  const lit = (): boolean => appearance.choice?.blend === "shaded";
   return [
     { group, name: "Import a transfer function of 3D Slicer", keys: [], run: page.preset },
     {
       group,
       name: "Lighting on, off",
       keys: [],
-      ready: () => lit() || looks.choice?.blend === "composite",
-      run: () => { looks.choose("blend", lit() ? "composite" : "shaded"); },
+      ready: () => lit() || appearance.choice?.blend === "composite",
+      run: () => { appearance.choose("blend", lit() ? "composite" : "shaded"); },
     },
     ...qualities.map((quality) => ({
       group,

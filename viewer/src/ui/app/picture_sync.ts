@@ -1,5 +1,5 @@
 /**
- * Hands slices, clip planes, marks, the second scan and how fine all is drawn to the picture as they change, and
+ * Passes slices, clip planes, marks, the second scan and how fine all is drawn to the picture as they change, and
  * knows whether it has them.
  */
 import type { Plane } from "../../core/view/clip";
@@ -17,7 +17,8 @@ import type { SliceControl } from "../features/slices/slice_control.svelte";
 /** Between two drawings of slices where the CPU draws [ms]. */
 const slicePause = 60;
 
-interface Views {
+/** Controls whose state is passed on. */
+export interface SyncedControls {
   readonly slices: SliceControl;
   readonly quality: QualityControl;
   readonly clips: ClipControl;
@@ -36,7 +37,7 @@ export class PictureSync {
 
   /** @param software whether the CPU draws. */
   constructor(
-    private readonly views: Views,
+    private readonly controls: SyncedControls,
     private readonly software: boolean,
   ) {}
 
@@ -52,15 +53,15 @@ export class PictureSync {
 
   /** Whether the picture has all that is to be seen. */
   get isWhole(): boolean {
-    const { clips, marks, quality, second, slices } = this.views;
+    const { clips, marks, quality, second, slices } = this.controls;
     const sliced = slices.shown === this.slices && slices.look === this.sliceLook;
     return sliced && quality.choice === this.quality && clips.cutting === this.clip && marks.lines === this.marks && second.shown === this.second && second.progress === null;
   }
 
   /** @param scan whether the picture has the first scan: it tells in which form values go to the GPU. */
-  hand(picture: Picture, now: number, scan: boolean): void {
-    this.handSlices(picture, now);
-    const { clips, marks, quality, second } = this.views;
+  pass(picture: Picture, now: number, scan: boolean): void {
+    this.passSlices(picture, now);
+    const { clips, marks, quality, second } = this.controls;
     if (quality.choice !== this.quality) {
       this.quality = quality.choice;
       picture.setQuality(this.quality);
@@ -80,11 +81,11 @@ export class PictureSync {
   }
 
   /** Slices: without a graphics card less often, so that touch stays fluent. */
-  private handSlices(picture: Picture, now: number): void {
+  private passSlices(picture: Picture, now: number): void {
     if (this.software && now - this.slicesAt < slicePause) {
       return;
     }
-    const { shown, look } = this.views.slices;
+    const { shown, look } = this.controls.slices;
     this.slicesAt = now;
     if (look !== this.sliceLook) {
       this.sliceLook = look;

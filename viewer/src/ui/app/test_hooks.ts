@@ -16,7 +16,7 @@ import type { ContactAudio } from "../features/touch/contact_audio.svelte";
 import type { ShownTouch } from "../../core/touch/shown_touch";
 import type { Session } from "../state/session.svelte";
 import type { EditTimes } from "../features/scan/shown_edits.svelte";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 
 export interface TestHooks {
   /** When the first picture stood on the screen [ms since the page was opened], or null; it may be coarse. */
@@ -103,15 +103,15 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
       return stage.loader.firstPicture;
     },
     get drawnPlanes() {
-      return stage.drawn?.arrived ?? 0;
+      return stage.picture.drawn?.arrived ?? 0;
     },
     get ready() {
       return stage.loader.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;
     },
     get finished() {
-      return stage.shown?.finished ?? false;
+      return stage.picture.shown?.finished ?? false;
     },
-    get shown() { return stage.shown; },
+    get shown() { return stage.picture.shown; },
     get state() {
       return session.latest;
     },
@@ -147,11 +147,11 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get lastEdit() {
       return stage.edits.lastEdit;
     },
-    suspendDrawing: stage.suspendDrawing.bind(stage),
+    suspendDrawing: (on) => { stage.picture.suspend(on); },
     get drawingSuspended() {
-      return stage.drawingSuspended;
+      return stage.picture.suspended;
     },
-    setJitter: stage.setJitter.bind(stage),
+    setJitter: (on) => { stage.picture.setJitter(on); },
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));
     },
@@ -175,7 +175,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     hand: (point) => { hand.goTo(point); },
     setView: (direction) => { stage.view.lookFrom(direction); },
     pick: (x, y) => stage.picker.at(x, y),
-    support: stage.support,
+    support: stage.picture.support,
     bench: benchHooks(stage),
     get second() {
       return stage.second.told;

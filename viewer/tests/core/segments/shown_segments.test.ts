@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { linearFromSrgb } from "../../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../../src/core/base/colour";
 import { drawnBy } from "../../../src/core/appearance/drawn_values";
 import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
 import { shadedOptics } from "../../../src/core/appearance/optics";

@@ -118,6 +118,13 @@ export class SliceControl {
     this.keep();
   }
 
+  /** Shows slices where the 3-D view stands alone. */
+  reveal(): void {
+    if (this.habits.layout === "view") {
+      this.change({ layout: "four" });
+    }
+  }
+
   /** Slabs and segments; what is chosen of a list is a step of its own. */
   draw<Key extends keyof Drawing>(key: Key, value: Drawing[Key]): void {
     this.state.change(drawingNames[key], { ...this.look, [key]: value }, key !== "slabMode");

@@ -3,12 +3,18 @@
  * the hand is, at most once a frame.
  */
 import { moveAlong, moveInDepth, moveInView } from "../../../core/touch/hand";
+import type { Camera, Viewport } from "../../../core/geometry/camera";
 import type { Vec3 } from "../../../core/geometry/vector";
 import type { Session } from "../../state/session.svelte";
-import type { Stage } from "../../app/stage.svelte";
 
 /** After a pause this long the hand is where the engine says it is [ms], as soon as it knows all moves. */
 const resumeAfter = 400;
+
+/** The view that moves of the mouse are made in. */
+interface HandView {
+  readonly camera: Camera | null;
+  readonly viewport: Viewport;
+}
 
 export class HandControl {
   /** Every move of the mouse moves the hand, no button needed. */
@@ -26,14 +32,16 @@ export class HandControl {
   private known = 0;
   private asking = false;
 
+  /** @param takeOver has the probe follow the hand, whatever else has moved it. */
   constructor(
     private readonly session: Session,
-    private readonly stage: Stage,
+    private readonly view: HandView,
+    private readonly takeOver: () => void,
   ) {}
 
   /** Moves the hand by pixels to the right, downward, and away from the viewer. */
   move(right: number, down: number, away: number): void {
-    const { camera, viewport } = this.stage.view;
+    const { camera, viewport } = this.view;
     if (camera !== null) {
       this.lead((from, probe) => {
         const sideways = moveInView(from, probe, right, down, camera, viewport);
@@ -58,7 +66,7 @@ export class HandControl {
 
   /** Puts the hand at a point of the scene [mm]. */
   goTo(hand: Vec3): void {
-    this.stage.player.release();
+    this.takeOver();
     this.hand = hand;
     this.movedAt = performance.now();
     this.used = true;
@@ -76,7 +84,7 @@ export class HandControl {
 
   /** Brings probe, device and hand to a point, or next to it. */
   place(point: Vec3): void {
-    this.stage.player.release();
+    this.takeOver();
     this.hand = null;
     this.used = true;
     this.session.send({ type: "place", point });
