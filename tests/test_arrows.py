@@ -181,8 +181,8 @@ def eslint(file: str, line: str) -> subprocess.CompletedProcess[str]:
         pytest.param("gl/march/new.ts", "../surfaces/surfaces", id="gl to a room above"),
         pytest.param("gl/picture/new.ts", "../../ui/state/session.svelte", id="gl to ui"),
         pytest.param("live/new.ts", "../gl/picture/picture", id="live to gl"),
-        pytest.param("ui/state/new.ts", "../widgets/settled", id="state to widget"),
-        pytest.param("ui/theme/new.ts", "../widgets/settled", id="theme to widget"),
+        pytest.param("ui/state/new.ts", "../widgets/revert_input", id="state to widget"),
+        pytest.param("ui/theme/new.ts", "../widgets/revert_input", id="theme to widget"),
         pytest.param(
             "ui/widgets/New.svelte", "../features/marks/mark_control.svelte", id="widget to feature"
         ),

@@ -98,7 +98,7 @@ export function moved<T extends { readonly value: number }>(row: readonly T[], i
   });
 }
 
-/** A row with one more entry; its place in it is told too. */
+/** A row with one more entry; with its place in it. */
 export function added<T extends { readonly value: number }>(row: readonly T[], point: T): { readonly row: T[]; readonly at: number } {
   const found = row.findIndex(({ value }) => value > point.value);
   const at = found === -1 ? row.length : found;

@@ -31,7 +31,7 @@ import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
-import { Slices, type ShownSlice, type SliceLook } from "./slices";
+import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
 import { ViewPane } from "./view_pane";
@@ -131,12 +131,12 @@ export class Picture {
 
   /** A picture of the scan, with all of the values that were given, is on the screen. */
   get hasPicture(): boolean {
-    return !this.scan.isComing && this.scan.ready && this.refiner.drawnPieces > 0;
+    return !this.scan.isLoading && this.scan.ready && this.refiner.drawnPieces > 0;
   }
 
   /** With what the picture on display was drawn, and whether it is final. */
   get shown(): Shown & { readonly finished: boolean } {
-    const whole = this.begun && !this.scan.isComing && !this.screen.stale && !this.slices.isStale && !this.marcher.second.isAwaited;
+    const whole = this.begun && !this.scan.isLoading && !this.screen.stale && !this.slices.isStale && !this.marcher.second.isAwaited;
     return { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
@@ -223,7 +223,7 @@ export class Picture {
     if (what.labels) {
       this.labels?.uploadBox(this.renderer, box);
     }
-    if (this.scan.isComing) {
+    if (this.scan.isLoading) {
       // it is drawn with the scan that comes
       return;
     }
@@ -290,8 +290,8 @@ export class Picture {
     }
   }
 
-  setSliceLook(look: SliceLook): void {
-    this.slices.setLook(look);
+  setSliceAppearance(appearance: SliceAppearance): void {
+    this.slices.setAppearance(appearance);
   }
 
   /** One picture, or one for each eye; followed by `resize`. */

@@ -143,7 +143,7 @@ export class Refiner {
     this.restart();
   }
 
-  /** Camera, look or scan have changed. */
+  /** Camera, appearance or scan have changed. */
   restart(): void {
     this.stale = true;
     this.levels = [];

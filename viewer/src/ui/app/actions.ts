@@ -4,6 +4,7 @@
  */
 import { letters, sideName } from "../../core/geometry/anatomy";
 import { presets } from "../../core/appearance/curve_presets";
+import { blendNames, qualityNames, stereoNames } from "../../core/appearance/picture_names";
 import { blends } from "../../core/appearance/optics";
 import { qualities } from "../../core/view/quality";
 import { sliceNames, sliceTitle } from "../../core/slices/slice_plane";
@@ -12,14 +13,11 @@ import { toolChoices } from "../../core/tools/tools";
 import { larger, stiffer } from "../../core/touch/touch_settings";
 import type { Vec3 } from "../../core/geometry/vector";
 import { windowPresets } from "../../core/appearance/window_level";
-import { blendNames } from "../features/appearance/blend_names";
 import { formats, type Exporter } from "../features/scan/exporter.svelte";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import { anatomy } from "../features/appearance/appearance_control.svelte";
-import { qualityNames } from "../features/view/quality_names";
 import type { Session } from "../state/session.svelte";
 import type { Stage } from "./stage";
-import { stereoNames } from "../features/view/stereo_names";
 import { themes, type ThemeControl } from "../theme/theme.svelte";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 import type { UndoControl } from "./undo_control";
@@ -35,7 +33,7 @@ export interface Action {
   readonly run: () => void;
   /** For an action that lasts as long as its key is held: ends it. Such a one is in no palette. */
   readonly end?: () => void;
-  /** Whether it means something now; always where nothing is told. */
+  /** Whether it means something now; always where it is left out. */
   readonly ready?: () => boolean;
 }
 

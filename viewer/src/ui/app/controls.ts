@@ -14,7 +14,7 @@ import { BrushControl } from "../features/segments/brush_control.svelte";
 import { CutControl } from "../features/segments/cut_control.svelte";
 import { GrowControl } from "../features/segments/grow_control.svelte";
 import { ObjectControl } from "../features/segments/object_control.svelte";
-import { SegmentAppearance } from "../features/segments/segment_appearance";
+import { SegmentAppearanceControl } from "../features/segments/segment_appearance_control";
 import type { SegmentControls } from "../features/segments/segment_controls";
 import { ThresholdPreview } from "../features/segments/threshold_preview.svelte";
 import { SliceControl } from "../features/slices/slice_control.svelte";
@@ -117,7 +117,7 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
 
 function segmentControls({ session }: Surroundings, { steps }: UndoControls): SegmentControls {
   return {
-    segmentAppearance: new SegmentAppearance(session, steps),
+    segmentAppearance: new SegmentAppearanceControl(session, steps),
     thresholdPreview: new ThresholdPreview(),
     objects: new ObjectControl(session),
     cutting: new CutControl(session),

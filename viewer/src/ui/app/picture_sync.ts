@@ -7,7 +7,7 @@ import type { QualityChoice } from "../../core/view/quality";
 import type { Vec3 } from "../../core/geometry/vector";
 import type { Picture } from "../../gl/picture/picture";
 import type { ShownSecond } from "../../gl/textures/second_texture";
-import type { ShownSlice, SliceLook } from "../../gl/picture/slices";
+import type { ShownSlice, SliceAppearance } from "../../gl/picture/slices";
 import type { ClipControl } from "../features/view/clip_control.svelte";
 import type { MarkControl } from "../features/marks/mark_control.svelte";
 import type { QualityControl } from "../features/view/quality_control.svelte";
@@ -31,7 +31,7 @@ export class PictureSync {
   private clip: readonly Plane[] | null = null;
   private marks: readonly (readonly Vec3[])[] | null = null;
   private slices: readonly ShownSlice[] | null = null;
-  private sliceLook: SliceLook | null = null;
+  private sliceAppearance: SliceAppearance | null = null;
   private second: ShownSecond | null = null;
   private slicesAt = 0;
 
@@ -47,14 +47,14 @@ export class PictureSync {
     this.clip = null;
     this.marks = null;
     this.slices = null;
-    this.sliceLook = null;
+    this.sliceAppearance = null;
     this.second = null;
   }
 
   /** Whether the picture has all that is to be seen. */
   get isWhole(): boolean {
     const { clips, marks, quality, second, slices } = this.controls;
-    const sliced = slices.shown === this.slices && slices.look === this.sliceLook;
+    const sliced = slices.shown === this.slices && slices.appearance === this.sliceAppearance;
     return sliced && quality.choice === this.quality && clips.cutting === this.clip && marks.lines === this.marks && second.shown === this.second && second.progress === null;
   }
 
@@ -85,11 +85,11 @@ export class PictureSync {
     if (this.software && now - this.slicesAt < slicePause) {
       return;
     }
-    const { shown, look } = this.controls.slices;
+    const { shown, appearance } = this.controls.slices;
     this.slicesAt = now;
-    if (look !== this.sliceLook) {
-      this.sliceLook = look;
-      picture.setSliceLook(look);
+    if (appearance !== this.sliceAppearance) {
+      this.sliceAppearance = appearance;
+      picture.setSliceAppearance(appearance);
     }
     if (shown !== this.slices) {
       this.slices = shown;

@@ -143,12 +143,12 @@ function jointActs({ session }: Surroundings, controls: Controls, opener: ScanOp
 /** Takes what the engine reports. */
 function listen({ session }: Surroundings, stage: Stage): void {
   const { edits, picture, player, registration, second, slices, touch } = stage;
-  session.onSecond((news) => {
-    registration.follow(news.scan?.name ?? null);
-    void second.take(news);
+  session.onSecond((report) => {
+    registration.follow(report.scan?.name ?? null);
+    void second.take(report);
   });
-  session.onRegistration((news) => {
-    registration.take(news);
+  session.onRegistration((report) => {
+    registration.take(report);
   });
   session.onChanged((changed, arrived) => {
     edits.add(changed, arrived);

@@ -45,7 +45,7 @@ export const mostStretch = 5;
 const ownMark = " *";
 
 /** All that is chosen, each part under the name that it is remembered by. */
-interface ChosenLook {
+interface ChosenAppearance {
   readonly appearance: SoftTissueAndBone;
   readonly optics: OpticsChoice;
   readonly curve: CurveChoice;
@@ -63,14 +63,14 @@ const opticsNames: Readonly<Record<keyof OpticsChoice, string>> = {
 };
 
 export class AppearanceControl {
-  private readonly state: PageState<ChosenLook | null>;
+  private readonly state: PageState<ChosenAppearance | null>;
   private anchors = $state.raw<Anchors>({ softTissue: 0, bone: 1 });
   private brightest = 1;
   private lowest = 0;
   private scanName = "";
 
   constructor(steps: PageSteps) {
-    this.state = new PageState<ChosenLook | null>(null, steps, this.keep.bind(this));
+    this.state = new PageState<ChosenAppearance | null>(null, steps, this.keep.bind(this));
   }
 
   // derived, so that a change of one part is none of the others
@@ -113,7 +113,7 @@ export class AppearanceControl {
     return curve ?? (softTissueAndBone === null ? null : curveOfFunction(transferFunctionOf(softTissueAndBone)));
   });
 
-  /** All of the look but the segments; null before there is a scan. */
+  /** All of the appearance but the segments; null before there is a scan. */
   readonly parts = $derived.by((): Omit<Appearance, "ranges"> | null => {
     const { softTissueAndBone, choice, anchors } = this;
     return softTissueAndBone === null || choice === null
@@ -230,7 +230,7 @@ export class AppearanceControl {
     }
   }
 
-  private set(name: string, part: Partial<ChosenLook>, dragging = false): void {
+  private set(name: string, part: Partial<ChosenAppearance>, dragging = false): void {
     const { now } = this.state;
     if (now !== null) {
       this.state.change(name, { ...now, ...part }, dragging);
@@ -238,8 +238,8 @@ export class AppearanceControl {
   }
 
   /** Remembers what is another than before. */
-  private keep(look: ChosenLook | null, before: ChosenLook | null): void {
-    for (const [name, part] of Object.entries(look ?? {}) as [keyof ChosenLook, object][]) {
+  private keep(appearance: ChosenAppearance | null, before: ChosenAppearance | null): void {
+    for (const [name, part] of Object.entries(appearance ?? {}) as [keyof ChosenAppearance, object][]) {
       if (part !== before?.[name]) {
         remember(`${name}.${this.scanName}`, part);
       }

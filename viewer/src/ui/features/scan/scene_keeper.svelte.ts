@@ -34,7 +34,7 @@ export class SceneKeeper {
     private readonly token: string,
   ) {
     this.asked = fetch(apiAddress("/api/view", this.token));
-    // who takes it is told
+    // whoever takes it sees the error
     this.asked.catch(() => undefined);
   }
 

@@ -6,12 +6,12 @@ import type { BrushControl } from "./brush_control.svelte";
 import type { CutControl } from "./cut_control.svelte";
 import type { GrowControl } from "./grow_control.svelte";
 import type { ObjectControl } from "./object_control.svelte";
-import type { SegmentAppearance } from "./segment_appearance";
+import type { SegmentAppearanceControl } from "./segment_appearance_control";
 import type { ThresholdPreview } from "./threshold_preview.svelte";
 
 export interface SegmentControls {
-  /** How segments look. */
-  readonly segmentAppearance: SegmentAppearance;
+  /** The appearance of segments. */
+  readonly segmentAppearance: SegmentAppearanceControl;
   /** The range of one while its slider is dragged. */
   readonly thresholdPreview: ThresholdPreview;
   /** Segments that are moved. */

@@ -27,7 +27,7 @@ export class HandControl {
   private hand: Vec3 | null = null;
   private movedAt = -Infinity;
   private sending = false;
-  /** Moves and placements that were sent, and those of them that the engine has told of. */
+  /** Moves and placements that were sent, and those of them that the engine has answered. */
   private sent = 0;
   private known = 0;
   private asking = false;
@@ -111,7 +111,7 @@ export class HandControl {
     this.goTo(to(from, state.proxy));
   }
 
-  /** Learns when the engine has told of all that was sent, with one question at a time. */
+  /** Learns when the engine has answered all that was sent, with one question at a time. */
   private follow(): void {
     this.sent += 1;
     this.ask();
@@ -123,7 +123,7 @@ export class HandControl {
     }
     this.asking = true;
     const { sent } = this;
-    this.session.whenTold(() => {
+    this.session.whenAnswered(() => {
       this.asking = false;
       this.known = sent;
       this.ask();

@@ -1,5 +1,5 @@
 /**
- * Pictures and films of the 3-D view as files: drawn anew at the size that is asked for, one at a time.
+ * Images and animations of the 3-D view as files: drawn anew at the size that is asked for, one at a time.
  */
 import type { Camera, Viewport } from "../../../core/geometry/camera";
 import { evenSize, fitsIntoCanvas, imageSize } from "../../../core/view/image_size";
@@ -14,7 +14,7 @@ import type { ViewControl } from "./view_control.svelte";
 
 const firstChoice = { magnification: 2, transparent: false, seconds: 6, turns: 1 };
 
-/** Of a film: each frame is drawn to the end, so a slow machine only takes longer. */
+/** Of an animation: each frame is drawn to the end, so a slow machine only takes longer. */
 const framesPerSecond = { gpu: 20, software: 10 } as const;
 
 /** What images are drawn from. */
@@ -40,7 +40,7 @@ export class ImageControl {
 
   readonly size = $derived.by((): Viewport => this.sizeOf(this.choice.magnification));
 
-  /** Whether this browser makes films. */
+  /** Whether this browser records animations. */
   readonly canAnimate = animationType() !== null;
 
   sizeOf(magnification: number): Viewport {
@@ -81,25 +81,25 @@ export class ImageControl {
     });
   }
 
-  /** Saves a film of the view turning about the body's long axis, as large as on the page. */
+  /** Saves a turntable: the view turning about the body's long axis, as large as on the page. */
   async saveAnimation(): Promise<void> {
     const { seconds, turns } = this.choice;
     const pace = framesPerSecond[this.source.picture.support.software ? "software" : "gpu"];
     const size = evenSize(this.sizeOf(1));
     const stereo = this.source.stereo.choice;
     await this.work("Filming", async (start, signal) => {
-      const film = new AnimationRecorder(size, pace);
+      const animation = new AnimationRecorder(size, pace);
       try {
         const context = contextOf(size);
         const cameras = turntable(start, { seconds, turns, framesPerSecond: pace });
         for (const [i, camera] of cameras.entries()) {
           await this.source.picture.snapshot(context, { camera, size, stereo, transparent: false, signal });
-          await film.add(context.canvas);
+          await animation.add(context.canvas);
           this.report((i + 1) / cameras.length);
         }
-        keep(await film.end(), `${this.fileName}.webm`);
+        keep(await animation.end(), `${this.fileName}.webm`);
       } finally {
-        film.dispose();
+        animation.dispose();
       }
     });
   }

@@ -32,7 +32,7 @@ function opened() {
 
 test("each gesture is one step, in one order, and what is remembered is what is seen", () => {
   const { steps, appearance, slices } = opened();
-  const shown = (): unknown => [appearance.choice, appearance.softTissueAndBone, appearance.curveChoice, appearance.lighting, appearance.inside, slices.look];
+  const shown = (): unknown => [appearance.choice, appearance.softTissueAndBone, appearance.curveChoice, appearance.lighting, appearance.inside, slices.appearance];
   const gestures: readonly (() => void)[] = [
     () => { appearance.choose("blend", "mip"); },
     () => { [1, 2, 3].forEach(() => { appearance.drag(5, 2); }); },
@@ -58,7 +58,7 @@ test("each gesture is one step, in one order, and what is remembered is what is 
     steps.undo();
     expect(shown()).toEqual(before);
     const next = opened();
-    expect([next.appearance.choice, next.appearance.curveChoice, next.slices.look]).toEqual([appearance.choice, appearance.curveChoice, slices.look]);
+    expect([next.appearance.choice, next.appearance.curveChoice, next.slices.appearance]).toEqual([appearance.choice, appearance.curveChoice, slices.appearance]);
   }
   expect(steps.canUndo).toBe(false);
   for (const after of states.slice(1)) {

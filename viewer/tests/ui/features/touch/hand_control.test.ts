@@ -37,7 +37,7 @@ function setUp() {
         asked.push(message.target);
       }
     },
-    whenTold: (told: () => void) => waiting.push(told),
+    whenAnswered: (told: () => void) => waiting.push(told),
   };
   const hand = new HandControl(session as unknown as Session, { camera, viewport }, () => undefined);
   return {
