@@ -2,14 +2,14 @@
 import { beforeEach, expect, test } from "vitest";
 import type { FromPage, Segment, SegmentProperties } from "../../../../src/core/protocol";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
-import { SegmentAppearance } from "../../../../src/ui/features/segments/segment_appearance";
+import { SegmentAppearanceControl } from "../../../../src/ui/features/segments/segment_appearance_control";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
 let segments: Segment[] = [];
 let sent: FromPage[] = [];
 let waiters: (() => void)[] = [];
 let steps = new PageSteps(() => 0);
-let looks = {} as SegmentAppearance;
+let control = {} as SegmentAppearanceControl;
 
 const one = (id: number): Segment => segments.find((segment) => segment.id === id) ?? ({ name: "gone" } as Segment);
 const seen = (): readonly boolean[] => segments.map(({ visible }) => visible);
@@ -25,9 +25,9 @@ beforeEach(() => {
       return segments;
     },
     send: (message: FromPage) => sent.push(message),
-    whenTold: (told: () => void) => waiters.push(told),
+    whenAnswered: (told: () => void) => waiters.push(told),
   } as unknown as Session;
-  looks = new SegmentAppearance(session, steps);
+  control = new SegmentAppearanceControl(session, steps);
 });
 
 /** The engine does what it was asked for, and tells of it. */
@@ -43,9 +43,9 @@ test.each([["each is answered", true], ["none is answered", false]])("what was c
     act();
     if (answers) answer();
   };
-  next(() => { looks.change(one(1), { colour: [0, 1, 0] }); });
-  next(() => { looks.change(one(1), { name: "Skull" }); });
-  next(() => { looks.change(one(1), { opacity: 0.5 }); });
+  next(() => { control.change(one(1), { colour: [0, 1, 0] }); });
+  next(() => { control.change(one(1), { name: "Skull" }); });
+  next(() => { control.change(one(1), { opacity: 0.5 }); });
   expect(steps.toUndo).toMatch(/^opacity of /);
   const changed = { colour: [0, 1, 0], name: "Skull", opacity: 0.5 };
   for (const expected of [{ ...changed, opacity: 1 }, { ...changed, opacity: 1, name: "Bone" }, { colour: [1, 0, 0], name: "Bone", opacity: 1 }]) {
@@ -60,10 +60,10 @@ test.each([["each is answered", true], ["none is answered", false]])("what was c
 });
 
 test("all at once, and one alone, are one step each and touch only what differs", () => {
-  looks.changeAll(segments, { visible: true });
+  control.changeAll(segments, { visible: true });
   expect(sent).toHaveLength(1);
   answer();
-  looks.showAlone(2);
+  control.showAlone(2);
   answer();
   expect(seen()).toEqual([false, true, false]);
   steps.undo();
@@ -76,9 +76,9 @@ test("all at once, and one alone, are one step each and touch only what differs"
 });
 
 test("what another page has changed since stays as it is", () => {
-  looks.change(one(3), { wireframe: true });
+  control.change(one(3), { wireframe: true });
   answer();
-  looks.changeAll(segments, { shown_as: "both" });
+  control.changeAll(segments, { shown_as: "both" });
   answer();
   segments = segments.map((segment) => (segment.id === 3 ? { ...segment, shown_as: "surface", wireframe: false } : segment));
   steps.undo();
@@ -89,10 +89,10 @@ test("what another page has changed since stays as it is", () => {
   expect(steps.canUndo).toBe(false);
 });
 
-test("a lock is a step of its own, which leaves the looks as they are", () => {
-  looks.change(one(1), { colour: [0, 1, 0] });
+test("a lock is a step of its own, which leaves the appearance as it is", () => {
+  control.change(one(1), { colour: [0, 1, 0] });
   answer();
-  looks.change(one(1), { locked: true });
+  control.change(one(1), { locked: true });
   expect([steps.toUndo, sent]).toMatchObject(["lock of Bone", [{ id: 1, locked: true, colour: [0, 1, 0] }]]);
   answer();
   steps.undo();
@@ -101,7 +101,7 @@ test("a lock is a step of its own, which leaves the looks as they are", () => {
 });
 
 test("of a segment that is gone nothing is asked", () => {
-  looks.change(one(2), { visible: true });
+  control.change(one(2), { visible: true });
   answer();
   segments = segments.filter(({ id }) => id !== 2);
   steps.undo();
@@ -109,7 +109,7 @@ test("of a segment that is gone nothing is asked", () => {
 });
 
 test("what the engine has refused is not taken back", () => {
-  looks.change(one(1), { colour: [0, 0, 1] });
+  control.change(one(1), { colour: [0, 0, 1] });
   sent = [];
   answer();
   steps.forgetLost();

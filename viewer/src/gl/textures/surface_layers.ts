@@ -4,7 +4,7 @@
  * fine as the level that is drawn. Keep the number in sync with `shaders/surfaces/surfaces.glsl`.
  */
 import * as THREE from "three";
-import { PictureTarget } from "../picture/picture_target";
+import { PictureTarget } from "../base/picture_target";
 
 /** Translucent layers behind one another: what lies farther is left out. */
 export const mostLayers = 4;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Segment } from "../../../src/core/protocol";
-import { changedForAll, changedProperties, commonWay, named, shownAlone } from "../../../src/core/segments/segment_properties";
+import { changedForAll, changedProperties, commonWay, named, shownAlone } from "../../../src/core/segments/segment_appearance";
 
 const bone: Segment = {
   id: 1,

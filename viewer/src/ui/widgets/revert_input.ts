@@ -7,7 +7,7 @@
 const patience = 1000;
 
 /** Has a control show what is, some time after it was used, if it is still on the page. */
-export function settle(control: HTMLElement, show: () => void): void {
+export function revertInput(control: HTMLElement, show: () => void): void {
   setTimeout(() => {
     if (control.isConnected) show();
   }, patience);

@@ -1,5 +1,5 @@
 /**
- * How segments look and whether they are touched, as a person asks for it: each change is a step of undo, one of many
+ * The appearance of segments and whether they are touched, as a person asks for it: each change is a step of undo, one of many
  * segments too. The engine holds them for all pages, so a step takes back only what nobody has changed since.
  */
 import type { Segment } from "../../../core/protocol";
@@ -10,18 +10,18 @@ import {
   partsInPlace,
   presentParts,
   shownAlone,
-  type LookParts,
-  type SegmentLook,
-} from "../../../core/segments/segment_properties";
+  type AppearanceParts,
+  type SegmentAppearance,
+} from "../../../core/segments/segment_appearance";
 import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
 import type { Session } from "../../state/session.svelte";
 
-/** What of a look has a slider. */
-const degrees: readonly (keyof SegmentLook)[] = ["opacity", "smoothing", "ambient", "specular"];
+/** What of an appearance has a slider. */
+const degrees: readonly (keyof SegmentAppearance)[] = ["opacity", "smoothing", "ambient", "specular"];
 
-export class SegmentAppearance implements StepOwner<LookParts> {
+export class SegmentAppearanceControl implements StepOwner<AppearanceParts> {
   /** What was asked for and is not answered yet: the next change must not take it back. */
-  private asked: Readonly<Record<number, Partial<SegmentLook>>> = {};
+  private asked: Readonly<Record<number, Partial<SegmentAppearance>>> = {};
   private unanswered = 0;
 
   constructor(
@@ -30,13 +30,13 @@ export class SegmentAppearance implements StepOwner<LookParts> {
   ) {}
 
   /** Changes one; degrees have sliders, on which a held key is one gesture. */
-  change(segment: Segment, part: Partial<SegmentLook>): void {
+  change(segment: Segment, part: Partial<SegmentAppearance>): void {
     const slides = degrees.some((degree) => degree in part);
     this.step(`${nameOfPart(part)} of ${segment.name}`, { [segment.id]: part }, slides);
   }
 
   /** Changes all of these together. */
-  changeAll(segments: readonly Segment[], part: Partial<SegmentLook>): void {
+  changeAll(segments: readonly Segment[], part: Partial<SegmentAppearance>): void {
     const ids = new Set(segments.map(({ id }) => id));
     const parts = changedForAll(this.now.filter(({ id }) => ids.has(id)), part);
     this.step(`${nameOfPart(part)} of segments`, parts);
@@ -47,11 +47,11 @@ export class SegmentAppearance implements StepOwner<LookParts> {
     this.step("visibility of segments", shownAlone(this.now, id));
   }
 
-  hold(parts: LookParts, instead: LookParts): void {
+  hold(parts: AppearanceParts, instead: AppearanceParts): void {
     this.send(partsInPlace(this.now, parts, instead));
   }
 
-  stands(parts: LookParts): boolean {
+  stands(parts: AppearanceParts): boolean {
     return Object.keys(partsInPlace(this.now, parts, parts)).length > 0;
   }
 
@@ -60,13 +60,13 @@ export class SegmentAppearance implements StepOwner<LookParts> {
     return this.session.segments.map((segment) => ({ ...segment, ...this.asked[segment.id] }));
   }
 
-  private step(name: string, after: LookParts, inGesture = false): void {
+  private step(name: string, after: AppearanceParts, inGesture = false): void {
     const before = presentParts(this.now, after);
     this.send(after);
     this.steps.add(this, { name, before, after }, inGesture);
   }
 
-  private send(parts: LookParts): void {
+  private send(parts: AppearanceParts): void {
     for (const segment of this.now) {
       const part = parts[segment.id];
       if (part !== undefined) {
@@ -75,7 +75,7 @@ export class SegmentAppearance implements StepOwner<LookParts> {
       }
     }
     this.unanswered += 1;
-    this.session.whenTold(() => {
+    this.session.whenAnswered(() => {
       this.unanswered -= 1;
       if (this.unanswered === 0) {
         this.asked = {};

@@ -30,7 +30,7 @@ const spacing: Vec3 = [1, 1, 2];
 const green: MarchTest = { field: "ball", spacing, from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 };
 const air: MarchTest = { field: "flat", spacing, from: "A", stepsPerVoxel: 1, extinction: 0 };
 const middle: Vec3 = [24, 24, 48];
-const red: SurfaceTest = { centre: middle, radius: 12, sectors: 4, look: { colour: [1, 0, 0] } };
+const red: SurfaceTest = { centre: middle, radius: 12, sectors: 4, appearance: { colour: [1, 0, 0] } };
 
 /** The ball, all of it, and what it moves into. */
 function all(moved: Vec3): DisplacedTest {
@@ -61,7 +61,7 @@ function expectedShift(moved: Vec3): readonly [number, number] {
 test.each([
   ["scan", green, [], 1],
   ["surface", air, [red], 0],
-] as const)("the %s is seen where its matter stands, also between voxels", async (_, scan, surfaces, colour) => {
+] as const)("the %s is drawn where its tissue is displaced to, also between voxels", async (_, scan, surfaces, colour) => {
   const still = discOf(await show({ scan, surfaces }), colour);
   expect(still.count).toBeGreaterThan(300);
   for (const moved of [[8, 0, 0], [0, 0, 8], [0.6, 0, -0.6]] as const) {
@@ -98,7 +98,7 @@ test("beside the box all stays as it is", async () => {
 
 test("a segment that was moved by hand does not give way", async () => {
   const pose = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-  const posed = { ...red, look: { ...red.look, pose } };
+  const posed = { ...red, appearance: { ...red.appearance, pose } };
   const still = await show({ scan: air, surfaces: [posed] });
   const [a, b] = [discOf(still, 0), discOf(await show({ scan: air, surfaces: [posed], displaced: all([8, 0, 0]) }), 0)];
   expect([b.x, b.y]).toEqual([a.x, a.y]);

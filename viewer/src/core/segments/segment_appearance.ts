@@ -1,15 +1,15 @@
-/** What is asked of the engine where segments shall look otherwise. */
+/** The appearance of segments: what a person changes of it, and what is asked of the engine then. */
 import { deepEqual } from "../base/deep_equal";
 import type { Segment, SegmentProperties, ShownAs } from "../protocol";
 
-/** What a person changes of how a segment looks and is touched. */
-export type SegmentLook = Omit<SegmentProperties, "type" | "id">;
+/** How a segment looks and is touched, as far as a person changes it. */
+export type SegmentAppearance = Omit<SegmentProperties, "type" | "id">;
 
-/** Parts of segments' looks by the segments' ids. */
-export type LookParts = Readonly<Record<number, Partial<SegmentLook>>>;
+/** Parts of segments' appearance by the segments' ids. */
+export type AppearanceParts = Readonly<Record<number, Partial<SegmentAppearance>>>;
 
-/** What of a segment's look is changed, as a step of undo says it. */
-const names: Readonly<Record<keyof SegmentLook, string>> = {
+/** The parts of a segment's appearance, as steps of undo name them. */
+const names: Readonly<Record<keyof SegmentAppearance, string>> = {
   name: "name",
   colour: "colour",
   visible: "visibility",
@@ -24,19 +24,13 @@ const names: Readonly<Record<keyof SegmentLook, string>> = {
   specular: "specular light",
 };
 
-export function nameOfPart(part: Partial<SegmentLook>): string {
+export function nameOfPart(part: Partial<SegmentAppearance>): string {
   return keysOf(part).map((key) => names[key]).join(", ");
 }
 
 /** A segment's properties with some of them changed. */
-export function changedProperties(segment: Segment, part: Partial<SegmentLook>): SegmentProperties {
-  const { id, name, colour, visible, touchable, locked, ...rest } = { ...segment, ...part };
-  const { shown_as, opacity, smoothing, surface_from, wireframe, ambient, specular } = rest;
-  return {
-    type: "segment_properties",
-    ...{ id, name, colour, visible, touchable, locked },
-    ...{ shown_as, opacity, smoothing, surface_from, wireframe, ambient, specular },
-  };
+export function changedProperties(segment: Segment, part: Partial<SegmentAppearance>): SegmentProperties {
+  return { type: "segment_properties", id: segment.id, ...appearanceOf({ ...segment, ...part }) };
 }
 
 /** Whether all of them are drawn in the same way, and which; null where they are not. */
@@ -46,26 +40,26 @@ export function commonWay(segments: readonly Segment[]): ShownAs | null {
   return isCommon ? first.shown_as : null;
 }
 
-/** What changes where all of them get a part of a look. */
-export function changedForAll(segments: readonly Segment[], part: Partial<SegmentLook>): LookParts {
+/** What changes where all of them get a part of an appearance. */
+export function changedForAll(segments: readonly Segment[], part: Partial<SegmentAppearance>): AppearanceParts {
   const differs = (segment: Segment): boolean => keysOf(part).some((key) => !deepEqual(segment[key], part[key]));
   return Object.fromEntries(segments.filter(differs).map(({ id }) => [id, part]));
 }
 
 /** What changes where one alone is to be seen; all again where it is alone already. */
-export function shownAlone(segments: readonly Segment[], id: number): LookParts {
+export function shownAlone(segments: readonly Segment[], id: number): AppearanceParts {
   const alone = segments.every((segment) => segment.visible === (segment.id === id));
   const others = segments.filter((segment) => segment.visible !== (alone || segment.id === id));
   return Object.fromEntries(others.map((segment) => [segment.id, { visible: !segment.visible }]));
 }
 
 /** The same parts as they are now; without segments that are gone. */
-export function presentParts(segments: readonly Segment[], parts: LookParts): LookParts {
+export function presentParts(segments: readonly Segment[], parts: AppearanceParts): AppearanceParts {
   return mapped(segments, parts, (segment, part) => picked(segment, keysOf(part)));
 }
 
 /** Of these parts those in whose place still stands what was `left` there. */
-export function partsInPlace(segments: readonly Segment[], parts: LookParts, left: LookParts): LookParts {
+export function partsInPlace(segments: readonly Segment[], parts: AppearanceParts, left: AppearanceParts): AppearanceParts {
   return mapped(segments, left, (segment, part) =>
     picked(parts[segment.id] ?? {}, keysOf(part).filter((key) => deepEqual(segment[key], part[key]))),
   );
@@ -80,9 +74,9 @@ export function named(segments: readonly Segment[], wanted: string): readonly Se
 
 function mapped(
   segments: readonly Segment[],
-  parts: LookParts,
-  change: (segment: Segment, part: Partial<SegmentLook>) => Partial<SegmentLook>,
-): LookParts {
+  parts: AppearanceParts,
+  change: (segment: Segment, part: Partial<SegmentAppearance>) => Partial<SegmentAppearance>,
+): AppearanceParts {
   const changed = segments.flatMap((segment) => {
     const part = change(segment, parts[segment.id] ?? {});
     return keysOf(part).length === 0 ? [] : [[segment.id, part] as const];
@@ -90,10 +84,14 @@ function mapped(
   return Object.fromEntries(changed);
 }
 
-function picked(look: Partial<SegmentLook>, keys: readonly (keyof SegmentLook)[]): Partial<SegmentLook> {
-  return Object.fromEntries(keys.map((key) => [key, look[key]]));
+function appearanceOf(segment: Segment): SegmentAppearance {
+  return picked(segment, keysOf(names)) as SegmentAppearance;
 }
 
-function keysOf(part: Partial<SegmentLook>): (keyof SegmentLook)[] {
-  return Object.keys(part) as (keyof SegmentLook)[];
+function picked(appearance: Partial<SegmentAppearance>, keys: readonly (keyof SegmentAppearance)[]): Partial<SegmentAppearance> {
+  return Object.fromEntries(keys.map((key) => [key, appearance[key]]));
+}
+
+function keysOf(part: Partial<Record<keyof SegmentAppearance, unknown>>): (keyof SegmentAppearance)[] {
+  return Object.keys(part) as (keyof SegmentAppearance)[];
 }

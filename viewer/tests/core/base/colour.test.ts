@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { hexFromSrgb, linearFromSrgb, srgbFromHex } from "../../../src/core/appearance/colour";
+import { hexFromSrgb, linearFromSrgb, srgbFromHex } from "../../../src/core/base/colour";
 
 test("the middle grey of sRGB is 0.2140 in linear light (IEC 61966-2-1)", () => {
   // the constant has four digits
