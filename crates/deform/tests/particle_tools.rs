@@ -106,7 +106,7 @@ fn no_place_gives_a_push_that_is_no_number() {
     }
 }
 
-/// Steps of FIRE until a shaken crystal has its energy back; half of it of other matter.
+/// Steps of FIRE until a shaken crystal has its energy back; half of it of other tissue.
 fn steps_to_rest(softer: f64) -> u32 {
     let places = fcc(IVec3::splat(5), FCC_CHI);
     let side = 5.0 * FCC_CHI * std::f64::consts::SQRT_2;

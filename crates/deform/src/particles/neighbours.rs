@@ -54,7 +54,7 @@ impl NeighbourList {
         self
     }
 
-    /// How often the lists were built.
+    /// Number of times that the lists were built.
     pub fn builds(&self) -> u64 {
         self.builds
     }
