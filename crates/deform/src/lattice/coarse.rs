@@ -220,7 +220,8 @@ const ROWS: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
 simd_dispatch! {
     /// The force along each mode.
-    fn project(coarse: &Coarse, force: &Field, sums: &mut ModeVector) = [avx512, avx2] project_body
+    fn project(coarse: &Coarse, force: &Field, sums: &mut ModeVector)
+        = [avx512, avx2] project_body
 }
 
 #[inline(always)]
@@ -250,7 +251,8 @@ fn project_body(coarse: &Coarse, force: &Field, sums: &mut ModeVector) {
 
 simd_dispatch! {
     /// Moves all nodes along the modes; none of them moves a node that is held.
-    fn move_along(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) = [avx512, avx2] move_along_body
+    fn move_along(coarse: &Coarse, shares: &ModeVector, moved: &mut Field)
+        = [avx512, avx2] move_along_body
 }
 
 #[inline(always)]

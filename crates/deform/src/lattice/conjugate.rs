@@ -232,7 +232,8 @@ fn place_along_body(
 
 simd_dispatch! {
     /// Decrease of the forces along the direction, and its component along the direction.
-    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64) = [avx512, avx2] look_body
+    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64)
+        = [avx512, avx2] look_body
 }
 
 #[inline(always)]
@@ -260,7 +261,8 @@ fn look_body(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &m
 
 simd_dispatch! {
     /// Goes so many directions on, and adds up what is left.
-    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums) = [avx512, avx2] descend_body
+    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums)
+        = [avx512, avx2] descend_body
 }
 
 #[inline(always)]

@@ -128,9 +128,10 @@ simd_dispatch! {
         first: usize,
         forces: &mut [DVec3],
         simd: SimdLevel,
-    ) -> PairSums
-        = [avx512 => accumulate_with::<super::lanes::Wide, L>, avx2 => accumulate_with::<super::lanes::Halves, L>]
-            accumulate_with::<Plain, L>, at simd
+    ) -> PairSums = [
+        avx512 => accumulate_with::<super::lanes::Wide, L>,
+        avx2 => accumulate_with::<super::lanes::Halves, L>
+    ] accumulate_with::<Plain, L>, at simd
 }
 
 #[inline(always)]
