@@ -6,8 +6,7 @@ use palpate_deform::material::{
 use palpate_deform::registry::{
     Calibration, MODELS, ModelOptions, Motion, Prony, Range, Registered,
 };
-use palpate_engine::deformable::deformable_view::ShownParts;
-use palpate_engine::deformable::deformation::{DeformationStatus, ForceSource};
+use palpate_engine::deformable::{DeformationStatus, ForceSource, ShownParts};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time
 from statistics import median
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from palpate.bench.report import Row, row_of
 from palpate.io.reading import read
 from palpate.labels.labels import read_labels
 from palpate.segmentation.operations import grown
+from palpate.session.picture_change import SurfacePatch
 from palpate.session.session import Session
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
@@ -144,7 +144,7 @@ def _next_surface(session: Session, heard: int) -> int:
     raise RuntimeError(f"no surface came within {PATIENCE:g} s")
 
 
-def _triangles(patch: dict[str, Any]) -> int:
+def _triangles(patch: SurfacePatch) -> int:
     """Counts the triangles of a patch: three vertex numbers each, see ``protocol.SurfacePatch``."""
     wide = len(patch["vertices"]) // 6 > 1 << 16
     return len(patch["triangles"]) // (12 if wide else 6)

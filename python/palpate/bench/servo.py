@@ -17,7 +17,6 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.bench.goals import BUSY, GIVING, GOALS, LOADS, RATES, servo_case
 from palpate.bench.report import Row, row_of
+from palpate.session.frame_state import ThreadLateness
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.phantom import Phantom, phantom
 from palpate.volumes.scene import Scene
@@ -161,7 +161,7 @@ def _way(
     return Way(centre, (radius * np.array(across), radius * np.array([0.0, 0.0, 1.0])))
 
 
-def _lateness(case: str, servo: dict[str, Any], *, real_time: bool, answers_hz: float) -> Lateness:
+def _lateness(case: str, servo: ThreadLateness, *, real_time: bool, answers_hz: float) -> Lateness:
     return Lateness(
         case=case,
         real_time=real_time,

@@ -83,8 +83,9 @@ def work(
         except (ValueError, OverflowError) as error:
             raise OptionError(str(error)) from None
         first += count
-        for name in COUNTS:
-            worked.counts[name] += report[name]
+        for name, number in report.items():
+            if isinstance(number, int):
+                worked.counts[name] += number
         if report["violation"] is not None:
             worked.violation = (
                 "guarantee {guarantee} violated in run {run} after {tick} ticks: {what}".format(

@@ -18,6 +18,7 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.bench.goals import GOALS
 from palpate.bench.report import Row, row_of
+from palpate.bench.results import StressResult, StressViolation
 from palpate.volumes.segment import Segment
 
 __all__ = ["Found", "Plan", "again", "measure", "rows_of", "write_case"]
@@ -78,15 +79,16 @@ class Found:
     poses: int = 0
     cuts: int = 0
     seconds: float = 0.0
-    violation: dict[str, Any] | None = None
+    violation: StressViolation | None = None
 
     def told(self) -> str:
         """Says what was violated."""
-        told = self.violation or {}
+        if self.violation is None:
+            return "no guarantee violated"
         return (
-            f"guarantee {told.get('guarantee')} violated in run {told.get('run')} of seed "
-            f"{self.plan.seed} after {told.get('move')} moves: {told.get('what')}\n"
-            f"{told.get('plan')}"
+            f"guarantee {self.violation['guarantee']} violated in run {self.violation['run']} "
+            f"of seed {self.plan.seed} after {self.violation['move']} moves: "
+            f"{self.violation['what']}\n{self.violation['plan']}"
         )
 
 
@@ -139,7 +141,7 @@ def again(bone: Segment, plan: Plan) -> Found:
     return replace(found, seconds=time.monotonic() - begun)
 
 
-def _runs(bone: Segment, plan: Plan, *, run: int, count: int, threads: int) -> dict[str, Any]:
+def _runs(bone: Segment, plan: Plan, *, run: int, count: int, threads: int) -> StressResult:
     try:
         return _core.bench_stress(
             plan.seed,
@@ -154,7 +156,7 @@ def _runs(bone: Segment, plan: Plan, *, run: int, count: int, threads: int) -> d
         raise OptionError(str(error)) from None
 
 
-def _and(found: Found, report: dict[str, Any]) -> Found:
+def _and(found: Found, report: StressResult) -> Found:
     """Adds what further runs gave."""
     return replace(
         found,

@@ -1,4 +1,4 @@
-"""What is at a path, ready to be shown: a scan with the segment offered as bone, or a scene."""
+"""Opening of a path: a scan with a default segment of bone, or a saved scene."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ __all__ = ["Opening", "is_scene", "offer_bone", "opening", "opening_of"]
 
 @dataclass(frozen=True)
 class Opening:
-    """A scene that can be begun."""
+    """A scene that is ready to be shown."""
 
     scene: Scene
     saved: SavedScene | None
-    """The file that it comes from, where it was saved."""
+    """The file of a saved scene."""
     told: tuple[str, ...]
-    """What a person should know of the reading."""
+    """Messages on the reading for the user."""
 
 
 def opening(
@@ -47,19 +47,19 @@ def opening(
 
 
 def opening_of(volume: Volume) -> Opening:
-    """Returns a scan as it is opened."""
+    """Returns a scan as an opening."""
     scene = Scene(volume)
     told = offer_bone(scene)
     return Opening(scene, None, () if told is None else (told,))
 
 
 def is_scene(path: Path) -> bool:
-    """Says whether a path is that of a scene's file, by its name."""
+    """Returns whether a path is that of a scene file, by its extension."""
     return path.suffix == ENDING and path.is_file()
 
 
 def offer_bone(scene: Scene) -> str | None:
-    """Adds the segment that is offered as bone; says so where there is none."""
+    """Adds the default segment of bone; returns a message where there is none."""
     try:
         scene.add(scene.volume.offered_bone())
     except EmptySegmentError:

@@ -1,4 +1,4 @@
-"""What a scene file keeps of matter that gives way: materials, regions, the model."""
+"""Soft tissue in scene files: materials, regions, the deformation model."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from palpate.session.model_options import ModelOptions
+from palpate.session.segment_state import SegmentState
 from palpate.session.session import Session
 from palpate.volumes.material import ForceSource, LinearMaterial, Material, Region, Treatment
 
@@ -23,7 +24,8 @@ class _Material(msgspec.Struct, frozen=True):
     preset: str | None
     constants: _Constants | None
     high: _Constants | None = None
-    """Where they follow HU: from ``constants`` to these between the ends of ``interval``."""
+    """Constants at the upper end of ``interval``, where they depend on HU; ``constants`` then are
+    those at the lower end."""
     interval: tuple[float, float] | None = None
 
 
@@ -35,20 +37,20 @@ class _Region(msgspec.Struct, frozen=True):
 
 
 class SavedMatter(msgspec.Struct, frozen=True, kw_only=True):
-    """As ``scene.json`` has it, beside what it has of other things."""
+    """Fields of ``scene.json`` about soft tissue."""
 
     materials: list[_Material]
     model: str | None
     options: ModelOptions = ModelOptions()
     edge: int | None = None
-    """Of its box, in files of before ``options``."""
+    """Edge of the model's box, in files older than ``options``."""
     regions: list[_Region] = []
-    """Of all segments, for each in their order; files of before have none."""
+    """Of all segments, for each segment in their order; older files have none."""
     force_source: ForceSource = "matter"
 
 
 def saved_matter(session: Session) -> dict[str, Any]:
-    """Returns the fields of ``SavedMatter`` as they are now."""
+    """Returns the current values of the fields of ``SavedMatter``."""
     segments, model = session.segments(), session.deformation()
     ids = [each["id"] for each in segments]
     regions = [
@@ -67,14 +69,14 @@ def saved_matter(session: Session) -> dict[str, Any]:
 
 
 def restore_matter(session: Session, saved: SavedMatter) -> None:
-    """Brings what was saved into a session that has the segments.
+    """Restores soft tissue into a session that has the segments.
 
     Raises:
-        OptionError: Matter or a model cannot be so.
+        OptionError: A material or the model is not allowed.
     """
     for each in saved.materials:
         # what was made of it stays so, whatever is known of the scan's unit by now
-        session._make_of(  # noqa: SLF001  # a scene restores its session
+        session._soft_tissue.restore_material(  # noqa: SLF001  # a scene restores its session
             each.segment, _given_material(each), undoable=False
         )
     for segment_id in {each.segment for each in saved.regions}:
@@ -89,7 +91,7 @@ def restore_matter(session: Session, saved: SavedMatter) -> None:
     session.set_force_source(saved.force_source)
 
 
-def _material_of(state: dict[str, Any]) -> _Material | None:
+def _material_of(state: SegmentState) -> _Material | None:
     material = state["material"]
     if material is None:
         return None

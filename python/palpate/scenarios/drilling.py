@@ -1,4 +1,4 @@
-"""Driving a drill into bone without a device; its law is told in ``docs/understand/tools.md``."""
+"""Driving a drill into bone without a device; ``docs/understand/tools.md`` explains the model."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ def drive_drill(
     air: float | None = None,
     energy: float | None = None,
 ) -> ScenarioRun:
-    """Drives a drill straight toward a point, and out again; it turns on the way in and at rest.
+    """Drives a drill straight to a point and out again; it turns on the way in and while it rests.
 
     Args:
         volume: The scan.
-        bone: What it removes, and what stops the burr.
-        drive: Where the burr's centre goes.
-        radius: Of the burr [mm].
-        air: What the scan reads where matter went [its unit]; None is -1000.
+        bone: The segment that it removes, and that stops the burr.
+        drive: Path of the burr's centre.
+        radius: Radius of the burr [mm].
+        air: Value of drilled voxels [unit of the scan]; None is -1000.
         energy: Work per volume [mJ/mm³]; None is that of bone by HU.
 
     Raises:
-        OptionError: Something given is not allowed.
+        OptionError: An argument is not allowed.
     """
     try:
         told = _core.drive_drill(

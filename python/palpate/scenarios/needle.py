@@ -1,6 +1,6 @@
-"""Driving a needle into a scan without a device; its law is told in ``docs/understand/needle.md``.
+"""Driving a needle into a scan without a device; ``docs/understand/needle.md`` explains the model.
 
-Points are in the patient [mm].
+Points are in the patient, LPS [mm].
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ def drive_needle(
     *,
     scenario: str = "needle",
 ) -> ScenarioRun:
-    """Drives a needle straight toward a point until the force stops it, and out again.
+    """Drives a needle straight to a point or until the force limit, and out again.
 
     Args:
         volume: The scan.
-        layers: Its segments, each with what it is for the needle; None where it is hard.
-        drive: Where the tip goes.
-        scenario: What to call the run.
+        layers: Segments, each with its tissue; None where it is rigid.
+        drive: Path of the tip.
+        scenario: Name of the run.
 
     Raises:
-        OptionError: Something given is not allowed.
+        OptionError: An argument is not allowed.
     """
     given = [
         (segment._internal, None if tissue is None else astuple(tissue))  # noqa: SLF001

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import msgspec
 
 from palpate import protocol
+from palpate.session.picture_change import PictureChange
 
 __all__ = ["messages_of"]
 
@@ -15,7 +15,7 @@ MOST_BYTES = 4 << 20
 """Of the patches in one message; a single larger patch still goes out whole."""
 
 
-def messages_of(change: dict[str, Any]) -> Iterator[protocol.Changed]:
+def messages_of(change: PictureChange) -> Iterator[protocol.Changed]:
     """Yields a change of ``Session.picture_changes`` as one message, or as many if it is large.
 
     What an edit does stays in one message up to 4 MiB of patches, so that a page shows it in one

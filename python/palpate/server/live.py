@@ -202,15 +202,15 @@ class Live:
     def _tell_state(self) -> bool:
         """Tells what is now and what changed; False where the session has ended."""
         frame = self.session.frame()
-        for level, text in frame.pop("notices"):
+        for level, text in frame["notices"]:
             self._tell(protocol.Notice(level=level, text=text))
         self._tell_from_threads()
         if not self.session.is_running:
             self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
             return False
         self._scene_of_now = (frame["edit"], frame["poses"])
-        versions = [frame.pop(f"{kind}_version") for kind in ("segments", "voxels")]
-        if self.segments.refresh(versions[0], voxels_version=versions[1], pending=frame["pending"]):
+        versions, voxels = frame["segments_version"], frame["voxels_version"]
+        if self.segments.refresh(versions, voxels_version=voxels, pending=frame["pending"]):
             self._tell(self.segments.message)
             for text in self.segments.take_notices():
                 self._tell(protocol.Notice(level="info", text=text))
@@ -219,7 +219,9 @@ class Live:
         if needle is not None:
             self._tell(needle)
         try:
-            state = msgspec.convert(frame, protocol.State)
+            fields = protocol.State.__struct_fields__
+            told = {name: value for name, value in frame.items() if name in fields}
+            state = msgspec.convert(told, protocol.State)
         except msgspec.ValidationError as error:
             self._tell(protocol.Notice(level="error", text=f"the engine is out of order: {error}"))
             return False
@@ -322,7 +324,7 @@ class Live:
     def _following_tick(self) -> int:
         """Returns the first tick that follows all that the session was told until now."""
         # one has begun and may be past its commands; the next one takes them
-        ticks: int = self.session.lateness()["servo"]["ticks"]
+        ticks = self.session.lateness()["servo"]["ticks"]
         return ticks + 1
 
     def _follow_edits(self) -> None:

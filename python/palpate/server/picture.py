@@ -15,6 +15,7 @@ from palpate import protocol
 from palpate.server.changes import messages_of
 from palpate.server.outbox import Box
 from palpate.session.edited_values import EditedValues
+from palpate.session.picture_change import PictureChange, SurfaceChange
 
 __all__ = ["ToldPicture", "labels_anew", "voxel_slabs"]
 
@@ -47,14 +48,14 @@ class ToldPicture:
             if box.stored is not None:
                 self._edited.write(box.low, box.high, box.stored)
 
-    def surfaces_anew(self, whole: dict[str, Any], *, edit: int) -> Iterator[protocol.Changed]:
+    def surfaces_anew(self, whole: PictureChange, *, edit: int) -> Iterator[protocol.Changed]:
         """Yields all surfaces of ``Session.whole_surfaces``, and where matter stands beside voxels.
 
         Surfaces that are gone are forgotten.
         """
         there = {surface["id"] for surface in whole["surfaces"]}
         self._surfaces |= there
-        gone = [
+        gone: list[SurfaceChange] = [
             {"id": segment_id, "whole": True, "dropped": [], "patches": []}
             for segment_id in sorted(self._surfaces - there)
         ]

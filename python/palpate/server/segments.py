@@ -26,6 +26,7 @@ from palpate.session.appearance import (
     restored_looks,
     scene_with_looks,
 )
+from palpate.session.segment_state import Bounds, SegmentState
 from palpate.session.session import Session
 from palpate.volumes.anatomical_colour import colour_of_name, first_colour
 from palpate.volumes.scene import Scene
@@ -177,7 +178,7 @@ class ShownSegments:
             notices, self._notices = self._notices, []
         return notices
 
-    def _show_moved_as_surface(self, state: dict[str, Any]) -> None:
+    def _show_moved_as_surface(self, state: SegmentState) -> None:
         """Shows a segment that stands elsewhere as a surface: voxels stay where the scan is."""
         segment_id, pose, has_own_grid = state["id"], state["pose"], state["grid"] is not None
         look = self._look_of(segment_id)
@@ -266,7 +267,7 @@ class ShownSegments:
             self._labels += 1
         return protocol.Segments(segments=segments, labels=self._labels)
 
-    def _segment(self, state: dict[str, Any]) -> protocol.Segment:
+    def _segment(self, state: SegmentState) -> protocol.Segment:
         segment_id = state["id"]
         look = self._look_of(segment_id)
         return protocol.Segment(
@@ -285,7 +286,7 @@ class ShownSegments:
             material=material_of(state),
             regions=regions_of(self._session.regions(segment_id)),
             pose=state["pose"],
-            bounds=state["bounds"],
+            bounds=_box_of(state["bounds"]),
             grid=state["grid"],
             shown_as=look.shown_as,
             opacity=look.opacity,
@@ -295,6 +296,16 @@ class ShownSegments:
             ambient=look.ambient,
             specular=look.specular,
         )
+
+
+def _box_of(
+    bounds: Bounds | None,
+) -> tuple[protocol.GridPlace, protocol.GridPlace] | None:
+    """Returns the bounding box of a segment in the form of a message."""
+    if bounds is None:
+        return None
+    (x, y, z), (to_x, to_y, to_z) = bounds
+    return (x, y, z), (to_x, to_y, to_z)
 
 
 def _is_labelled(segment: protocol.Segment) -> bool:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import msgspec
 
 from palpate import protocol
+from palpate.session.deformation_state import ModelParts
 from palpate.session.model_options import ModelOptions, Prony, offered_models
+from palpate.session.segment_state import SegmentState
 from palpate.volumes.material import Material, Region, material_presets
 
 __all__ = [
@@ -75,7 +76,7 @@ def asked_options(wanted: protocol.ModelOptions) -> ModelOptions:
     )
 
 
-def material_of(state: dict[str, Any]) -> protocol.SegmentMaterial | None:
+def material_of(state: SegmentState) -> protocol.SegmentMaterial | None:
     """Returns what a segment of ``Session.segments`` is made of; None where it is hard."""
     material = state["material"]
     if material is None:
@@ -112,7 +113,7 @@ def asked_regions(wanted: protocol.SetRegions) -> list[Region]:
     ]
 
 
-def parts_of(parts: dict[str, Any]) -> protocol.MatterParts:
+def parts_of(parts: ModelParts) -> protocol.MatterParts:
     """Returns the parts of ``Session.model_parts`` as pages are told them."""
     return msgspec.convert(parts, protocol.MatterParts)
 

@@ -1,4 +1,4 @@
-"""How segments are shown, as journals and scene files keep it: name, colour, opacity and more."""
+"""Appearance of segments as journals and scene files store it: name, colour, opacity and more."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ __all__ = [
 ]
 
 DEFAULT_SMOOTHING = 3
-"""Degree that takes the steps of voxels away and keeps what is larger than a few of them."""
+"""Degree of smoothing that hides the steps of voxels and keeps structures of a few voxels."""
 
 UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
-"""Pose of a segment that stands where the scan has it."""
+"""Pose of a segment that was not moved."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Look:
     ambient: float = 1.0
     specular: float = 1.0
     chosen: bool = True
-    """Whether the colour is that of a person or a file, and not told by name or number."""
+    """Whether a person or a file chose the colour; else it follows from name or number."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class KeptLook:
 
 
 def colour_of_number(segment_id: int) -> Colour:
-    """Returns the colour of a segment whose name tells none."""
+    """Returns the colour of a segment without a known name."""
     return PALETTE[(segment_id - 1) % len(PALETTE)]
 
 
@@ -123,12 +123,13 @@ def restored_looks(session: Session, kept: bytes) -> dict[int, Look]:
 def scene_with_looks(
     session: Session, values: NDArray[np.int16], look_of: Callable[[int], Look]
 ) -> tuple[Scene, list[str]]:
-    """Returns the scan with such stored values and its segments as they are now, for files.
+    """Returns the scan with the given stored values and its current segments, for files.
 
-    Also says what files cannot tell of them.
+    Returns:
+        The scene, and sentences on what files cannot store.
 
     Raises:
-        OptionError: Segments came or went meanwhile.
+        OptionError: Segments were added or removed meanwhile.
     """
     scene, told = session.scene_now(values), []
     states = session.segments()

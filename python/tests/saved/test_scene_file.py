@@ -70,7 +70,8 @@ def state(session: Session) -> list[dict[str, Any]]:
     """What is known of segments, and their voxels."""
     known = ("id", "voxels", "touchable", "locked", "range", "made_by", "feel", "pose", "material")
     return [
-        {name: each[name] for name in known} | {"mask": session.segment(each["id"]).mask().tolist()}
+        {name: value for name, value in each.items() if name in known}
+        | {"mask": session.segment(each["id"]).mask().tolist()}
         for each in session.segments()
     ]
 

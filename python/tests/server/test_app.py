@@ -126,7 +126,7 @@ def test_samples_of_the_force_are_told_once_and_in_order(shared_server: Any) -> 
             times += [sample[0] for sample in page.receive("state")["samples"]]
     steps = np.diff(times)
     # by the servo's clock, which runs on where a thread is late: no sample told twice or out of
-    # order. That none is left out is tested in lock-step (crates/engine/tests/offline.rs)
+    # order. That none is left out is tested in lock-step (crates/engine/tests/session/offline.rs)
     assert steps.min() > 0.0
 
 

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use palpate_engine::touch::scan_values::{ScanValues, Threshold};
-use palpate_engine::touch::touchable::{Part, Touchable};
+use palpate_engine::touch::{Part, ScanValues, Threshold, Touchable};
 use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::force::Uniform;
 use palpate_haptics::smooth::Smoothing;

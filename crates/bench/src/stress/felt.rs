@@ -6,9 +6,7 @@
 use std::sync::Arc;
 
 use glam::IVec3;
-use palpate_engine::touch::occupancy_fractions::BodyFractions;
-use palpate_engine::touch::scan_values::{ScanValues, Threshold};
-use palpate_engine::touch::touchable::Part;
+use palpate_engine::touch::{BodyFractions, Part, ScanValues, Threshold};
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;

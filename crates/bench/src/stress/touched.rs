@@ -3,12 +3,10 @@
 //! Frame: the world's grid.
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::servo::channels::{BrickChange, Garbage};
-use palpate_engine::touch::body::BodyVoxels;
-use palpate_engine::touch::occupancy_fractions::BodyFractions;
-use palpate_engine::touch::probe::Probe;
-use palpate_engine::touch::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
-use palpate_engine::touch::touchable::{Body, Touchable};
+use palpate_engine::touch::{
+    Body, BodyFractions, BodyVoxels, BrickChange, GARBAGE_PER_CHANGE, Garbage, Probe,
+    TouchOccupancy, Touchable,
+};
 use palpate_haptics::admission::PoseStep;
 use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};

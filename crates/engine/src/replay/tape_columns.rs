@@ -24,11 +24,8 @@ use serde::{Deserialize, Serialize};
 use crate::replay::tape::{
     PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, put_fractions, rooted,
 };
-use crate::servo::channels::{FractionSwap, MAX_BRICKS};
-use crate::servo::servo_state::ServoState;
-use crate::simulation::check_radius;
-use crate::touch::scan_values::ScanValues;
-use crate::touch::settings::{Settings, SettingsError};
+use crate::servo::ServoState;
+use crate::touch::{FractionSwap, MAX_BRICKS, ScanValues, Settings, SettingsError, check_radius};
 
 /// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
 pub const MAX_FILE_VOXELS: u64 = 1 << 33;

@@ -24,7 +24,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::scene::{Scene, TouchChange};
-use crate::servo::channels::FractionSwap;
+use crate::touch::FractionSwap;
 
 /// How far from a change fractions are worked out again [voxels].
 const REACH: i32 = 8;

@@ -8,7 +8,8 @@ use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
-use super::{Properties, ThresholdRange};
+use super::Properties;
+use crate::touch::ThresholdRange;
 
 /// A model of soft tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]

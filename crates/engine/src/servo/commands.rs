@@ -7,9 +7,9 @@ use palpate_haptics::soft_contact::SoftContact;
 use palpate_haptics::tick::TickState;
 
 use super::ServoLoop;
-use crate::servo::channels::{Garbage, ServoCommand};
-use crate::servo::servo_state::TickInputs;
-use crate::touch::probe::Probe;
+use crate::servo::channels::ServoCommand;
+use crate::servo::inputs::TickInputs;
+use crate::touch::{Garbage, Probe};
 
 /// Commands executed per tick, at most, and one change of the occupancy.
 pub const MAX_COMMANDS_PER_TICK: usize = 16;

@@ -8,12 +8,12 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformable::deformation::{DeformationStatus, ForceSource};
+use crate::deformable::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
-use crate::picture::scene_updates::SceneUpdate;
+use crate::notice::Notice;
+use crate::picture::SceneUpdate;
 use crate::scene::{ModelChoice, Step};
-use crate::servo::channels::{DeformableContact, ServoCommand};
+use crate::servo::{DeformableContact, ServoCommand};
 
 impl Simulation {
     /// Chooses the model of soft tissue and what it offers to choose, or none; an

@@ -12,8 +12,9 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::segment_set::SegmentSet;
 
 use crate::touch::contact_model::Model;
+use crate::touch::part::Part;
 use crate::touch::settings::Settings;
-use crate::touch::touchable::{Part, Touchable};
+use crate::touch::touchable::Touchable;
 
 /// Friction of a tip that sticks where it touches, unless it is pushed nearly along the surface.
 const TIP_STICKS: f64 = 2.0;

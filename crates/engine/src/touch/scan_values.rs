@@ -17,7 +17,8 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::intensity_brick::IntensityBrick;
 use palpate_volume::overlay::Overlay;
 
-use crate::scene::ThresholdRange;
+/// Threshold that a segment is, in physical units: low and high, both included.
+pub type ThresholdRange = (f64, f64);
 
 /// Values of a scan. A clone shares them, and the marks.
 #[derive(Clone, Debug)]

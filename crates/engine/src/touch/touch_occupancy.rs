@@ -19,8 +19,8 @@ use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
-use crate::servo::channels::{BrickChange, Garbage, MAX_BRICKS, MAX_FRACTIONS, MAX_HELD};
 use crate::touch::moved_poses::MovedPoses;
+use crate::touch::occupancy_change::{BrickChange, Garbage, MAX_BRICKS, MAX_FRACTIONS, MAX_HELD};
 use crate::touch::patched::{Patched, place_of};
 use crate::touch::probe::Probe;
 use crate::touch::touchable::{Body, Touchable};
@@ -367,7 +367,7 @@ impl TouchOccupancy {
         for swap in &change.fractions {
             let mut newer = swap.clone();
             held.touchable.swap_fractions(&mut newer);
-            dispose(&mut self.garbage, Garbage::Shares(newer));
+            dispose(&mut self.garbage, Garbage::Fractions(newer));
         }
     }
 
@@ -395,7 +395,7 @@ impl TouchOccupancy {
                 if let Some(place) = place_of(&held.fractions, swap.index) {
                     let mut newer = swap.clone();
                     std::mem::swap(&mut held.fractions[place], &mut newer);
-                    dispose(&mut self.garbage, Garbage::Shares(newer));
+                    dispose(&mut self.garbage, Garbage::Fractions(newer));
                 }
             }
         }

@@ -12,9 +12,7 @@ use palpate_volume::voxel_box::VoxelBox;
 
 use super::{PartSwap, TapePart};
 use crate::replay::mask_runs::mask_of;
-use crate::servo::channels::FractionSwap;
-use crate::touch::scan_values::{ScanValues, Threshold};
-use crate::touch::touchable::{MovedPart, Part};
+use crate::touch::{FractionSwap, MovedPart, Part, ScanValues, Threshold};
 
 /// Puts bricks in the place of those that are there.
 pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {

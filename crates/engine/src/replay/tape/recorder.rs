@@ -7,10 +7,8 @@ use rtrb::Consumer;
 
 use super::bricks::{changed_bricks, changed_fractions, put, put_fractions};
 use super::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart};
-use crate::servo::channels::{FractionSwap, ServoCommand, Snapshot};
-use crate::servo::servo_state::ServoState;
-use crate::touch::scan_values::ScanValues;
-use crate::touch::touchable::Part;
+use crate::servo::{ServoCommand, ServoState, Snapshot};
+use crate::touch::{FractionSwap, Part, ScanValues};
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;
