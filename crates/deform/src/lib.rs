@@ -12,7 +12,6 @@
 //! or the engine's threads.
 
 mod displacement;
-pub mod integrator;
 pub mod lattice;
 pub mod material;
 pub mod model;

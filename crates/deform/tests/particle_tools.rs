@@ -1,8 +1,8 @@
 //! Tools among particles, and how particles come to rest.
 
 use glam::{DMat3, DQuat, DVec3, IVec3};
-use palpate_deform::integrator::Fire;
 use palpate_deform::particles::calibration::FADE;
+use palpate_deform::particles::integrator::Fire;
 use palpate_deform::particles::lattices::{FCC_CHI, fcc};
 use palpate_deform::particles::tool_push::{ParticleTool, ToolLaw};
 use palpate_deform::particles::{FadedLaw, PairOptions, ParticleSystem, Particles, Site, Space};

@@ -14,7 +14,7 @@ use super::pair_laws::CutLaw;
 use super::space::Space;
 use super::state::Particles;
 use super::system::ParticleSystem;
-use crate::integrator::VelocityVerlet;
+use crate::particles::integrator::VelocityVerlet;
 
 /// Cut-off [a].
 pub const CUT: f64 = 2.1;

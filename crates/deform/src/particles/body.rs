@@ -15,9 +15,9 @@ use super::state::{Particles, Site};
 use super::system::{MARGIN, ParticleSystem};
 use super::tool_push::{ParticleTool, ToolForce, ToolLaw};
 use super::walls::keep_inside;
-use crate::integrator::{Fire, VelocityVerlet};
 use crate::material::{Solid, Treatment};
 use crate::model::{Budget, ModelEvent, ModelParts, ModelReport, ToolContact, ToolState};
+use crate::particles::integrator::{Fire, VelocityVerlet};
 
 /// Angular frequency of a particle on one link: masses are 72 D/a², so time has the unit T₀/2π.
 const LINK_FREQUENCY: f64 = 1.0;

@@ -13,7 +13,7 @@ use super::pair_laws::CuboidLaw;
 use super::space::Space;
 use super::state::Particles;
 use super::system::ParticleSystem;
-use crate::integrator::VelocityVerlet;
+use crate::particles::integrator::VelocityVerlet;
 
 /// Kinetic energy of each cuboid particle at the start [D].
 pub const HEAT_AT_START: f64 = 6e-4;
