@@ -1,4 +1,4 @@
-//! The bonded lattice: isotropic nodes that carry a body's matter around the tools.
+//! The bonded lattice: isotropic nodes that carry a body's tissue around the tools.
 //!
 //! Nodes stand on a cubic lattice of their own, whatever the voxels' shape; each is bonded to
 //! its 6 face and 12 edge neighbours. Equal springs on all of them are exactly isotropic with

@@ -10,12 +10,12 @@ use crate::voxel_ledger::{Ledger, state_of};
 #[derive(Clone, Copy, Debug)]
 pub struct ObservedVoxels {
     edit_number: u64,
-    /// One of the voxels that the answer's edit changes, and what to.
+    /// One voxel that the answer's edit changes, and its new state.
     wrote: Option<(IVec3, VoxelState)>,
 }
 
 impl ObservedVoxels {
-    /// As they are now; no answer has changed them yet.
+    /// The voxels as they are now, before an answer changes them.
     pub fn now(voxels: &Voxels) -> Self {
         Self {
             edit_number: voxels.edit_number(),

@@ -19,11 +19,11 @@ use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 /// A model by the name that users write.
 #[derive(Clone, Copy, Debug)]
 pub struct Registered {
-    /// As users write it.
+    /// Name in settings.
     pub name: &'static str,
-    /// As they read it.
+    /// Title on the page.
     pub title: &'static str,
-    /// Whether it is of nodes and bonds that can break; else of particles.
+    /// Whether the model has nodes and bonds that can break; else it has particles.
     pub bonded: bool,
     /// What can be chosen of it.
     pub offers: Offers,
@@ -42,7 +42,7 @@ impl Registered {
     }
 }
 
-/// Of models of particles in a box.
+/// Options of the models with particles in a box.
 const PARTICLES: Offers = Offers {
     boxes: Some(Boxes {
         least: 7,
@@ -141,7 +141,7 @@ pub const MODELS: &[Registered] = &[
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("deformation model {given:?} given; allowed: {allowed}")]
 pub struct UnknownModel {
-    /// As given.
+    /// The name given.
     pub given: String,
     /// The names of [`MODELS`].
     pub allowed: String,

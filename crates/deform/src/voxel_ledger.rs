@@ -1,7 +1,7 @@
-//! What a voxel is at rest: its matter before a model moved anything.
+//! What a voxel is at rest: its tissue before a model moved anything.
 //!
 //! The voxels of a session are the true ones, those that the model itself moved among them. A
-//! ledger keeps what these were, so that matter comes back to the bit, and notices where
+//! ledger keeps what these were, so that tissue comes back to the bit, and notices where
 //! somebody else has changed them since: that counts from then on.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,7 +30,7 @@ pub fn state_of(voxels: &Voxels, voxel: IVec3) -> Option<VoxelState> {
     })
 }
 
-/// The solid of some matter and how it takes part; none where nothing of it does. The last of
+/// The solid of some tissue and how it takes part; none where nothing of it does. The last of
 /// the materials that holds it counts.
 pub fn solid_of(
     voxels: &Voxels,
@@ -54,13 +54,13 @@ pub fn solid_of(
 /// A voxel that the model changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Changed {
-    /// As it is at rest.
+    /// State at rest.
     pub rest: VoxelState,
-    /// As it was before the model's last edit of it.
+    /// State before the model's last edit of it.
     pub before: VoxelState,
-    /// As the model wrote it.
+    /// State that the model wrote.
     pub written: VoxelState,
-    /// How far the matter that it shows has come from rest [voxels]; none where it shows none.
+    /// How far the tissue that it shows has come from rest [voxels]; none where it shows none.
     pub shown: Option<DVec3>,
 }
 
@@ -72,7 +72,7 @@ impl Changed {
     }
 }
 
-/// What a voxel is to be, and how far the matter that it then shows has come from rest
+/// What a voxel is to be, and how far the tissue that it then shows has come from rest
 /// [voxels]; none where it shows none.
 pub type Wanted = BTreeMap<[i32; 3], (VoxelState, Option<DVec3>)>;
 
@@ -80,7 +80,7 @@ pub type Wanted = BTreeMap<[i32; 3], (VoxelState, Option<DVec3>)>;
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     changed: BTreeMap<[i32; 3], Changed>,
-    /// Of these, those that stay as they are although no tool presses them.
+    /// Those of them that stay displaced although no tool presses them (plastic set).
     plastic: BTreeSet<[i32; 3]>,
     last: Option<(IVec3, VoxelState)>,
 }
@@ -104,7 +104,7 @@ impl Ledger {
         self.changed.len()
     }
 
-    /// Of these, voxels that stay so.
+    /// Number of voxels with plastic set.
     pub fn plastic_len(&self) -> usize {
         self.plastic.len()
     }
@@ -170,7 +170,7 @@ impl Ledger {
         overruled
     }
 
-    /// Follows what somebody else has changed since. Matter that was cut where it stands is gone
+    /// Follows what somebody else has changed since. Tissue that was cut where it stands is gone
     /// where it was at rest, and what stood here at rest stays elsewhere. Whatever else was put
     /// into a voxel counts from now on.
     pub fn follow_cuts(&mut self, voxels: &Voxels) {

@@ -13,7 +13,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-/// Voxels of the scan along each axis, and the face of the matter in it.
+/// Voxels of the scan along each axis, and the face of the tissue in it.
 const SIZE: UVec3 = UVec3::new(120, 110, 84);
 const TOP: i32 = 68;
 /// Of the ball [voxels].
@@ -152,7 +152,7 @@ fn what_somebody_else_changes_while_voxels_follow_counts() {
     for step in 0..12 {
         scan.answer(50.0, f64::from(step));
     }
-    // a hole below the ball, in matter that has moved
+    // a hole below the ball, in tissue that has moved
     let hole = VoxelBox::new(IVec3::new(46, 51, 44), IVec3::new(54, 59, 52));
     let cut = scan.voxels.voxel_edit(&hole, |_, mut matter| {
         (matter.stored, matter.segments) = (-1000, Default::default());
@@ -169,7 +169,7 @@ fn what_somebody_else_changes_while_voxels_follow_counts() {
     assert_eq!(moved, 0, "left after {answers} answers");
     let mut inside = hole.voxels();
     assert!(inside.all(|v| Scan::look(&scan.voxels, v) == Scan::look(&untouched, v)));
-    // matter that had moved away from there is back around it
+    // tissue that had moved away from there is back around it
     let beside = IVec3::new(50, 55, 60);
     assert!(Scan::look(&scan.voxels, beside).1);
 }

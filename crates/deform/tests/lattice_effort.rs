@@ -1,4 +1,4 @@
-//! What an answer of the lattice costs, by counts: a ball that slides over soft matter.
+//! What an answer of the lattice costs, by counts: a ball that slides over soft tissue.
 
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,7 @@ const WAY: f64 = 0.5;
 /// How far the box lets the tool go before it follows [nodes].
 const LEASH: u64 = 3;
 
-/// Soft matter up to half the height, and its materials.
+/// Soft tissue up to half the height, and its materials.
 fn body() -> (Voxels, Materials) {
     let size = UVec3::new(80, 40, 40);
     let grid = Grid::new(size, DVec3::ONE, DVec3::splat(0.5), DMat3::IDENTITY).expect("a grid");

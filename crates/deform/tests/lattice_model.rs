@@ -141,7 +141,7 @@ fn flat_voxels_carry_the_same_force_as_cubes() {
         .z
     };
     let (cubes, flat) = (press(DVec3::ONE), press(DVec3::new(0.6, 0.6, 3.0)));
-    // the body is the same, and nodes stand in the same matter but for rounding at the surface
+    // the body is the same, and nodes stand in the same tissue but for rounding at the surface
     assert!((flat / cubes - 1.0).abs() < 0.02, "{cubes} {flat}");
 }
 

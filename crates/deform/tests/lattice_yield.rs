@@ -1,4 +1,4 @@
-//! Matter that yields stays as it was pressed: under the box, behind it, and when it comes back.
+//! Tissue that yields stays as it was pressed: under the box, behind it, and when it comes back.
 
 use crate::model_support::{Bench, LIVER, RADIUS, TOP};
 use glam::{DVec3, IVec3};

@@ -94,7 +94,7 @@ fn what_was_pressed_comes_back_when_the_tool_leaves_to_the_bit() {
                 .count();
         }
         assert!(changed > 4, "{name}: pressing changed {changed} voxels");
-        // voxels that matter left read air, and are in no segment
+        // voxels that tissue left read air, and are in no segment
         let empty = picture(&voxels)
             .iter()
             .zip(&untouched)
@@ -102,7 +102,7 @@ fn what_was_pressed_comes_back_when_the_tool_leaves_to_the_bit() {
             .count();
         assert!(empty > 0, "{name}: nothing gave way");
 
-        // the tool goes up, matter follows, then the tool leaves
+        // the tool goes up, tissue follows, then the tool leaves
         let away = ball(&voxels, -8.0);
         for _ in 0..3 {
             advance(&mut *model, &mut voxels, &materials, &[away], 100);

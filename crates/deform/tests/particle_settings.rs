@@ -71,7 +71,7 @@ fn absurd_tools_and_settings_give_no_force_and_no_panic() {
                 assert!(force(&answer).is_finite(), "{name}: {tool:?}");
             }
         }
-        // a tool deep inside matter at once
+        // a tool deep inside tissue at once
         let deep = ball(&voxels, 6.0);
         let answer = advance(&mut *model, &mut voxels, &materials, &[deep], 200);
         assert!(force(&answer).is_finite(), "{name}");

@@ -102,7 +102,7 @@ pub struct NeedleForces {
 pub struct Needle {
     on: bool,
     tissues: Tissues,
-    /// For the next insertion.
+    /// Tissues for the next insertion.
     wanted: Tissues,
     insertion: Option<Insertion>,
     forces: NeedleForces,
@@ -138,19 +138,19 @@ impl Needle {
         self.insertion.as_ref()
     }
 
-    /// What it can puncture.
+    /// Tissues that the needle can puncture.
     #[must_use]
     pub fn tissues(&self) -> &Tissues {
         &self.tissues
     }
 
-    /// What holds it.
+    /// Forces that hold the needle.
     #[must_use]
     pub fn forces(&self) -> NeedleForces {
         self.forces
     }
 
-    /// What happened to it.
+    /// Events of the needle.
     #[must_use]
     pub fn events(&self) -> &Events {
         &self.events

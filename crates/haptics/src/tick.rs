@@ -29,9 +29,9 @@ use serde::{Deserialize, Serialize};
 pub struct TickInput {
     /// Device point [mm], scene.
     pub device_in_scene: DVec3,
-    /// Its velocity [mm/s], scene axes.
+    /// Velocity of the device [mm/s], scene axes.
     pub velocity_in_scene: DVec3,
-    /// Of the damper beside the spring [N·s/mm].
+    /// Damping beside the spring [N·s/mm].
     pub damping: f64,
     /// Where the force comes from.
     pub smoothing: Smoothing,

@@ -40,7 +40,7 @@ pub(crate) struct Blur {
     degree: usize,
     /// One blur along each axis.
     once: [Vec<f32>; 3],
-    /// All of them.
+    /// Kernel of all blurs together, along each axis.
     all: [Vec<f32>; 3],
 }
 
@@ -83,7 +83,7 @@ impl Blur {
         fall / (more - fall)
     }
 
-    /// Of all blurs, and of one more [cells²].
+    /// Variances of all blurs, and of one more [cells²].
     fn variances(&self) -> [f32; 2] {
         [self.degree, self.degree + 1].map(|degree| 2.0 * SPREAD * degree as f32)
     }

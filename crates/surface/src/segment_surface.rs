@@ -29,7 +29,7 @@ use crate::voxel_source::VoxelSource;
 pub struct PatchChange {
     /// Which one.
     pub id: PatchId,
-    /// What it is now; none where nothing of the surface is left there.
+    /// The new patch; none where nothing of the surface is left there.
     pub patch: Option<Arc<Patch>>,
 }
 
@@ -64,7 +64,7 @@ impl SegmentSurface {
         })
     }
 
-    /// How it is made.
+    /// Settings of the surface.
     pub fn settings(&self) -> &SurfaceSettings {
         &self.settings
     }

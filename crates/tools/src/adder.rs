@@ -3,7 +3,7 @@
 //! Where the segments are obstacles, it never fills where the probe's body is: the probe
 //! would be inside an obstacle, and touch would hold the change back. Nor does it wall the
 //! probe in: what its ball still covers waits, and is filled as soon as ball and body have
-//! gone. So matter grows behind the probe as it moves away, and what both stand in at
+//! gone. So tissue grows behind the probe as it moves away, and what both stand in at
 //! release stays free. Where the segments are no obstacles, it fills at once.
 
 use std::collections::BTreeSet;

@@ -23,7 +23,7 @@ const HALF: u8 = 127;
 pub struct FractionBrick(pub [u8; 512]);
 
 impl FractionBrick {
-    /// Nothing is known.
+    /// A brick in which no fraction is known.
     pub const UNKNOWN: Self = Self([0; 512]);
 
     /// The byte of a voxel; only the low three bits of each number count.
@@ -65,7 +65,7 @@ pub struct OccupancyFractions {
 }
 
 impl OccupancyFractions {
-    /// Nothing is known, in a grid of so many voxels.
+    /// No fraction is known, in a grid of these dimensions.
     pub fn unknown(dimensions: UVec3) -> Self {
         Self {
             dimensions,

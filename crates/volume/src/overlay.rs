@@ -19,7 +19,7 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Nothing is changed.
+    /// An overlay that changes nothing.
     pub fn empty(dimensions: UVec3) -> Self {
         Self {
             dimensions,

@@ -39,7 +39,7 @@ pub enum VoxelsError {
     /// They stand on different grids.
     #[error("segments {0} and {1} given, which stand on different grids; allowed: of one grid")]
     DifferentGrids(u8, u8),
-    /// All numbers are taken.
+    /// All 255 numbers of segments are taken.
     #[error("a 256th segment given; allowed: 255")]
     TooManySegments,
     /// The edit was made for another grid.

@@ -12,7 +12,7 @@ use super::nodes::Lattice;
 use super::vectors::{Field, vector_at};
 use crate::material::Solid;
 
-/// What the border of a box does where matter goes on behind it.
+/// What the border of a box does where tissue goes on behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Border {
     /// Nothing: the body ends there.
@@ -33,7 +33,7 @@ pub(super) struct Ground {
     pub node: u32,
     /// Symmetric, not negative [N/mm].
     pub stiffness: DMat3,
-    /// How far its other end has moved [mm].
+    /// Displacement of the spring's other end [mm].
     pub led: DVec3,
 }
 

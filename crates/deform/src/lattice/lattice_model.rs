@@ -27,16 +27,16 @@ use crate::voxel_ledger::{Ledger, Wanted, state_of};
 const LEASH: i32 = 2;
 /// Unbalanced force from which on nodes count as at rest, in parts of the tolerance.
 pub(super) const AT_REST: f64 = 10.0;
-/// Unbalanced force from which on a tool's matter yields, as a share of the tools' force: a little too
+/// Unbalanced force from which on a tool's tissue yields, as a share of the tools' force: a little too
 /// far is mended by what yields next.
 const NEARLY_AT_REST: f64 = 0.2;
 /// Relaxations in one call at most, where bonds break.
 const ROUNDS: u32 = 4;
 /// Displacement that is seen [spacings].
 const VISIBLE: f64 = 0.01;
-/// One of so many iterations is for the stiffness of the contact.
+/// One in so many iterations is spent on the stiffness of the contact.
 const STIFFNESS_SHARE: u32 = 4;
-/// Shares of the time after which nodes are as far at rest as they come, with the tools and, where matter
+/// Shares of the time after which nodes are as far at rest as they come, with the tools and, where tissue
 /// yielded, without, and the contact as stiff as it is found; what is left is for the voxels.
 const RELAXED: f64 = 0.65;
 const EASED: f64 = 0.75;
@@ -48,7 +48,7 @@ pub struct LatticeModel {
     pub(super) settings: LatticeSettings,
     pub(super) matter: Option<MovingBox>,
     pub(super) relaxer: Relaxer,
-    /// Finds where matter stays that has yielded.
+    /// Finds where tissue stays that has yielded.
     pub(super) unloaded: Relaxer,
     damage: Damage,
     pub(super) ledger: Ledger,
@@ -57,7 +57,7 @@ pub struct LatticeModel {
     observed: Option<ObservedVoxels>,
     bonds_broken: u64,
     work_broken: f64,
-    /// Whether matter was still yielding or breaking at the end of the last relaxation.
+    /// Whether tissue was still yielding or breaking at the end of the last relaxation.
     pub(super) yields: bool,
     reported_poisson: bool,
     /// Whether what yielded was seen without a tool, and nothing was pressed or cut since.
@@ -154,7 +154,7 @@ impl LatticeModel {
         }
     }
 
-    /// Follows what others have changed of the voxels. Matter that moved and was cut where it
+    /// Follows what others have changed of the voxels. Tissue that moved and was cut where it
     /// stands is gone where it is at rest too.
     fn follow_edits(&mut self, input: &ModelInput<'_>) -> u64 {
         let voxels = input.voxels;

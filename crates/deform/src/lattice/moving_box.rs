@@ -22,7 +22,7 @@ use crate::model::{ModelParts, ToolState};
 /// Half axis of a tool, at least: a thinner one would slip between nodes [spacings].
 const THINNEST: f64 = 0.5;
 
-/// How far from the tool's place its contact holds [spacings].
+/// Distance from the tool's place within which its contact is valid [spacings].
 const VALIDITY: f64 = 0.5;
 
 /// Share of the box's half width over which voxels and picture fade to the unmoved body.
@@ -38,11 +38,11 @@ pub(super) struct MovingBox {
     pub inelastic: Inelastic,
     /// How far each node stays from where it was at first, as was last seen from near [mm].
     pub plastic: Field,
-    /// How far nodes would be moved without tools [mm].
+    /// Displacement of each node at rest without tools [mm].
     unloaded: Field,
     /// How much of what comes back is shown at each node: less and less toward the border.
     share: Vec<f64>,
-    /// Its first node, counted from the corner of the grid.
+    /// First node of the box, counted from the corner of the grid.
     pub origin: IVec3,
     pub grid: Grid,
     materials: Materials,
@@ -73,13 +73,13 @@ impl MovingBox {
         }
     }
 
-    /// Whether it is of this scan and these materials.
+    /// Whether the box was built from this scan and these materials.
     pub fn fits(&self, rest: &RestVoxels<'_>) -> bool {
         self.grid == *rest.voxels.grid() && self.materials == *rest.materials
     }
 
     /// Stands elsewhere: what both places share goes on as it is, what does not come back is as in
-    /// `scars`.
+    /// `damage`.
     pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, damage: &Damage) {
         let offset = origin - self.origin;
         let spacing = self.lattice.spacing();
@@ -111,12 +111,12 @@ impl MovingBox {
         }
     }
 
-    /// Whether any of its matter has yielded.
+    /// Whether any of its tissue has yielded.
     pub fn has_yielded(&self) -> bool {
         self.inelastic.has_yielded(&self.lattice)
     }
 
-    /// Force of a small strain of one bond of the softest matter [N]: it counts where no tool
+    /// Force of a small strain of one bond of the softest tissue [N]: it counts where no tool
     /// feels more.
     pub fn small_force(&self) -> f64 {
         SMALL_STRAIN * self.lattice.softest_bond() * self.lattice.spacing()
@@ -227,7 +227,7 @@ impl MovingBox {
             .transform_point3(in_grid / self.grid.spacing())
     }
 
-    /// Its nodes with matter.
+    /// Nodes of the box that hold tissue.
     pub fn parts(&self) -> ModelParts {
         let lattice = &self.lattice;
         let places = lattice.matter_nodes().map(|node| {
@@ -245,7 +245,7 @@ impl MovingBox {
         nodes.all(|node| self.lattice.moved(node).is_finite())
     }
 
-    /// How far matter has moved: what comes back less and less toward the border of the box, where
+    /// How far tissue has moved: what comes back less and less toward the border of the box, where
     /// the picture of the body behind it begins; what lasts as it is.
     pub fn displacement(&self) -> Displacement {
         let field = self.field(|index| {
@@ -258,7 +258,7 @@ impl MovingBox {
         }
     }
 
-    /// How far matter will have moved when no tool presses it any more.
+    /// Plastic displacement: what remains when no tool presses any more.
     pub fn plastic_displacement(&self) -> Displacement {
         self.field(|index| vector_at(&self.plastic, index))
     }

@@ -3,7 +3,7 @@
 //! Nodes stand in the middles of cubes of the spacing, counted from the corner of the grid,
 //! wherever the box is; so a box that moves by whole nodes finds the same nodes again. A node
 //! belongs to what the voxel around it belongs to at rest; its intensity is trilinear between
-//! the middles of the voxels around it, those of other matter left out.
+//! the middles of the voxels around it, those of other tissue left out.
 
 use std::cell::Cell;
 
@@ -14,13 +14,13 @@ use super::nodes::NodeMaterial;
 use crate::material::{Materials, Region, SegmentMaterial, Treatment};
 use crate::voxel_ledger::Ledger;
 
-/// The matter of a scan at rest.
+/// The tissue of a scan at rest.
 pub(super) struct RestVoxels<'a> {
     pub voxels: &'a Voxels,
     pub materials: &'a Materials,
     /// What of it the voxels do not show as it is at rest.
     pub ledger: &'a Ledger,
-    /// How often it was asked.
+    /// Number of questions asked.
     pub asked: Cell<u64>,
 }
 
@@ -59,7 +59,7 @@ impl RestVoxels<'_> {
         }
     }
 
-    /// The intensity of some matter at a point [voxels], which lies in a voxel of it.
+    /// The intensity of some tissue at a point [voxels], which lies in a voxel of it.
     fn value_at(&self, point: DVec3, matter: &SegmentMaterial) -> f64 {
         let low = (point - 0.5).floor();
         let share = point - 0.5 - low;

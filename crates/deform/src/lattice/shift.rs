@@ -94,7 +94,7 @@ mod tests {
         si.checked().expect("matter")
     }
 
-    /// Soft matter with a ball of stiffer matter in it, bone beside it, under a slope of air.
+    /// Soft tissue with a ball of stiffer tissue in it, bone beside it, under a slope of air.
     fn matter(node: IVec3) -> NodeMaterial {
         let from_middle = (node - IVec3::new(14, 10, 4)).as_dvec3();
         match node {

@@ -31,7 +31,7 @@ impl Lattice {
         self.connect(&all, None);
     }
 
-    /// Puts other matter on some nodes, and builds anew what hangs on them; broken bonds come
+    /// Puts other tissue on some nodes, and builds anew what hangs on them; broken bonds come
     /// back whole. Nodes that have become empty are at rest.
     pub(super) fn change(
         &mut self,
@@ -103,7 +103,7 @@ impl Lattice {
     }
 
     /// Builds what begins at the marked nodes, and all that follows; `gone` is how far the box went,
-    /// where it is the same matter.
+    /// where it is the same tissue.
     pub(super) fn connect(&mut self, marked: &[bool], gone: Option<IVec3>) {
         for (node, index) in self.layout.nodes().filter(|&(_, index)| marked[index]) {
             self.bond(node, index);
@@ -129,7 +129,7 @@ impl Lattice {
     }
 
     /// Of some faces of the box at which a node lies, two bits for each axis, those behind which its
-    /// matter goes on.
+    /// tissue goes on.
     pub(super) fn cut_faces(
         &self,
         node: UVec3,

@@ -8,7 +8,7 @@ use super::nodes::Lattice;
 use super::relax::{Relaxer, Wish};
 use super::tool_contact::LatticeTool;
 
-/// How far the tool moves [spacings].
+/// Displacement of the tool for the tangent [spacings].
 const WAY: f64 = 0.05;
 /// Share of the forces that may be left.
 const GAIN: f64 = 0.02;

@@ -20,7 +20,7 @@ pub(super) struct ContactLaws {
 }
 
 impl ContactLaws {
-    /// In matter whose border stands still so far from the contact [mm].
+    /// Laws for a body whose border is fixed at this distance from the contact [mm].
     pub fn held_at(border: f64) -> Self {
         Self {
             border: Some(border),
@@ -97,7 +97,7 @@ impl ContactLaws {
     }
 
     /// The stiffness along the force since the last call, where the tool has moved along it; at
-    /// most four times more or less than `expected`, since matter that slips is no spring.
+    /// most four times more or less than `expected`, since tissue that slips is no spring.
     fn measured_stiffness(
         &self,
         scale: &LatticeScale,

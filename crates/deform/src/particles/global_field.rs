@@ -121,7 +121,7 @@ impl GlobalField {
         }
     }
 
-    /// How far the middle of a voxel has moved.
+    /// Displacement of the centre of a voxel.
     pub fn at_voxel(&self, voxel: IVec3) -> DVec3 {
         match self.region.contains(voxel) {
             true => self.at((voxel - self.region.min).as_dvec3()),
@@ -166,7 +166,7 @@ impl GlobalField {
         tiles
     }
 
-    /// On cubic nodes between which the smallest voxel side lies, around a voxel.
+    /// The field around a voxel on cubic nodes, the smallest voxel side apart.
     pub fn on_nodes(&self, middle: IVec3) -> Displacement {
         let (spacing, side) = (self.grid.spacing(), self.grid.smallest_spacing());
         let middle = middle.clamp(self.region.min, self.region.max - 1);

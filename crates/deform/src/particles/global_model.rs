@@ -50,15 +50,15 @@ const THINNEST: f64 = 0.5;
 pub struct GlobalSettings {
     /// Particles at most, 100 to 100 000; their size follows.
     pub max_particles: u32,
-    /// How D follows from the material.
+    /// Rule by which D follows from the material.
     pub calibration: Calibration,
     /// Springs to where particles rest, as a share of a link's stiffness (5.12).
     pub binding: f64,
-    /// How far a particle takes voxels along, d_a [a]; 0.5 to 2.
+    /// Distance up to which a particle takes voxels along, d_a [a]; 0.5 to 2.
     pub owned_radius: f64,
     /// Displacement below which voxels stay [smallest voxel side].
     pub threshold: f64,
-    /// What the scan reads where matter left, in its own unit.
+    /// What the scan reads where tissue left, in its own unit.
     pub air: f64,
 }
 
@@ -76,7 +76,7 @@ impl Default for GlobalSettings {
 }
 
 impl GlobalSettings {
-    /// Stored value where matter left.
+    /// Stored value where tissue left.
     fn stored_air(&self, input: &ModelInput<'_>) -> i16 {
         let intensities = input.voxels.intensities();
         let air = (self.air - intensities.intercept()) / intensities.slope();
@@ -135,7 +135,7 @@ impl DeformationModel for GlobalModel {
         let began = Instant::now();
         let grid = input.voxels.grid();
         self.state.take_if(|state| state.body.grid != *grid);
-        // particles are made of matter at rest
+        // particles are made of tissue at rest
         if self.state.is_none() && self.ledger.len() > 0 {
             return self.give_back(input);
         }
@@ -248,7 +248,7 @@ impl GlobalState {
         state
     }
 
-    /// Takes particles for all places of the lattice with enough matter around.
+    /// Takes particles for all places of the lattice with enough tissue around.
     fn fill(&mut self, settings: &GlobalSettings, input: &ModelInput<'_>, region: &VoxelBox) {
         let (grid, scale) = (self.body.grid, self.body.scale);
         let spacing = grid.spacing();

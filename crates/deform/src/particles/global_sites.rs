@@ -24,7 +24,7 @@ pub(super) fn extent(input: &ModelInput<'_>) -> (VoxelBox, u64) {
     })
 }
 
-/// The matter of a particle at a place: that of its voxel or the nearest solid one; none where
+/// The tissue of a particle at a place: that of its voxel or the nearest solid one; none where
 /// fewer than [`SOLID_SHARE`] of the voxels within `reach` take part.
 pub(super) fn matter_around(
     input: &ModelInput<'_>,

@@ -3,8 +3,8 @@
 //! A voxel is cleared when fewer than half of the particles it has at rest (or, where it is
 //! empty at rest, would have) are in it, and filled again from three quarters on; between, it
 //! stays as it is. For the four particles of an FCC voxel that is below two and from three on,
-//! for the one of a cuboid voxel none and one. A voxel in which another one's matter stands
-//! reads the mean of what stands in it; one that matter has left reads air.
+//! for the one of a cuboid voxel none and one. A voxel in which another one's tissue stands
+//! reads the mean of what stands in it; one that tissue has left reads air.
 //! Source: thesis 5.25, whose threshold is not given; errata, section 4 (hysteresis).
 
 use glam::{DVec3, IVec3};
@@ -22,12 +22,12 @@ const CLEAR_BELOW: f64 = 0.5;
 /// Share from which on it is filled.
 const FILL_FROM: f64 = 0.75;
 
-/// How voxels follow particles.
+/// Rule by which voxels follow particles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WriteBack {
     /// Particles of a voxel that is full.
     pub capacity: f64,
-    /// Stored value where matter left.
+    /// Stored value where tissue left.
     pub air: i16,
 }
 
@@ -38,7 +38,7 @@ struct Standing {
     at_rest: u32,
     stored: i64,
     from_elsewhere: bool,
-    /// How far they have come, in sum [voxels].
+    /// Sum of their displacements [voxels].
     come: DVec3,
     nearest: f64,
     segments: SegmentSet,
@@ -89,7 +89,7 @@ impl WriteBack {
             let matter = self.matter(standing, &rest, &now);
             wanted.insert(voxel.to_array(), (matter, standing.shown(&matter)));
         }
-        // matter whose particles have left the box goes back to rest
+        // tissue whose particles have left the box goes back to rest
         ledger.give_back_outside(voxels, region, &mut wanted);
         ledger.write(voxels, &wanted)
     }
@@ -97,7 +97,7 @@ impl WriteBack {
     /// What a voxel is with what stands in it.
     fn matter(&self, standing: &Standing, rest: &VoxelState, now: &VoxelState) -> VoxelState {
         let solid_at_rest = standing.at_rest > 0;
-        // matter that takes no part is never overwritten
+        // tissue that takes no part is never overwritten
         if !solid_at_rest && !rest.segments.is_empty() {
             return *rest;
         }

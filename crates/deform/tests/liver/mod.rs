@@ -20,7 +20,7 @@ use palpate_volume::voxels::Voxels;
 
 /// Voxels along each axis.
 pub const SIDE: i32 = 30;
-/// The matter fills z < TOP.
+/// The tissue fills z < TOP.
 pub const TOP: i32 = 18;
 /// Side of a voxel [mm].
 pub const H: f64 = 0.8;

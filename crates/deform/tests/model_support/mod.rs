@@ -99,7 +99,7 @@ impl Bench {
         answer
     }
 
-    /// Takes matter away, as a drill does, and gives the inverse.
+    /// Takes tissue away, as a drill does, and gives the inverse.
     pub fn cut(&mut self, region: &VoxelBox) -> Edit {
         let edit = self.voxels.voxel_edit(region, |_, mut matter| {
             matter.stored = -1000;
@@ -118,7 +118,7 @@ impl Bench {
         block.contains(voxel)
     }
 
-    /// From which layer the matter of a voxel is.
+    /// From which layer the tissue of a voxel is.
     pub fn layer_of(&self, voxel: IVec3) -> i32 {
         i32::from(self.voxels.stored(voxel).expect("in the scan")) / 10
     }

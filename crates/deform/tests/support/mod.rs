@@ -32,7 +32,7 @@ pub fn middle(count: u32) -> DVec3 {
     DVec3::splat(f64::from(count / 2))
 }
 
-/// Half a box of matter under a plane through its middle, `depth` layers of it over `below`.
+/// Half a box of tissue under a plane through its middle, `depth` layers of it over `below`.
 pub fn half_space(count: u32, endless: bool, above: Solid, depth: i32, below: Solid) -> Lattice {
     let top = count as i32 / 2;
     let border = match endless {
@@ -54,7 +54,7 @@ pub fn half_space(count: u32, endless: bool, above: Solid, depth: i32, below: So
 
 /// A ball of radius 2 that reaches `depth` into a half space, `aside` of the middle [mm].
 pub fn ball(count: u32, depth: f64, aside: f64) -> LatticeTool {
-    // matter reaches half a spacing beyond its nodes
+    // tissue reaches half a spacing beyond its nodes
     let up = 0.5 + 2.0 - depth;
     LatticeTool::ball(middle(count) + DVec3::new(aside, 0.0, up), 2.0)
 }

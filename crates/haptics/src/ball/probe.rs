@@ -69,7 +69,7 @@ pub struct ProbeSolid<O> {
     inner: O,
     /// Where its centre cannot be.
     hard: Ball,
-    /// What it cannot get into: the smooth force takes that as solid.
+    /// Holes and gaps too narrow for the ball, which the smooth force takes as solid.
     closing: Closing,
 }
 

@@ -59,7 +59,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Its friction.
+    /// Friction of the surface.
     #[must_use]
     pub fn friction(&self) -> Friction {
         Friction {
@@ -227,7 +227,7 @@ impl Holders {
 pub struct Feel {
     /// Spring between device and probe [N/mm].
     pub stiffness: f64,
-    /// Its friction.
+    /// Friction of the surface.
     pub friction: Friction,
 }
 
@@ -309,7 +309,7 @@ struct Blend {
 }
 
 impl Blend {
-    /// By a share of a full change.
+    /// Moves toward `wanted` by a fraction of a full change; an infinite one jumps to it.
     fn follow(&mut self, wanted: f64, share: f64) {
         if share == f64::INFINITY || self.now == wanted {
             (self.now, self.largest) = (wanted, wanted);

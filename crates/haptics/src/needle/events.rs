@@ -32,18 +32,18 @@ impl EventKind {
     }
 }
 
-/// One of them.
+/// An event of a needle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NeedleEvent {
     /// What happened.
     pub kind: EventKind,
-    /// To which segment; 0 where to none.
+    /// Number of the segment; 0 for none.
     pub segment: u8,
-    /// When [s].
+    /// Time of the tick [s].
     pub time: f64,
-    /// How deep along the line [mm].
+    /// Depth of the tip along the needle's line [mm].
     pub depth: f64,
-    /// With which force at the tip [N].
+    /// Force at the tip [N].
     pub force: f64,
 }
 
@@ -66,13 +66,13 @@ pub struct Events {
 }
 
 impl Events {
-    /// How many there were.
+    /// Number of events since the start, those no longer kept among them.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Those after the first `known`, oldest first, as far as they are kept.
+    /// Events after the first `known` ones, oldest first, as far as they are kept.
     pub fn since(&self, known: u64) -> impl Iterator<Item = NeedleEvent> {
         let first = known.max(self.count.saturating_sub(MAX_EVENTS as u64));
         let newest = self.newest;

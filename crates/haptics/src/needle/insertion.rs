@@ -30,7 +30,7 @@ pub struct Insertion {
     track: Track,
     /// Tip and shaft.
     pub shaft: Shaft,
-    /// How far the tissue is cut [mm].
+    /// Depth to which tissue is cut [mm].
     pub cut: f64,
     /// The layer in which the cut ends.
     place: u8,

@@ -26,7 +26,7 @@ impl Tissues {
         tissues
     }
 
-    /// All of them.
+    /// All tissues with the numbers of their segments.
     pub fn segments(&self) -> impl Iterator<Item = (u8, Tissue)> {
         self.0.into_iter().flatten()
     }
@@ -127,6 +127,6 @@ impl<M> Copy for NeedleScan<'_, M> {}
 pub struct World<'a, M> {
     /// The scan.
     pub scan: NeedleScan<'a, M>,
-    /// What it can puncture of that.
+    /// Tissues that the needle can puncture.
     pub tissues: &'a Tissues,
 }

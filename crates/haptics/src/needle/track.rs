@@ -34,7 +34,7 @@ impl Line {
         self.entry + self.direction * depth
     }
 
-    /// How far along it a point is [mm].
+    /// Depth of a point along the line [mm].
     #[must_use]
     pub fn depth_of(&self, point: DVec3) -> f64 {
         (point - self.entry).dot(self.direction)
@@ -47,7 +47,7 @@ impl Line {
         way - self.direction * way.dot(self.direction)
     }
 
-    /// The same point in the grid.
+    /// The point at a depth [mm], in the grid.
     fn in_grid(&self, grid: &Grid, depth: f64) -> DVec3 {
         grid.grid_from_patient().transform_point3(self.at(depth))
     }
@@ -56,7 +56,7 @@ impl Line {
 /// A stretch of the line in one tissue, or in none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Layer {
-    /// Where it begins [mm].
+    /// Depth at which the layer begins [mm].
     from: f64,
     met: Met,
 }

@@ -12,9 +12,9 @@ use super::spline::Width;
 /// Solid fractions of cells, a word for each row.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
-    /// Those of even x.
+    /// Cells of even x.
     even: [u64; 64],
-    /// Those of odd x.
+    /// Cells of odd x.
     odd: [u64; 64],
 }
 
@@ -42,9 +42,9 @@ const BIT: u32 = 12;
 /// nothing goes from one to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Changes {
-    /// Those of even x.
+    /// Cells of even x.
     even: u64,
-    /// Those of odd x.
+    /// Cells of odd x.
     odd: u64,
 }
 
@@ -64,7 +64,7 @@ impl Changes {
         *word = *word & !(0xffff << place) | u64::from(bits) << place;
     }
 
-    /// That of a cell.
+    /// The change of a cell.
     #[cfg(test)]
     pub(super) fn get(self, cell: u32) -> i32 {
         let is_even = cell.is_multiple_of(2);

@@ -139,7 +139,7 @@ impl<'a, F> NearFields<'a, F> {
         }
     }
 
-    /// None.
+    /// No fields.
     #[must_use]
     pub fn none() -> Self {
         Self {

@@ -62,7 +62,7 @@ pub(super) struct CellFractions {
 }
 
 impl CellFractions {
-    /// Of no body.
+    /// Nothing is kept yet.
     pub(super) const EMPTY: Self = Self {
         source: None,
         shape: CellShape::ONE,
@@ -146,9 +146,9 @@ const AT_ONCE: usize = 32;
 /// Cells of a window whose voxels at the surface are asked for their fractions.
 struct Asked<'a, O: ?Sized> {
     occupancy: &'a O,
-    /// Those of each row of the window.
+    /// Cells of each row of the window that are asked for.
     cells: [CellsOfRow; 64],
-    /// How many voxels they count beyond their bits.
+    /// Sum of the voxels' changes in each cell [voxels], beyond their bits.
     sums: [[f32; 8]; 64],
     /// Voxels that are to be asked for next.
     voxels: [(IVec3, bool); AT_ONCE],

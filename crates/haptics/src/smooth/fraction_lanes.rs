@@ -17,7 +17,7 @@ type Lane = [f32; LANES];
 
 /// Values of some voxels and of their neighbours.
 struct Lanes {
-    /// Its own, then those before and after it along x, y and z; as stored.
+    /// Stored values of the voxel itself, then of those before and after it along x, y and z.
     values: [[i16; LANES]; 7],
     /// 1 for a solid one, 0 for others.
     solid: Lane,
@@ -85,7 +85,7 @@ impl Limits {
 }
 
 simd_dispatch! {
-    /// By how much voxels count for more or less than their bits.
+    /// Occupancy fraction of each voxel less its bit, -½..=½.
     fn changes_of(limits: &Limits, lanes: &Lanes) -> Lane = [avx2] Limits::changes_plainly
 }
 

@@ -16,11 +16,11 @@ use palpate_volume::intensities::Intensities;
 /// Stored values of a voxel and of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
-    /// Its own.
+    /// Value of the voxel itself.
     pub here: f32,
-    /// Those before it along x, y and z.
+    /// Values of the voxels before it along x, y and z.
     pub before: Vec3A,
-    /// Those after it.
+    /// Values of the voxels after it along x, y and z.
     pub after: Vec3A,
 }
 
@@ -43,7 +43,7 @@ impl Around {
         Self::of_inner(scan, voxel).unwrap_or_else(|| Self::of_outer(scan, voxel))
     }
 
-    /// Of values as they are stored.
+    /// From values as they are stored.
     #[inline]
     #[must_use]
     pub fn of_stored(stored: Stored) -> Self {
@@ -63,7 +63,7 @@ impl Around {
         }
     }
 
-    /// Of a voxel that is not at the border; none for others.
+    /// Values around a voxel that is not at the border; none for others.
     #[inline]
     fn of_inner(scan: &Intensities, voxel: IVec3) -> Option<Stored> {
         // without its sign, what is negative is large
@@ -86,7 +86,7 @@ impl Around {
         ])
     }
 
-    /// Of any voxel.
+    /// Values around any voxel, the outermost ones continued beyond the border.
     #[inline(never)]
     fn of_outer(scan: &Intensities, voxel: IVec3) -> Stored {
         let size = scan.dimensions().as_ivec3();
@@ -97,13 +97,13 @@ impl Around {
         })
     }
 
-    /// Of a voxel, from the stored value of each.
+    /// Values around a voxel, each asked for by its place.
     #[must_use]
     pub fn from_fn(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Self {
         Self::of_stored(Self::stored_from(voxel, stored))
     }
 
-    /// The same as they are stored.
+    /// Stored values around a voxel, each asked for by its place.
     #[must_use]
     pub fn stored_from(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Stored {
         let [x, y, z] = [IVec3::X, IVec3::Y, IVec3::Z];
@@ -170,7 +170,7 @@ impl Limits {
         self.count == 0
     }
 
-    /// How far a value is within the limits; negative outside of them.
+    /// Distance of a stored value from the nearest limit; negative outside.
     fn within(&self, stored: f32) -> f32 {
         let ranges = self.ranges.iter().take(self.count);
         let within = ranges.map(|[low, high]| (stored - low).min(high - stored));
@@ -194,7 +194,7 @@ impl Limits {
         }
     }
 
-    /// The same for any number of ranges.
+    /// The occupancy fraction for any number of ranges.
     #[inline(never)]
     fn share_of_many(&self, around: &Around, solid: bool) -> Option<f32> {
         if self.is_empty() {

@@ -116,7 +116,7 @@ mod tests {
             .collect()
     }
 
-    /// Culling is a matter of speed only.
+    /// Culling is a tissue of speed only.
     #[test]
     fn parts_left_out_of_a_block_never_show_in_it() {
         let parts = all_parts();

@@ -28,7 +28,7 @@ pub(super) struct Level {
     pub(super) spacing: Vec3,
     pub(super) side: Vec3,
     pub(super) faces: Vec<Face>,
-    /// Of the finest level, which faces are as flat as they look.
+    /// For the finest level, whether each face belongs to a flat terrace.
     pub(super) flat: Vec<bool>,
     pub(super) band: Band,
     /// [mm], positive inside.

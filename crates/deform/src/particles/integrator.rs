@@ -31,7 +31,7 @@ impl TimeScale {
         }
     }
 
-    /// By which masses are multiplied.
+    /// Factor by which masses are multiplied.
     pub fn mass_factor(&self) -> f64 {
         match *self {
             Self::Physical => 1.0,

@@ -2,7 +2,7 @@
 //!
 //! Motion with inertia whose velocity is turned toward the force, and which is stopped where it
 //! climbs. Time has no meaning here: each particle's mass is the stiffness it feels, so that
-//! soft matter beside bone comes to rest as fast as one matter alone.
+//! soft tissue beside bone comes to rest as fast as one tissue alone.
 //! Source: Bitzek et al., PRL 97 (2006); Guénolé et al., Comput. Mater. Sci. 175 (2020).
 
 use glam::DVec3;
