@@ -1,6 +1,7 @@
 /**
  * The arrows between the viewer's rooms, as eslint rules: which folder may import which, that each arrow that is
- * allowed exists, and that none closes a circle. Paths are resolved, so that it does not matter how an import is written.
+ * allowed exists, and that none closes a circle. Paths are resolved, so that it does not matter how an import is
+ * written.
  */
 import fs from "node:fs";
 import path from "node:path";
@@ -72,7 +73,9 @@ function targetOf(file, written) {
 
 /** All arrows between rooms, as pairs of rooms. */
 function arrowsOfSource() {
-  const files = fs.readdirSync(source, { recursive: true, encoding: "utf-8" }).filter((name) => /\.(ts|svelte)$/.test(name));
+  const files = fs
+    .readdirSync(source, { recursive: true, encoding: "utf-8" })
+    .filter((name) => /\.(ts|svelte)$/.test(name));
   return files.flatMap((name) => {
     const file = path.join(source, name);
     const written = fs.readFileSync(file, "utf-8").matchAll(/(?:\bfrom|\bimport\(?)\s*"([^"]+)"/g);

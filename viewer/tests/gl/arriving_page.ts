@@ -71,5 +71,9 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
 /** As high as the scan, superior up, and half as wide. */
 function coronal(centre: readonly [number, number, number]): ShownSlice {
   const rect = { x: 0, y: 0, width: edge / 2, height: edge };
-  return { name: "coronal", rect, plane: { centre, right: [1, 0, 0], up: [0, 0, 1], toward: [0, -1, 0], pixel: voxels / edge } };
+  return {
+    name: "coronal",
+    rect,
+    plane: { centre, right: [1, 0, 0], up: [0, 0, 1], toward: [0, -1, 0], pixel: voxels / edge },
+  };
 }

@@ -38,10 +38,16 @@ function all(moved: Vec3): DisplacedTest {
 }
 
 /** The middle of all pixels in which one colour is the strongest [pixels], and how many these are. */
-function discOf(pixels: readonly number[], colour: 0 | 1 | 2): { readonly x: number; readonly y: number; readonly count: number } {
+function discOf(
+  pixels: readonly number[],
+  colour: 0 | 1 | 2,
+): { readonly x: number; readonly y: number; readonly count: number } {
   let [x, y, count] = [0, 0, 0];
   for (let i = 0; i < edge * edge; ++i) {
-    const [others, own] = [[0, 1, 2].filter((c) => c !== colour).map((c) => pixels[4 * i + c] ?? 0), pixels[4 * i + colour] ?? 0];
+    const [others, own] = [
+      [0, 1, 2].filter((c) => c !== colour).map((c) => pixels[4 * i + c] ?? 0),
+      pixels[4 * i + colour] ?? 0,
+    ];
     if (own > 60 && others.every((other) => own > 1.4 * other)) {
       [x, y, count] = [x + (i % edge) + 0.5, y + edge - 0.5 - Math.floor(i / edge), count + 1];
     }
@@ -61,18 +67,25 @@ function expectedShift(moved: Vec3): readonly [number, number] {
 test.each([
   ["scan", green, [], 1],
   ["surface", air, [red], 0],
-] as const)("the %s is drawn where its tissue is displaced to, also between voxels", async (_, scan, surfaces, colour) => {
-  const still = discOf(await show({ scan, surfaces }), colour);
-  expect(still.count).toBeGreaterThan(300);
-  for (const moved of [[8, 0, 0], [0, 0, 8], [0.6, 0, -0.6]] as const) {
-    const disc = discOf(await show({ scan, surfaces, displaced: all(moved) }), colour);
-    const [right, down] = expectedShift(moved);
-    // the mean of some hundred pixels at the outline
-    expect(Math.abs(disc.x - still.x - right)).toBeLessThan(0.12);
-    expect(Math.abs(disc.y - still.y - down)).toBeLessThan(0.12);
-    expect(Math.abs(disc.count / still.count - 1)).toBeLessThan(0.04);
-  }
-});
+] as const)(
+  "the %s is drawn where its tissue is displaced to, also between voxels",
+  async (_, scan, surfaces, colour) => {
+    const still = discOf(await show({ scan, surfaces }), colour);
+    expect(still.count).toBeGreaterThan(300);
+    for (const moved of [
+      [8, 0, 0],
+      [0, 0, 8],
+      [0.6, 0, -0.6],
+    ] as const) {
+      const disc = discOf(await show({ scan, surfaces, displaced: all(moved) }), colour);
+      const [right, down] = expectedShift(moved);
+      // the mean of some hundred pixels at the outline
+      expect(Math.abs(disc.x - still.x - right)).toBeLessThan(0.12);
+      expect(Math.abs(disc.y - still.y - down)).toBeLessThan(0.12);
+      expect(Math.abs(disc.count / still.count - 1)).toBeLessThan(0.04);
+    }
+  },
+);
 
 test("where nothing has moved the picture is the one without a model, to the bit", async () => {
   for (const what of [{ scan: green }, { scan: air, surfaces: [red] }]) {

@@ -58,7 +58,15 @@ export async function edit(test: EditTest): Promise<EditResult> {
     drawn.picture.setSegments(segments);
     return drawn;
   };
-  const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, applied: null, voxels: [], surfaces: [], displaced: null, ...part });
+  const changed = (part: Partial<Changed>): Changed => ({
+    type: "changed",
+    edit: 1,
+    applied: null,
+    voxels: [],
+    surfaces: [],
+    displaced: null,
+    ...part,
+  });
   edits.add(changed({ surfaces: test.before ?? [] }), performance.now());
   edits.show(held, null);
   if (test.label !== null) {

@@ -9,7 +9,19 @@ import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures
 import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { segment } from "../support/volumes";
-import { bricksOf, edge, fieldOf, labelsInBox, labelsOfBall, appearanceOf, outlineOf, viewOf, voxels, type MarchResult, type MarchTest } from "./scenes_page";
+import {
+  bricksOf,
+  edge,
+  fieldOf,
+  labelsInBox,
+  labelsOfBall,
+  appearanceOf,
+  outlineOf,
+  viewOf,
+  voxels,
+  type MarchResult,
+  type MarchTest,
+} from "./scenes_page";
 
 export function march(test: MarchTest): MarchResult {
   const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });

@@ -24,7 +24,18 @@ export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: 
 function stillMarkers(at: Vec3): Omit<MarkerState, "trail"> {
   const show = { contactPoint: true, normal: true, ball: true, path: true };
   const contact = { contact: false, contactPoint: at, normal: [0, 0, 0] as const };
-  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, tool: null, parts: null, pixel: 1, fullForce: 1 };
+  return {
+    probe: at,
+    device: at,
+    force: [0, 0, 0],
+    radius: 0,
+    ...contact,
+    show,
+    tool: null,
+    parts: null,
+    pixel: 1,
+    fullForce: 1,
+  };
 }
 
 /** A way of the probe through points, a tenth of a second each. */
@@ -68,7 +79,12 @@ function displacedBy({ origin, step, size, moved }: DisplacedTest): Displacement
   forEachCell(inside, size, (i) => {
     texels.set(halves, 4 * i);
   });
-  const decoded = decodeDisplacements({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
+  const decoded = decodeDisplacements({
+    origin: [...origin],
+    step: [...step],
+    size: [...size],
+    moved: new Uint8Array(texels.buffer),
+  });
   if (decoded === null) {
     throw new Error("no displacements");
   }
@@ -86,10 +102,17 @@ export interface SurfaceTest {
 }
 
 export function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[]): void {
-  const segments = surfaces.map(({ appearance }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...appearance }));
+  const segments = surfaces.map(({ appearance }, i) => ({
+    ...segment,
+    shown_as: "surface" as const,
+    id: i + 1,
+    ...appearance,
+  }));
   picture.setSegments(segments);
   picture.changeSurfaces(
-    surfaces.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
+    surfaces.map(({ centre, radius, sectors, rings }, i) =>
+      decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings)),
+    ),
   );
 }
 
@@ -99,7 +122,10 @@ export function screen(test: MarchTest, markers: MarkerTest | null, jitter = fal
 }
 
 /** A scan drawn at a quality: with what it was drawn at rest, and how it looks; sRGB bytes, rows from the bottom. */
-export async function refined(test: MarchTest, quality: Quality): Promise<{ readonly shown: Picture["shown"]; readonly pixels: number[] }> {
+export async function refined(
+  test: MarchTest,
+  quality: Quality,
+): Promise<{ readonly shown: Picture["shown"]; readonly pixels: number[] }> {
   const drawn = pictureOf(true);
   const { picture } = drawn;
   const volume = fieldOf(test);
@@ -114,14 +140,23 @@ export async function refined(test: MarchTest, quality: Quality): Promise<{ read
   return { shown, pixels };
 }
 
-/** A picture on a canvas of its own, before anything stands on it; `software`: as where the CPU draws, or as a GPU draws; else as the renderer is. */
-export function pictureOf(jitter: boolean, software?: boolean): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
+/**
+ * A picture on a canvas of its own, before anything stands on it; `software`: as where the CPU draws, or as a GPU
+ * draws; else as the renderer is.
+ */
+export function pictureOf(
+  jitter: boolean,
+  software?: boolean,
+): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
   const support = gpuSupport();
   const canvas = document.createElement("canvas");
   if (support === null) {
     throw new Error("no WebGL2");
   }
-  const picture = new Picture(canvas, { support: { ...support, software: software ?? support.software }, mostPixelRatio: 1 });
+  const picture = new Picture(canvas, {
+    support: { ...support, software: software ?? support.software },
+    mostPixelRatio: 1,
+  });
   picture.jitter = jitter;
   // averages are what it is about: the same on the CPU as on a GPU
   picture.setQuality(firstQuality(!jitter));
@@ -156,7 +191,16 @@ export function pixelsOf({ gl }: ReturnType<typeof pictureOf>, size = edge): num
   });
 }
 
-export async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0, marks = [] }: ScreenTest): Promise<number[]> {
+export async function show({
+  scan: test,
+  markers,
+  jitter = false,
+  surfaces = [],
+  displaced,
+  stereo,
+  behind = 0,
+  marks = [],
+}: ScreenTest): Promise<number[]> {
   // edges of markers are smooth only where a GPU draws: here they are the same everywhere
   const drawn = pictureOf(jitter, true);
   const { picture } = drawn;
@@ -169,7 +213,10 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
   picture.setScan(volume, bricksOf(volume, true));
   picture.setAppearance(appearanceOf(test));
   const view = viewOf(test, extent);
-  picture.setCamera({ ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind }, extent);
+  picture.setCamera(
+    { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind },
+    extent,
+  );
   picture.setClip(test.clip ?? []);
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
@@ -185,8 +232,13 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
   return pixels;
 }
 
-/** A view that moves where nothing is quick enough; what stands on the screen then, as sRGB bytes, rows from the bottom. */
-export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ readonly divisor: number; readonly pixels: number[] }> {
+/**
+ * A view that moves where nothing is quick enough; what stands on the screen then, as sRGB bytes, rows from the bottom.
+ */
+export async function hasty(
+  test: MarchTest,
+  markers: MarkerTest,
+): Promise<{ readonly divisor: number; readonly pixels: number[] }> {
   const drawn = pictureOf(false, true);
   const { picture } = drawn;
   const volume = fieldOf(test);
@@ -209,8 +261,14 @@ export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ rea
   return { divisor, pixels };
 }
 
-/** Pieces of a picture at rest that follow one frame when no other frame comes, and whether the picture is told as final without one. */
-export async function withoutFrames(test: MarchTest, software: boolean): Promise<{ readonly pieces: number; readonly finished: readonly [boolean, boolean] }> {
+/**
+ * Pieces of a picture at rest that follow one frame when no other frame comes, and whether the picture is told as final
+ * without one.
+ */
+export async function withoutFrames(
+  test: MarchTest,
+  software: boolean,
+): Promise<{ readonly pieces: number; readonly finished: readonly [boolean, boolean] }> {
   const drawn = pictureOf(true, software);
   const { picture } = drawn;
   const volume = fieldOf(test);
@@ -244,10 +302,14 @@ export async function withoutFrames(test: MarchTest, software: boolean): Promise
 }
 
 /**
- * What stands on the screen once the view has turned, each time while a marker stood elsewhere, and the same drawn at once; sRGB bytes,
- * rows from the bottom. With a canvas that keeps what is not drawn again, as where the CPU draws.
+ * What stands on the screen once the view has turned, each time while a marker stood elsewhere, and the same drawn at
+ * once; sRGB bytes, rows from the bottom. With a canvas that keeps what is not drawn again, as where the CPU draws.
  */
-export async function turned(test: MarchTest, probes: readonly Vec3[], marks: readonly (readonly Vec3[])[]): Promise<readonly [number[], number[]]> {
+export async function turned(
+  test: MarchTest,
+  probes: readonly Vec3[],
+  marks: readonly (readonly Vec3[])[],
+): Promise<readonly [number[], number[]]> {
   // much larger than the margin around what is drawn
   const size = 3 * edge;
   const extent = outlineOf(test);
@@ -297,7 +359,9 @@ async function atWork({ scan: test, surfaces = [] }: ScreenTest): Promise<Return
   return drawn;
 }
 
-/** The middle pixels of what two eyes see, one above the other, after the canvas was resized before either was drawn. */
+/**
+ * The middle pixels of what two eyes see, one above the other, after the canvas was resized before either was drawn.
+ */
 export async function resizedEyes({ scan }: ScreenTest): Promise<number[][]> {
   const drawn = await atWork({ scan });
   const { picture, gl } = drawn;

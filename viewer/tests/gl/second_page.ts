@@ -69,7 +69,11 @@ export function second(test: SecondTest): MarchResult[] {
   const extent = extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? size : 0, i & 2 ? size : 0, i & 4 ? size : 0]));
   const camera = lookFrom("A", extent, { width: edge, height: edge });
   marcher.setCamera(camera, extent, 1);
-  const other = volumeOf(scanOf([40, 40, 40], [0.5, 0.5, 0.5]), ([x]) => (test.half === true && x > 20 ? air : inside), test.step ?? 1);
+  const other = volumeOf(
+    scanOf([40, 40, 40], [0.5, 0.5, 0.5]),
+    ([x]) => (test.half === true && x > 20 ? air : inside),
+    test.step ?? 1,
+  );
   const grey = { window: 400, level: inside };
   const appearance: SecondAppearance = {
     inView: true,

@@ -12,7 +12,14 @@ export async function snapshot(
   { scan: test, surfaces = [], stereo = firstStereo, behind = 0 }: ScreenTest,
   size: { readonly width: number; readonly height: number },
   transparent: boolean,
-): Promise<{ readonly saved: number[]; readonly camera: Camera; readonly extent: Extent; readonly before: number[]; readonly after: number[]; readonly shares: number[] }> {
+): Promise<{
+  readonly saved: number[];
+  readonly camera: Camera;
+  readonly extent: Extent;
+  readonly before: number[];
+  readonly after: number[];
+  readonly shares: number[];
+}> {
   // in tiles as small as where the CPU draws
   const drawn = pictureOf(false, true);
   const { picture } = drawn;
@@ -31,7 +38,14 @@ export async function snapshot(
   }
   const shares: number[] = [];
   const { signal } = new AbortController();
-  await picture.snapshot(context, { camera, size, stereo, transparent, signal, progress: (share) => shares.push(share) });
+  await picture.snapshot(context, {
+    camera,
+    size,
+    stereo,
+    transparent,
+    signal,
+    progress: (share) => shares.push(share),
+  });
   const saved = [...context.getImageData(0, 0, size.width, size.height).data];
   const after = await finished(drawn);
   picture.dispose();
@@ -60,7 +74,14 @@ export async function cancelled(test: MarchTest): Promise<string> {
   };
   try {
     if (context !== null) {
-      await picture.snapshot(context, { camera, size: { width: 400, height: 400 }, stereo: firstStereo, transparent: false, signal: aborter.signal, progress });
+      await picture.snapshot(context, {
+        camera,
+        size: { width: 400, height: 400 },
+        stereo: firstStereo,
+        transparent: false,
+        signal: aborter.signal,
+        progress,
+      });
     }
   } catch (error) {
     return `${error instanceof Error ? error.message : String(error)} after ${String(shares.length)}`;

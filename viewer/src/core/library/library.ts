@@ -135,7 +135,9 @@ export function entriesOf(scans: readonly ListedScan[]): Entry[] {
 
 /** What volumes of one series share; null of a scan that is alone. */
 function seriesOf(scan: ListedScan | undefined): string | null {
-  return scan === undefined || scan.part === "" ? null : [scan.patient, scan.study, scan.modality, wholeName(scan)].join("\n");
+  return scan === undefined || scan.part === ""
+    ? null
+    : [scan.patient, scan.study, scan.modality, wholeName(scan)].join("\n");
 }
 
 function wholeName(scan: ListedScan | undefined): string {

@@ -1,6 +1,6 @@
 /**
- * What a ray shows first of two scans in one view: each is met by its own appearance, and the nearer one is seen. In cells or by
- * turns only one of both is at a place.
+ * What a ray shows first of two scans in one view: each is met by its own appearance, and the nearer one is seen. In
+ * cells or by turns only one of both is at a place.
  */
 import { transformPoint, transformVector, type Affine } from "../geometry/affine";
 import type { Ray } from "../geometry/camera";
@@ -24,11 +24,18 @@ export interface PickedOfTwo extends Picked {
 }
 
 /** First visible point along a ray of the first scan's scene; its value is that of the scan that it belongs to. */
-export function pickScans(volume: ScanVolume, appearance: Appearance, ray: Ray, also: AlsoDrawn, second: DrawnSecond | null): PickedOfTwo | null {
+export function pickScans(
+  volume: ScanVolume,
+  appearance: Appearance,
+  ray: Ray,
+  also: AlsoDrawn,
+  second: DrawnSecond | null,
+): PickedOfTwo | null {
   if (second?.appearance.inView !== true) {
     return of("first", pickSurface(volume, appearance, ray, also));
   }
-  const hasTurn = (t: number): boolean => isSecondsTurn(volume, second, appearance, addScaled(ray.origin, ray.direction, t));
+  const hasTurn = (t: number): boolean =>
+    isSecondsTurn(volume, second, appearance, addScaled(ray.origin, ray.direction, t));
   const first = of("first", pickSurface(volume, appearance, ray, { ...also, isLeftOut: hasTurn }));
   const other = pickSecond(second, appearance, ray, also, hasTurn);
   const along = ({ point }: Picked): number => dot(subtract(point, ray.origin), ray.direction);
@@ -43,7 +50,13 @@ function of(scan: PickedOfTwo["scan"], picked: Picked | null): PickedOfTwo | nul
   return picked && { ...picked, scan };
 }
 
-function pickSecond({ volume, place, appearance }: DrawnSecond, shown: Appearance, ray: Ray, { clip }: AlsoDrawn, hasTurn: (t: number) => boolean): PickedOfTwo | null {
+function pickSecond(
+  { volume, place, appearance }: DrawnSecond,
+  shown: Appearance,
+  ray: Ray,
+  { clip }: AlsoDrawn,
+  hasTurn: (t: number) => boolean,
+): PickedOfTwo | null {
   const own = { origin: transformPoint(place, ray.origin), direction: transformVector(place, ray.direction) };
   const kept = keptSpan(clip, ray);
   const takesTurns = appearance.viewFusion !== "blend" && !isGrey(shown.optics.blend);
@@ -57,15 +70,32 @@ function pickSecond({ volume, place, appearance }: DrawnSecond, shown: Appearanc
 }
 
 /** The appearance of the second scan beside the first. */
-function lookOfSecond({ transferFunction, density, edgeGradient, isoValue, tissueFrom, windows }: SecondAppearance, shown: Appearance): Appearance {
+function lookOfSecond(
+  { transferFunction, density, edgeGradient, isoValue, tissueFrom, windows }: SecondAppearance,
+  shown: Appearance,
+): Appearance {
   const { blend } = shown.optics;
   const window = isGrey(blend) ? windows[blend] : windows.mip;
   const points = transferFunction.points.map((point) => ({ ...point, extinction: density * point.extinction }));
-  return { ...shown, transferFunction: { ...transferFunction, points }, edgeGradient, ranges: [], optics: { ...shown.optics, isoValue, tissueFrom, window } };
+  return {
+    ...shown,
+    transferFunction: { ...transferFunction, points },
+    edgeGradient,
+    ranges: [],
+    optics: { ...shown.optics, isoValue, tissueFrom, window },
+  };
 }
 
-/** Whether a point of the scene shows the second scan and nothing of the first, as `shaders/second/second_ray.glsl` says. */
-function isSecondsTurn({ frame }: ScanVolume, { volume, place, appearance }: DrawnSecond, shown: Appearance, point: Vec3): boolean {
+/**
+ * Whether a point of the scene shows the second scan and nothing of the first, as `shaders/second/second_ray.glsl`
+ * says.
+ */
+function isSecondsTurn(
+  { frame }: ScanVolume,
+  { volume, place, appearance }: DrawnSecond,
+  shown: Appearance,
+  point: Vec3,
+): boolean {
   if (appearance.viewFusion === "blend" || isGrey(shown.optics.blend)) {
     return false;
   }

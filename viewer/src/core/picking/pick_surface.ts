@@ -44,7 +44,12 @@ export const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null, clip
 const surfaceOpacity = 0.5;
 
 /** First visible point along a ray, or null where the ray sees through everything. */
-export function pickSurface(volume: ScanVolume, appearance: Appearance, ray: Ray, also: AlsoDrawn = nothingElse): Picked | null {
+export function pickSurface(
+  volume: ScanVolume,
+  appearance: Appearance,
+  ray: Ray,
+  also: AlsoDrawn = nothingElse,
+): Picked | null {
   const { frame } = volume;
   const origin = transformPoint(frame.gridFromScene, ray.origin);
   const direction = transformVector(frame.gridFromScene, ray.direction);
@@ -110,7 +115,13 @@ function largestOnRay(
   volume: ScanVolume,
   appearance: Appearance,
   also: AlsoDrawn,
-  ray: { readonly origin: Vec3; readonly direction: Vec3; readonly enter: number; readonly leave: number; readonly step: number },
+  ray: {
+    readonly origin: Vec3;
+    readonly direction: Vec3;
+    readonly enter: number;
+    readonly leave: number;
+    readonly step: number;
+  },
 ): number | null {
   let most = 0;
   let place: number | null = null;
@@ -129,7 +140,12 @@ function largestOnRay(
 }
 
 /** The segment that a point belongs to, in the order of the shader: visible ranges, labels, hidden ones. */
-function segmentAt(appearance: Appearance, also: AlsoDrawn, grid: Vec3, biased: number): ReturnType<AlsoDrawn["labelAt"]> {
+function segmentAt(
+  appearance: Appearance,
+  also: AlsoDrawn,
+  grid: Vec3,
+  biased: number,
+): ReturnType<AlsoDrawn["labelAt"]> {
   const range = rangeHolding(appearance.ranges, biased) ?? null;
   return range?.visible === true ? range : (also.labelAt(grid) ?? range);
 }
@@ -137,7 +153,9 @@ function segmentAt(appearance: Appearance, also: AlsoDrawn, grid: Vec3, biased: 
 function extinctionAt(volume: ScanVolume, appearance: Appearance, grid: Vec3, biased: number): number {
   const value = physical(biased, volume.frame.rescale);
   const { extinction } = sample(appearance.transferFunction.points, value);
-  return extinction > 0 ? extinction * edgeFactor(gradientMagnitude(volume, grid), appearance.edgeGradient, appearance.lighting.edges) : 0;
+  return extinction > 0
+    ? extinction * edgeFactor(gradientMagnitude(volume, grid), appearance.edgeGradient, appearance.lighting.edges)
+    : 0;
 }
 
 /** Where a ray is inside the box from 0 to `size`; null where it passes by. */

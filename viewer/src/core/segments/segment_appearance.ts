@@ -59,9 +59,16 @@ export function presentParts(segments: readonly Segment[], parts: AppearancePart
 }
 
 /** Of these parts those in whose place still stands what was `left` there. */
-export function partsInPlace(segments: readonly Segment[], parts: AppearanceParts, left: AppearanceParts): AppearanceParts {
+export function partsInPlace(
+  segments: readonly Segment[],
+  parts: AppearanceParts,
+  left: AppearanceParts,
+): AppearanceParts {
   return mapped(segments, left, (segment, part) =>
-    picked(parts[segment.id] ?? {}, keysOf(part).filter((key) => deepEqual(segment[key], part[key]))),
+    picked(
+      parts[segment.id] ?? {},
+      keysOf(part).filter((key) => deepEqual(segment[key], part[key])),
+    ),
   );
 }
 
@@ -88,7 +95,10 @@ function appearanceOf(segment: Segment): SegmentAppearance {
   return picked(segment, keysOf(names)) as SegmentAppearance;
 }
 
-function picked(appearance: Partial<SegmentAppearance>, keys: readonly (keyof SegmentAppearance)[]): Partial<SegmentAppearance> {
+function picked(
+  appearance: Partial<SegmentAppearance>,
+  keys: readonly (keyof SegmentAppearance)[],
+): Partial<SegmentAppearance> {
   return Object.fromEntries(keys.map((key) => [key, appearance[key]]));
 }
 

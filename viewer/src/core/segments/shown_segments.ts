@@ -80,7 +80,8 @@ export function surfaceInPlace(segment: Segment): number {
 }
 
 /**
- * Opacity of the body of a segment's voxels that can stand for its surface, which is closed then, and where they are; 0 where none can.
+ * Opacity of the body of a segment's voxels that can stand for its surface, which is closed then, and where they are; 0
+ * where none can.
  *
  * @param mode how its voxels are drawn beside the surface: as a body they let nothing through.
  */
@@ -145,7 +146,12 @@ export function shownRanges(
     const [low, high] = biasedRange(range[0], range[1], rescale);
     const { id, colour, ambient, specular } = segment;
     const label = segment.range === null ? id : 0;
-    const appearance = { colour: linearFromSrgb(colour), material: [ambient, specular], surface: surfaceInPlace(segment), body: bodyOpacity(segment) } as const;
+    const appearance = {
+      colour: linearFromSrgb(colour),
+      material: [ambient, specular],
+      surface: surfaceInPlace(segment),
+      body: bodyOpacity(segment),
+    } as const;
     return [{ id, low, high, ...appearance, visible: drawn(segment), label }];
   });
 }

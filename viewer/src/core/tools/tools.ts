@@ -85,7 +85,12 @@ export function fittingDepth(spacing: Vec3, wanted: number): number {
  *
  * @param touched the segment that is touched now, or was last; 0 before the first.
  */
-export function segmentsOf(kind: ToolName, works: Works, segments: readonly Segment[], touched: number): readonly number[] {
+export function segmentsOf(
+  kind: ToolName,
+  works: Works,
+  segments: readonly Segment[],
+  touched: number,
+): readonly number[] {
   // the drill removes the scan's own voxels: a segment with a grid of its own has none of them
   const canWorkOn = (segment: Segment): boolean =>
     segment.touchable && !segment.locked && (kind !== "drill" || segment.grid === null);

@@ -1,8 +1,8 @@
 /**
  * What pictures cost, learned from those that were drawn: a wait for each, a part per sample and a part per triangle.
  *
- * A Kalman filter whose state are the three costs, which wander, and whose measurements are times: what was expected wrongly
- * is laid to each cost by how little is known of it, and pictures of several sizes soon tell them apart.
+ * A Kalman filter whose state are the three costs, which wander, and whose measurements are times: what was expected
+ * wrongly is laid to each cost by how little is known of it, and pictures of several sizes soon tell them apart.
  * Source: Kalman, "A new approach to linear filtering and prediction problems" (1960).
  */
 
@@ -22,7 +22,9 @@ type Triple = Vec3;
 
 /** Times of like pictures differ by this share of what is expected (standard deviation). */
 const noise = 0.1;
-/** A cost wanders from picture to picture by this share of it, or of a tenth of its first guess (standard deviation). */
+/**
+ * A cost wanders from picture to picture by this share of it, or of a tenth of its first guess (standard deviation).
+ */
 const wander = 0.05;
 
 export class CostModel {

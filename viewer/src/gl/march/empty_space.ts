@@ -60,7 +60,9 @@ export class EmptySpace {
 
   /** The first and the last brick along each axis that hold something drawn; null where none does. */
   get bounds(): ReturnType<typeof boundsOf> {
-    return this.filled === null || this.bricks === null ? null : (this.found ??= boundsOf(this.filled, this.bricks.counts));
+    return this.filled === null || this.bricks === null
+      ? null
+      : (this.found ??= boundsOf(this.filled, this.bricks.counts));
   }
 
   dispose(): void {

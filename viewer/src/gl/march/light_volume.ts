@@ -115,8 +115,10 @@ export class LightVolume {
   /** What is drawn has changed: everywhere, or in planes of the whole scan's grid, half open. */
   changed(planes?: Layers): void {
     if (this.grid !== null && this.frame !== null) {
-      const layers: Layers = planes === undefined ? [0, this.grid.counts[2]] : layersReached(this.frame, this.grid, ...planes);
-      this.unknown = this.unknown === null ? layers : [Math.min(this.unknown[0], layers[0]), Math.max(this.unknown[1], layers[1])];
+      const layers: Layers =
+        planes === undefined ? [0, this.grid.counts[2]] : layersReached(this.frame, this.grid, ...planes);
+      this.unknown =
+        this.unknown === null ? layers : [Math.min(this.unknown[0], layers[0]), Math.max(this.unknown[1], layers[1])];
     }
   }
 

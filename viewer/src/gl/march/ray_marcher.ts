@@ -289,7 +289,9 @@ export class RayMarcher {
     }
   }
 
-  /** Corners of a box that holds all that is drawn of the scan; scene [mm]. Null where something may be drawn anywhere. */
+  /**
+   * Corners of a box that holds all that is drawn of the scan; scene [mm]. Null where something may be drawn anywhere.
+   */
   get outline(): readonly Vec3[] | null {
     const { empty, frame, deforming, step, withSecond } = this;
     const { bounds } = empty;
@@ -383,7 +385,12 @@ export class RayMarcher {
 
   private get variant(): Record<string, string> {
     const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
-    return { ...this.textureDefines, ...surfaces, ...this.blendDefine, ...(this.options.software ? { CPU_DRAWS: "" } : {}) };
+    return {
+      ...this.textureDefines,
+      ...surfaces,
+      ...this.blendDefine,
+      ...(this.options.software ? { CPU_DRAWS: "" } : {}),
+    };
   }
 
   /** A scan alone is shown by a light program too, in the modes that are used most. */

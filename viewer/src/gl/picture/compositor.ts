@@ -72,7 +72,11 @@ export class Compositor {
     this.enlarger.dispose();
   }
 
-  private compose(renderer: THREE.WebGLRenderer, source: PictureTarget, { pane: { corner, size }, into, transparent = false }: Composition): void {
+  private compose(
+    renderer: THREE.WebGLRenderer,
+    source: PictureTarget,
+    { pane: { corner, size }, into, transparent = false }: Composition,
+  ): void {
     const u = this.uniforms;
     const { target, width, height } = source;
     u.picture.value = target.texture;

@@ -78,7 +78,10 @@ export class Picture {
     const { support } = options;
     this.support = support;
     this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
-    this.marcher = new RayMarcher({ software: support.software, lightCells: support.software ? lightCells.software : lightCells.gpu });
+    this.marcher = new RayMarcher({
+      software: support.software,
+      lightCells: support.software ? lightCells.software : lightCells.gpu,
+    });
     this.slices = new Slices(this.marcher);
     this.renderer = new THREE.WebGLRenderer({
       canvas,
@@ -136,7 +139,12 @@ export class Picture {
 
   /** With what the picture on display was drawn, and whether it is final. */
   get shown(): Shown & { readonly finished: boolean } {
-    const whole = this.begun && !this.scan.isLoading && !this.screen.stale && !this.slices.isStale && !this.marcher.second.isAwaited;
+    const whole =
+      this.begun &&
+      !this.scan.isLoading &&
+      !this.screen.stale &&
+      !this.slices.isStale &&
+      !this.marcher.second.isAwaited;
     return { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
@@ -153,7 +161,9 @@ export class Picture {
     }
   }
 
-  /** Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU. */
+  /**
+   * Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU.
+   */
   setScan(volume: ScanVolume, bricks: BrickRanges): void {
     if (volume.frame === this.scan.frame) {
       this.scan.bring(volume, bricks, volume.dimensions[2]);
@@ -190,7 +200,9 @@ export class Picture {
   setLabels(volume: LabelVolume | null): void {
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
-    this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
+    this.marcher.setLabels(
+      volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks },
+    );
     this.slices.follow(this.scan.frame);
     this.refiner.restart();
   }
@@ -336,7 +348,8 @@ export class Picture {
   }
 
   /**
-   * Draws a view of the scan and its surfaces into a canvas, for one eye or for two; the screen stays as it is meanwhile.
+   * Draws a view of the scan and its surfaces into a canvas, for one eye or for two; the screen stays as it is
+   * meanwhile.
    *
    * @throws where there is no picture yet, a snapshot is drawn already or the wish is aborted.
    */

@@ -159,7 +159,13 @@ export class Slices {
   }
 
   /** Tells the shader where a slice lies. */
-  private place({ plane, rect }: ShownSlice, frame: ScanFrame, appearance: SliceAppearance, height: number, ratio: number): void {
+  private place(
+    { plane, rect }: ShownSlice,
+    frame: ScanFrame,
+    appearance: SliceAppearance,
+    height: number,
+    ratio: number,
+  ): void {
     const u = this.uniforms;
     const step = plane.pixel / ratio;
     const right = scale(plane.right, plane.pixel * (rect.width / 2));
@@ -203,7 +209,10 @@ export class Slices {
   /** Leaves segments out of the shader where none is marked. */
   private compile(): void {
     const { material } = this.pass;
-    const marked = this.segments.some(drawnInSlices) && this.appearance !== null && this.appearance.fill + this.appearance.outline > 0;
+    const marked =
+      this.segments.some(drawnInSlices) &&
+      this.appearance !== null &&
+      this.appearance.fill + this.appearance.outline > 0;
     const second = this.marcher.second.inSlices ? { SECOND: "" } : {};
     const defines = { ...this.marcher.fieldDefines, ...second, ...(marked ? { MARKS: "" } : {}) };
     if (JSON.stringify(defines) !== JSON.stringify(material.defines)) {

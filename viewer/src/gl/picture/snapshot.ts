@@ -118,7 +118,11 @@ export class Snapshot {
       this.aim(eye);
       await this.drawTile(tile, signal);
       const into = eyes.length > 1 ? anaglyph.eyes[eye === 0 ? 0 : 1] : shown;
-      this.compositor.draw(renderer, drawn, { into, pane: { corner: [0, 0], size: [drawn.target.width, drawn.target.height] }, transparent });
+      this.compositor.draw(renderer, drawn, {
+        into,
+        pane: { corner: [0, 0], size: [drawn.target.width, drawn.target.height] },
+        transparent,
+      });
     }
     if (eyes.length > 1) {
       anaglyph.draw(renderer, [0, 0], shown);

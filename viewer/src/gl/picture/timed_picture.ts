@@ -24,7 +24,12 @@ export interface TimedPicture {
 }
 
 /** Draws what ray caster and surfaces are aimed at; without jitter. */
-export function drawTimed(renderer: THREE.WebGLRenderer, marcher: RayMarcher, surfaces: Surfaces, wish: TimedWish): TimedPicture {
+export function drawTimed(
+  renderer: THREE.WebGLRenderer,
+  marcher: RayMarcher,
+  surfaces: Surfaces,
+  wish: TimedWish,
+): TimedPicture {
   const { width, height, stepsPerVoxel } = wish;
   const drawn = new PictureTarget(true);
   drawn.resize(width, height);

@@ -194,7 +194,12 @@ function windowOf({ windows }: SecondAppearance, blend: Blend): WindowLevel {
 export function sameInView(one: ShownSecond | null, other: ShownSecond | null): boolean {
   const key = (shown: ShownSecond | null): string => {
     const { appearance, place } = shown ?? { appearance: null, place: null };
-    const slices = { inSlices: null, window: null, fusion: null, turn: appearance?.viewFusion === "flicker" ? appearance.turn : null };
+    const slices = {
+      inSlices: null,
+      window: null,
+      fusion: null,
+      turn: appearance?.viewFusion === "flicker" ? appearance.turn : null,
+    };
     return JSON.stringify([place, appearance?.inView === true ? { ...appearance, ...slices } : null]);
   };
   return one?.volume === other?.volume && key(one) === key(other);
@@ -212,5 +217,7 @@ function drawnOf(appearance: SecondAppearance, blend: Blend, rescale: Rescale): 
   }
   const { isoValue } = appearance;
   const window = windowOf(appearance, blend);
-  return { any: (low, high) => seenInGrey({ blend, window, isoValue }, physical(low, rescale), physical(high, rescale)) };
+  return {
+    any: (low, high) => seenInGrey({ blend, window, isoValue }, physical(low, rescale), physical(high, rescale)),
+  };
 }

@@ -67,7 +67,9 @@ export class Picker {
       const label = edits.labelAt(grid, volume.step);
       const segment = segments.find(({ id, range }) => id === label && range === null);
       const solid = segment !== undefined && (appearance.inside[label] ?? "solid") === "solid";
-      return segment === undefined || (!solid && drawnFromVoxels(segment)) ? null : { id: label, visible: drawnFromVoxels(segment) };
+      return segment === undefined || (!solid && drawnFromVoxels(segment))
+        ? null
+        : { id: label, visible: drawnFromVoxels(segment) };
     };
     // an edited threshold is where its labels are
     const ranges = drawn.ranges.filter((range) => range.label === 0 && range.tinted !== true);
@@ -84,7 +86,9 @@ export class Picker {
     }
     const ray = rayThrough(camera, ...place, viewport);
     const found = this.along(ray);
-    return found !== null && dot(subtract(point, found.point), ray.direction) > lift * pixelSizeAt(camera, point, viewport);
+    return (
+      found !== null && dot(subtract(point, found.point), ray.direction) > lift * pixelSizeAt(camera, point, viewport)
+    );
   }
 
   /** Value of the scan at a point of the scene; null outside of it and before it is here. */

@@ -55,7 +55,14 @@ export class PictureSync {
   get isWhole(): boolean {
     const { clips, marks, quality, second, slices } = this.controls;
     const sliced = slices.shown === this.slices && slices.appearance === this.sliceAppearance;
-    return sliced && quality.choice === this.quality && clips.cutting === this.clip && marks.lines === this.marks && second.shown === this.second && second.progress === null;
+    return (
+      sliced &&
+      quality.choice === this.quality &&
+      clips.cutting === this.clip &&
+      marks.lines === this.marks &&
+      second.shown === this.second &&
+      second.progress === null
+    );
   }
 
   /** @param scan whether the picture has the first scan: it tells in which form values go to the GPU. */

@@ -5,7 +5,14 @@ import type { Letter } from "../../core/geometry/anatomy";
 import { pixelSizeAt, type Camera } from "../../core/geometry/camera";
 import type { Mark } from "../../core/marks/measure";
 import type { Picked } from "../../core/picking/pick_surface";
-import { decodeToPage, type Registration, type Scan, type SecondScan, type Settings, type State } from "../../core/protocol";
+import {
+  decodeToPage,
+  type Registration,
+  type Scan,
+  type SecondScan,
+  type Settings,
+  type State,
+} from "../../core/protocol";
 import type { Vec3 } from "../../core/geometry/vector";
 import { benchHooks, type BenchHooks } from "./bench_hooks";
 import type { GpuSupport } from "../../gl/base/gpu_support";
@@ -158,7 +165,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get scan() {
       return session.scan;
     },
-    pixelSizeAt: (point) => (stage.view.camera === null ? NaN : pixelSizeAt(stage.view.camera, point, stage.view.viewport)),
+    pixelSizeAt: (point) => pixelSizeIn(stage.view, point),
     get middle() {
       return [stage.view.viewport.width / 2, stage.view.viewport.height / 2] as const;
     },
@@ -197,4 +204,9 @@ async function allDone(session: Session): Promise<void> {
       session.whenAnswered(resolve);
     });
   } while (!session.isSettled);
+}
+
+/** Millimetres of a pixel at a point of the scene; NaN before there is a view. */
+function pixelSizeIn({ camera, viewport }: Stage["view"], point: Vec3): number {
+  return camera === null ? NaN : pixelSizeAt(camera, point, viewport);
 }

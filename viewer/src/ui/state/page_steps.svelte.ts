@@ -60,7 +60,8 @@ export class PageSteps {
   /** A change is one step; those of one name in one gesture are one together. */
   add<T>(owner: StepOwner<T>, change: Change<T>, inGesture = false): void {
     const last = this.past.at(-1);
-    const joins = inGesture && this.goesOn && last?.owner === owner && last.name === change.name && last.at === this.engineSteps();
+    const joins =
+      inGesture && this.goesOn && last?.owner === owner && last.name === change.name && last.at === this.engineSteps();
     const step = { ...change, before: joins ? last.before : change.before, owner, at: this.engineSteps() };
     const rest = joins ? this.past.slice(0, -1) : this.past;
     this.past = deepEqual(step.before, step.after) ? rest : [...rest, step].slice(-mostSteps);

@@ -328,7 +328,8 @@ export class Session {
   private greet(hello: Hello): void {
     if (hello.protocol !== PROTOCOL_VERSION) {
       const theirs = String(hello.protocol);
-      this.mismatch = `The engine speaks version ${theirs} of the protocol, this page version ${String(PROTOCOL_VERSION)}.`;
+      const own = String(PROTOCOL_VERSION);
+      this.mismatch = `The engine speaks version ${theirs} of the protocol, this page version ${own}.`;
       return;
     }
     // the same scan after a lost connection needs no second download

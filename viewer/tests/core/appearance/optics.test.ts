@@ -12,7 +12,13 @@ const clear = { value: 0, colour: [1, 1, 1], extinction: 0 } as const;
 
 function appearanceOf(optics: Partial<Optics>): Appearance {
   const transferFunction = { points: [clear, { ...clear, value: 100 }] };
-  return { transferFunction, ranges: [], edgeGradient: 40, lighting: firstLighting, optics: { ...shadedOptics, ...optics } };
+  return {
+    transferFunction,
+    ranges: [],
+    edgeGradient: 40,
+    lighting: firstLighting,
+    optics: { ...shadedOptics, ...optics },
+  };
 }
 
 test("each mode keeps its own window, slab and density", () => {
@@ -29,13 +35,19 @@ test("in a MIP values above black are drawn, of an iso-surface those that it enc
   const any = (optics: Partial<Optics>, low: number, high: number): boolean =>
     drawnBy(appearanceOf({ window, ...optics }), rescale).any(32768 + low, 32768 + high);
   expect([any({ blend: "mip" }, -900, -161), any({ blend: "mip" }, -900, -159)]).toEqual([false, true]);
-  expect([any({ blend: "iso", isoValue: 300 }, 0, 299), any({ blend: "iso", isoValue: 300 }, 301, 900)]).toEqual([false, true]);
+  expect([any({ blend: "iso", isoValue: 300 }, 0, 299), any({ blend: "iso", isoValue: 300 }, 301, 900)]).toEqual([
+    false,
+    true,
+  ]);
   expect([any({ blend: "minip" }, 900, 901), any({ blend: "average" }, -1000, -999)]).toEqual([true, true]);
   expect(drawnBy(appearanceOf({}), rescale)).toBeInstanceOf(DrawnValues);
 });
 
 test("a falling rescale is drawn by its physical values", () => {
-  const falling = drawnBy(appearanceOf({ blend: "mip", window: { window: 400, level: 40 } }), { slope: -1, intercept: 0 });
+  const falling = drawnBy(appearanceOf({ blend: "mip", window: { window: 400, level: 40 } }), {
+    slope: -1,
+    intercept: 0,
+  });
   expect([falling.any(32768 + 200, 32768 + 900), falling.any(32768 - 900, 32768 + 900)]).toEqual([false, true]);
 });
 

@@ -36,7 +36,9 @@ test("a ray through a moved surface crosses it where it stands, in front and beh
     expect(crossings[0]?.id).toBe(3);
     // where the scan has it there is nothing any more
     if (distance(middle, centre) > 3 * radius) {
-      expect(surfaceCrossings([ball(3, pose)], { origin: addScaled(centre, direction, 2 * radius), direction: [0, 0, 0] })).toEqual([]);
+      expect(
+        surfaceCrossings([ball(3, pose)], { origin: addScaled(centre, direction, 2 * radius), direction: [0, 0, 0] }),
+      ).toEqual([]);
     }
   }
 });
@@ -62,9 +64,17 @@ const appearance = {
   optics: shadedOptics,
 };
 
-function pick(surfaces: readonly DrawnSurface[], from: Vec3, direction: Vec3 = [0, 1, 0]): ReturnType<typeof pickSurface> {
+function pick(
+  surfaces: readonly DrawnSurface[],
+  from: Vec3,
+  direction: Vec3 = [0, 1, 0],
+): ReturnType<typeof pickSurface> {
   const ray = { origin: from, direction };
-  return pickSurface(volume, appearance, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt: () => null, clip: [] });
+  return pickSurface(volume, appearance, ray, {
+    crossings: surfaceCrossings(surfaces, ray),
+    labelAt: () => null,
+    clip: [],
+  });
 }
 
 test("whatever is seen first is picked: a surface before the scan, the scan before a surface", () => {

@@ -36,7 +36,10 @@ test("no point that is left out was farther from the line than allowed", () => {
       const near = kept.slice(1).some((to, i) => {
         const from = kept[i] ?? to;
         const share = Math.min(1, Math.max(0, along(place, from, to)));
-        return Math.hypot(place[0] - from[0] - share * (to[0] - from[0]), place[1] - from[1] - share * (to[1] - from[1])) <= 4 + 1e-9;
+        return (
+          Math.hypot(place[0] - from[0] - share * (to[0] - from[0]), place[1] - from[1] - share * (to[1] - from[1])) <=
+          4 + 1e-9
+        );
       });
       expect(near).toBe(true);
     }

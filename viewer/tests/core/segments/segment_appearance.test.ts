@@ -1,6 +1,12 @@
 import { describe, expect, it } from "vitest";
 import type { Segment } from "../../../src/core/protocol";
-import { changedForAll, changedProperties, commonWay, named, shownAlone } from "../../../src/core/segments/segment_appearance";
+import {
+  changedForAll,
+  changedProperties,
+  commonWay,
+  named,
+  shownAlone,
+} from "../../../src/core/segments/segment_appearance";
 
 const bone: Segment = {
   id: 1,
@@ -35,7 +41,13 @@ const all = [bone, leftLung, rightLung];
 describe("properties of segments", () => {
   it("changes what is asked and nothing else", () => {
     const changed = changedProperties(leftLung, { opacity: 0.5 });
-    expect(changed).toMatchObject({ type: "segment_properties", id: 2, opacity: 0.5, shown_as: "surface", visible: true });
+    expect(changed).toMatchObject({
+      type: "segment_properties",
+      id: 2,
+      opacity: 0.5,
+      shown_as: "surface",
+      visible: true,
+    });
     expect(Object.keys(changed)).not.toContain("voxels");
   });
 

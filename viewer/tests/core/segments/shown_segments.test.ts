@@ -75,7 +75,11 @@ test("while a range is dragged the voxels of the new range are drawn, not the ol
 });
 
 test("thresholds for which the picture has no room are told; those that were edited have labels and need none", () => {
-  const many = Array.from({ length: mostRanges + 2 }, (_, id): Segment => ({ ...segment, id: id + 1, range: [id, id] }));
+  const many = Array.from({ length: mostRanges + 2 }, (_, id): Segment => ({
+    ...segment,
+    id: id + 1,
+    range: [id, id],
+  }));
   expect(withoutRoom(many.slice(0, mostRanges))).toEqual([]);
   expect(withoutRoom(many)).toEqual(many.slice(-2));
   const edited = many.map((one, place) => (place > mostRanges ? { ...one, range: null, made_by: one.range } : one));
@@ -88,7 +92,14 @@ test("a body stands for a surface that is closed and where its voxels are, as op
   const moved = [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0];
   expect([bodyOpacity(surface), bodyOpacity({ ...surface, opacity: 0.9 })]).toEqual([1, 0.9]);
   expect([bodyOpacity(both), bodyOpacity(both, "tinted"), bodyOpacity(both, "plain")]).toEqual([1, 0.3, 0]);
-  const others: readonly Partial<Segment>[] = [{ opacity: 0 }, { wireframe: true }, { pose: moved }, { grid: moved }, { visible: false }, { shown_as: "volume" }];
+  const others: readonly Partial<Segment>[] = [
+    { opacity: 0 },
+    { wireframe: true },
+    { pose: moved },
+    { grid: moved },
+    { visible: false },
+    { shown_as: "volume" },
+  ];
   expect(others.map((other) => bodyOpacity({ ...surface, ...other }))).toEqual(others.map(() => 0));
 });
 
@@ -112,5 +123,7 @@ test("bricks of what a body can stand for are never empty, so that it can come a
   expect(drawnBy(appearance, rescale).any(bone, bone)).toBe(true);
   expect(drawnBy(appearance, rescale).any(air, air)).toBe(false);
   // there voxels of segments are values like others
-  expect(drawnBy({ ...appearance, optics: { ...shadedOptics, blend: "emission" } }, rescale).any(bone, bone)).toBe(false);
+  expect(drawnBy({ ...appearance, optics: { ...shadedOptics, blend: "emission" } }, rescale).any(bone, bone)).toBe(
+    false,
+  );
 });

@@ -3,7 +3,16 @@ import { withDrill } from "../../../src/core/touch/contact_sound";
 import { formatMoment } from "../../../src/core/base/format";
 import type { Segment } from "../../../src/core/protocol";
 import { LastRanges } from "../../../src/core/segments/shown_segments";
-import { depthRange, fittingDepth, fittingRadius, formatLoad, formatRemoved, loadShare, radiusRange, segmentsOf } from "../../../src/core/tools/tools";
+import {
+  depthRange,
+  fittingDepth,
+  fittingRadius,
+  formatLoad,
+  formatRemoved,
+  loadShare,
+  radiusRange,
+  segmentsOf,
+} from "../../../src/core/tools/tools";
 
 function segment(id: number, touchable = true, range: Segment["range"] = null): Segment {
   return {

@@ -48,14 +48,17 @@ describe("pictures of several sizes", () => {
   });
 });
 
-test.each([0.2, 5])("pictures of one size that take %d times as long as before are expected so after twenty", (factor) => {
-  const model = learned(timeOf);
-  const picture: Workload = { waits: 1, samples: 2000, triangles: 100_000 };
-  for (let i = 0; i < 20; ++i) {
-    model.learn(picture, factor * timeOf(picture));
-  }
-  expect(model.expected(picture) / (factor * timeOf(picture))).toBeCloseTo(1, 1);
-});
+test.each([0.2, 5])(
+  "pictures of one size that take %d times as long as before are expected so after twenty",
+  (factor) => {
+    const model = learned(timeOf);
+    const picture: Workload = { waits: 1, samples: 2000, triangles: 100_000 };
+    for (let i = 0; i < 20; ++i) {
+      model.learn(picture, factor * timeOf(picture));
+    }
+    expect(model.expected(picture) / (factor * timeOf(picture))).toBeCloseTo(1, 1);
+  },
+);
 
 test("no cost falls below zero, and one that fell there comes back", () => {
   const model = learned(timeOf);

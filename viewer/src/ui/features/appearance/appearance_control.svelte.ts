@@ -2,12 +2,30 @@
  * How the scan is shown in the 3-D view: what a person has chosen of it, remembered for each scan. Every change is a
  * step of undo, a whole drag too.
  */
-import { defaultSoftTissueAndBone, transferFunctionOf, type Anchors, type SoftTissueAndBone } from "../../../core/appearance/soft_tissue_and_bone";
-import { curveOfFunction, isCurve, placedCurve, transferFunctionOfCurve, type Curve } from "../../../core/appearance/curve";
+import {
+  defaultSoftTissueAndBone,
+  transferFunctionOf,
+  type Anchors,
+  type SoftTissueAndBone,
+} from "../../../core/appearance/soft_tissue_and_bone";
+import {
+  curveOfFunction,
+  isCurve,
+  placedCurve,
+  transferFunctionOfCurve,
+  type Curve,
+} from "../../../core/appearance/curve";
 import { curveOfPreset, presets } from "../../../core/appearance/curve_presets";
 import { valueAbove } from "../../../core/scan/histogram";
 import { firstLighting, type Lighting, type Appearance } from "../../../core/appearance/appearance";
-import { blends, firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../../../core/appearance/optics";
+import {
+  blends,
+  firstChoice,
+  isGrey,
+  opticsOf,
+  usesTransferFunction,
+  type OpticsChoice,
+} from "../../../core/appearance/optics";
 import type { Scan } from "../../../core/protocol";
 import type { InsideMode, InsideModes } from "../../../core/segments/shown_segments";
 import { readSlicerPreset } from "../../../core/appearance/slicer_preset";
@@ -119,8 +137,10 @@ export class AppearanceControl {
     return softTissueAndBone === null || choice === null
       ? null
       : {
-          transferFunction: this.curve === null ? transferFunctionOf(softTissueAndBone) : transferFunctionOfCurve(this.curve),
-          edgeGradient: edgeShare * Math.abs(this.curve === null ? softTissueAndBone.window : anchors.bone - anchors.softTissue),
+          transferFunction:
+            this.curve === null ? transferFunctionOf(softTissueAndBone) : transferFunctionOfCurve(this.curve),
+          edgeGradient:
+            edgeShare * Math.abs(this.curve === null ? softTissueAndBone.window : anchors.bone - anchors.softTissue),
           lighting: this.lighting,
           optics: opticsOf(choice, anchors),
         };

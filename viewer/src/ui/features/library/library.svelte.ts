@@ -1,7 +1,24 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
-import { layoutText, wholeVoxel, type HeaderlessFiles, type LaidOut, type GivenLayout } from "../../../core/library/headerless";
+import {
+  layoutText,
+  wholeVoxel,
+  type HeaderlessFiles,
+  type LaidOut,
+  type GivenLayout,
+} from "../../../core/library/headerless";
 import { capitalised, formatBytes, formatCount } from "../../../core/base/format";
-import { isSingle, refusalOf, type About, type Autosave, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan, type JobProgress } from "../../../core/library/library";
+import {
+  isSingle,
+  refusalOf,
+  type About,
+  type Autosave,
+  type FoundLabels,
+  type GivenFile,
+  type JobLine,
+  type ListedScan,
+  type RecentScan,
+  type JobProgress,
+} from "../../../core/library/library";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../../../core/library/reconstruction";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../../../live/library_requests";
@@ -166,7 +183,8 @@ export class Library {
         throw new Error(refused);
       }
       const size = given.reduce((sum, { file }) => sum + file.size, 0);
-      const what = `Copying ${given.length === 1 ? "one file" : `${formatCount(given.length)} files`}, ${formatBytes(size)}`;
+      const counted = given.length === 1 ? "one file" : `${formatCount(given.length)} files`;
+      const what = `Copying ${counted}, ${formatBytes(size)}`;
       this.work = { what, share: 0 };
       const upload = await bring(given, { token: this.token, signal }, (bytes) => {
         this.work = { what, share: size === 0 ? null : bytes / size };
@@ -200,7 +218,10 @@ export class Library {
 
   /** The scan that files would give by a layout. Throws why they would give none. */
   async layoutOf(find: number, { layout, voxel }: GivenLayout): Promise<LaidOut> {
-    return askLayout({ find, raw: layout === null ? null : layoutText(layout), voxel_size: wholeVoxel(voxel) }, this.token);
+    return askLayout(
+      { find, raw: layout === null ? null : layoutText(layout), voxel_size: wholeVoxel(voxel) },
+      this.token,
+    );
   }
 
   /** Opens files by the layout that a person tells. */
@@ -235,7 +256,11 @@ export class Library {
   }
 
   /** Lists the scans of a place, or adds its segments to the open scan. */
-  private async find(place: object, signal: AbortSignal, taken_as = this.projected ? "projections" : "anything"): Promise<void> {
+  private async find(
+    place: object,
+    signal: AbortSignal,
+    taken_as = this.projected ? "projections" : "anything",
+  ): Promise<void> {
     if (this.segments) {
       await this.addSegments(place, signal);
       return;

@@ -115,7 +115,10 @@ export class ScanLoader {
     this.previewShown = null;
   }
 
-  /** Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. Null where it does not. */
+  /**
+   * Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. Null where it
+   * does not.
+   */
   private async showCoarsely(scan: Scan, frame: ScanFrame, step: number, request: number): Promise<ScanVolume | null> {
     const coarse = previewStep(frame.dimensions, step);
     // what is not seen is not drawn

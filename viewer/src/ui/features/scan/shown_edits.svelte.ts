@@ -6,9 +6,23 @@ import type { Changed, Segment } from "../../../core/protocol";
 import { decodeDisplacements, type Displacements } from "../../../core/scan/displacements";
 import type { ScanVolume } from "../../../core/scan/scan_volume";
 import type { BrickRanges } from "../../../core/scan/bricks";
-import { decodeSurface, SurfacePatches, type Patch, type SurfaceChange, type SurfaceSize } from "../../../core/surfaces/surface_patches";
+import {
+  decodeSurface,
+  SurfacePatches,
+  type Patch,
+  type SurfaceChange,
+  type SurfaceSize,
+} from "../../../core/surfaces/surface_patches";
 import type { Vec3 } from "../../../core/geometry/vector";
-import { decodeVoxels, labelAtPoint, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../../../core/scan/voxel_change";
+import {
+  decodeVoxels,
+  labelAtPoint,
+  updateBricks,
+  updateLabels,
+  writeBox,
+  type LabelVolume,
+  type VoxelChange,
+} from "../../../core/scan/voxel_change";
 import type { Picture } from "../../../gl/picture/picture";
 
 /** What an edit took on its way [ms]. */
@@ -107,7 +121,12 @@ export class ShownEdits {
       this.lastMilliseconds = ended - arrived;
       if (changed.applied !== null) {
         const ago = Date.now() - 1000 * changed.applied;
-        this.times.push({ edit: changed.edit, way: ago - (ended - arrived), wait: began - arrived, work: ended - began });
+        this.times.push({
+          edit: changed.edit,
+          way: ago - (ended - arrived),
+          wait: began - arrived,
+          work: ended - began,
+        });
         this.times.splice(0, this.times.length - mostTimes);
       }
     }

@@ -4,7 +4,13 @@
  */
 import { transformPoint } from "../../../core/geometry/affine";
 import type { Mark } from "../../../core/marks/measure";
-import type { PointPair, Registration, RegistrationKind, RegistrationMetric, RegistrationStart } from "../../../core/protocol";
+import type {
+  PointPair,
+  Registration,
+  RegistrationKind,
+  RegistrationMetric,
+  RegistrationStart,
+} from "../../../core/protocol";
 import { apart, leastPairs, mostPairs, pairsOfDistances, sanePairs, seenAt } from "../../../core/second/registration";
 import { placeOf } from "../../../core/second/second_scan";
 import type { Vec3 } from "../../../core/geometry/vector";
@@ -83,7 +89,11 @@ export class RegistrationControl implements StepOwner<Asked> {
 
   /** Whether all is there that a search needs. */
   get ready(): boolean {
-    return !this.running && this.second.reported !== null && (this.habits.start !== "landmarks" || this.pairs.length >= leastPairs);
+    return (
+      !this.running &&
+      this.second.reported !== null &&
+      (this.habits.start !== "landmarks" || this.pairs.length >= leastPairs)
+    );
   }
 
   change(part: Partial<RegistrationHabits>): void {

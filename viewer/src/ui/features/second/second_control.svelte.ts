@@ -9,7 +9,14 @@ import { valueAbove } from "../../../core/scan/histogram";
 import { firstChoice, firstTissue, type OpticsChoice } from "../../../core/appearance/optics";
 import type { Scan, SecondScan } from "../../../core/protocol";
 import { frameOf } from "../../../core/scan/scan_volume";
-import { fusions, placeOf, tints, type Fusion, type SecondAppearance, type Tint } from "../../../core/second/second_scan";
+import {
+  fusions,
+  placeOf,
+  tints,
+  type Fusion,
+  type SecondAppearance,
+  type Tint,
+} from "../../../core/second/second_scan";
 import { subsamplingStep } from "../../../core/scan/subsampling";
 import { KeepEqual } from "../../../core/base/keep_equal";
 import type { Vec3 } from "../../../core/geometry/vector";
@@ -145,13 +152,29 @@ export class SecondControl {
     const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
     const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
     const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
-    return { ...held, place, appearance: { inView, viewFusion: fusion, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
+    return {
+      ...held,
+      place,
+      appearance: {
+        inView,
+        viewFusion: fusion,
+        transferFunction,
+        density,
+        edgeGradient,
+        ...surface,
+        ...inSlice,
+        ...alone,
+      },
+    };
   });
 
   /** Its value at a point of the first scan's scene; null outside of it and before it is here. */
   valueAt(point: Vec3): number | null {
     const { shown } = this;
-    return shown && valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)));
+    return (
+      shown &&
+      valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)))
+    );
   }
 
   /** Lays it where a transform's file says; null: as its own file does. */
@@ -231,7 +254,9 @@ export class SecondControl {
       this.held = still() ? held : this.held;
     } catch (error) {
       if (still()) {
-        this.outside.complain(`The second scan did not arrive: ${error instanceof Error ? error.message : String(error)}`);
+        this.outside.complain(
+          `The second scan did not arrive: ${error instanceof Error ? error.message : String(error)}`,
+        );
       }
     }
     this.progress = still() ? null : this.progress;
@@ -257,7 +282,10 @@ export class SecondControl {
 /** As it was shown last with this first scan, else as fits it. */
 function choiceFor(scan: Scan, first: string): SecondChoice {
   const { window, level }: WindowLevel = firstWindow(scan);
-  const { windows } = firstChoice({ softTissue: scan.soft_tissue, bone: scan.bone }, valueAbove(scan.histogram, fewVoxels));
+  const { windows } = firstChoice(
+    { softTissue: scan.soft_tissue, bone: scan.bone },
+    valueAbove(scan.histogram, fewVoxels),
+  );
   const fitting: SecondChoice = {
     inView: true,
     inSlices: true,
@@ -275,7 +303,8 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     square: 20,
   };
   const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
-  const named = fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  const named =
+    fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
   const known = of === scan.name && named && (kept.curve === null || isCurve(kept.curve));
   return known ? kept : fitting;
 }

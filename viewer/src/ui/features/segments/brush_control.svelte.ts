@@ -2,7 +2,15 @@
  * The brush in slices, in a person's hand: what it paints, how large it is, and the stroke that is on.
  * Points go to the engine once a frame.
  */
-import { brushRange, canBePainted, firstValues, fittingBrush, paintedName, resizedBrush, type BrushHabits } from "../../../core/segments/brush";
+import {
+  brushRange,
+  canBePainted,
+  firstValues,
+  fittingBrush,
+  paintedName,
+  resizedBrush,
+  type BrushHabits,
+} from "../../../core/segments/brush";
 import type { Scan, Segment } from "../../../core/protocol";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { OutlineControl } from "./outline_control.svelte";

@@ -1,6 +1,6 @@
 /**
- * The appearance of segments and whether they are touched, as a person asks for it: each change is a step of undo, one of many
- * segments too. The engine holds them for all pages, so a step takes back only what nobody has changed since.
+ * The appearance of segments and whether they are touched, as a person asks for it: each change is a step of undo, one
+ * of many segments too. The engine holds them for all pages, so a step takes back only what nobody has changed since.
  */
 import type { Segment } from "../../../core/protocol";
 import {

@@ -156,7 +156,10 @@ export class SliceInput {
       this.moveCrosshair(event);
     }
     this.last = [event.clientX, event.clientY];
-    this.pressed = event.button === 0 && (this.drag === "crosshair" || this.clicks.marking || this.outlines(event)) ? this.last : null;
+    this.pressed =
+      event.button === 0 && (this.drag === "crosshair" || this.clicks.marking || this.outlines(event))
+        ? this.last
+        : null;
   }
 
   private move(event: PointerEvent): void {
@@ -164,7 +167,10 @@ export class SliceInput {
     const [x, y] = [event.clientX - lastX, event.clientY - lastY];
     this.last = [event.clientX, event.clientY];
     this.pointed(this.pointAt(event));
-    if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
+    if (
+      this.pressed !== null &&
+      Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach
+    ) {
       this.pressed = null;
     }
     if (x === 0 && y === 0) {
@@ -254,7 +260,9 @@ export class SliceInput {
   private leadHand(right: number, down: number): void {
     const { plane } = this;
     if (plane !== null) {
-      this.hand.moveBy(addScaled(addScaled([0, 0, 0], plane.right, right * plane.pixel), plane.up, -down * plane.pixel));
+      this.hand.moveBy(
+        addScaled(addScaled([0, 0, 0], plane.right, right * plane.pixel), plane.up, -down * plane.pixel),
+      );
     }
   }
 

@@ -2,14 +2,30 @@
  * Soft tissue: what a person asks of materials and models, and what outlives a visit.
  */
 import { AnswerRate, usualModel } from "../../../core/tissue/tissue";
-import { recalledTissue, recalledRegions, rememberedTissue, type TissueMemory, type RememberedMaterial } from "../../../core/tissue/tissue_memory";
+import {
+  recalledTissue,
+  recalledRegions,
+  rememberedTissue,
+  type TissueMemory,
+  type RememberedMaterial,
+} from "../../../core/tissue/tissue_memory";
 import { usualOptions } from "../../../core/tissue/model_options";
-import type { Constants, ForceSource, FromPage, MatterRegion, ModelOptions, Segment, State } from "../../../core/protocol";
+import type {
+  Constants,
+  ForceSource,
+  FromPage,
+  MatterRegion,
+  ModelOptions,
+  Segment,
+  State,
+} from "../../../core/protocol";
 import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
-/** What the engine's own undo does not know is a step of the page's: how it is asked for, and how for what was before. */
+/**
+ * What the engine's own undo does not know is a step of the page's: how it is asked for, and how for what was before.
+ */
 export class TissueControl implements StepOwner<FromPage> {
   /** Whether the model's nodes or particles are shown. */
   partsShown = $state(false);
@@ -46,7 +62,11 @@ export class TissueControl implements StepOwner<FromPage> {
   /** How regions of a segment take part; of several that hold a voxel the last counts. */
   setRegions(segment: Segment, regions: MatterRegion[]): void {
     const before = [...segment.regions];
-    this.ask("regions of matter", { type: "set_regions", id: segment.id, regions }, { type: "set_regions", id: segment.id, regions: before });
+    this.ask(
+      "regions of matter",
+      { type: "set_regions", id: segment.id, regions },
+      { type: "set_regions", id: segment.id, regions: before },
+    );
   }
 
   /** The deformation model, null for none, and what of it is not as usual. */
@@ -148,10 +168,21 @@ export class TissueControl implements StepOwner<FromPage> {
     const { presets, models } = session;
     const memory = recalledTissue(recall(this.memory, {}), presets, models);
     const { model, options, forceSource, materials } = memory;
-    const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
-    const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);
+    const kept = session.segments.map((segment) => ({
+      id: segment.id,
+      material: materials.find((each) => each.segment === segment.name),
+    }));
+    const known = kept.filter(
+      (each): each is { id: number; material: RememberedMaterial } => each.material !== undefined,
+    );
     for (const { id, material } of known) {
-      session.send({ type: "set_material", id, preset: material.preset, constants: material.constants, undoable: false });
+      session.send({
+        type: "set_material",
+        id,
+        preset: material.preset,
+        constants: material.constants,
+        undoable: false,
+      });
     }
     for (const { id, name } of session.segments) {
       const regions = recalledRegions(name, memory, session.segments);

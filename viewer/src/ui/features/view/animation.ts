@@ -10,7 +10,9 @@ const bitsPerPixel = 0.25;
 
 /** What this browser records; null where it makes no WebM. */
 export function animationType(): string | null {
-  return typeof MediaRecorder === "undefined" ? null : (types.find((type) => MediaRecorder.isTypeSupported(type)) ?? null);
+  return typeof MediaRecorder === "undefined"
+    ? null
+    : (types.find((type) => MediaRecorder.isTypeSupported(type)) ?? null);
 }
 
 export class AnimationRecorder {

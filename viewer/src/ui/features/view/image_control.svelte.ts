@@ -75,7 +75,9 @@ export class ImageControl {
         context.canvas.toBlob(resolve, "image/png");
       });
       if (blob === null) {
-        throw new Error(`${String(size.width)} × ${String(size.height)} pixels are too many for this browser; choose fewer`);
+        throw new Error(
+          `${String(size.width)} × ${String(size.height)} pixels are too many for this browser; choose fewer`,
+        );
       }
       keep(blob, `${this.fileName}.png`);
     });
@@ -125,7 +127,10 @@ export class ImageControl {
       await act(camera, signal);
     } catch (error) {
       if (!signal.aborted) {
-        this.source.session.notify("error", `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`);
+        this.source.session.notify(
+          "error",
+          `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`,
+        );
       }
     } finally {
       this.job = null;

@@ -7,7 +7,14 @@ import { SliceControl } from "../../../../src/ui/features/slices/slice_control.s
 import { scanOf } from "../../../support/volumes";
 
 let kept = new Map<string, string>();
-const scan: Scan = { ...scanOf([40, 40, 40], [1, 1, 1]), name: "head", unit: "HU", range: [-1000, 2000], soft_tissue: 40, bone: 250 };
+const scan: Scan = {
+  ...scanOf([40, 40, 40], [1, 1, 1]),
+  name: "head",
+  unit: "HU",
+  range: [-1000, 2000],
+  soft_tissue: 40,
+  bone: 250,
+};
 
 beforeEach(() => {
   kept = new Map();
@@ -32,7 +39,14 @@ function opened() {
 
 test("each gesture is one step, in one order, and what is remembered is what is seen", () => {
   const { steps, appearance, slices } = opened();
-  const shown = (): unknown => [appearance.choice, appearance.softTissueAndBone, appearance.curveChoice, appearance.lighting, appearance.inside, slices.appearance];
+  const shown = (): unknown => [
+    appearance.choice,
+    appearance.softTissueAndBone,
+    appearance.curveChoice,
+    appearance.lighting,
+    appearance.inside,
+    slices.appearance,
+  ];
   const gestures: readonly (() => void)[] = [
     () => { appearance.choose("blend", "mip"); },
     () => { [1, 2, 3].forEach(() => { appearance.drag(5, 2); }); },
@@ -58,7 +72,11 @@ test("each gesture is one step, in one order, and what is remembered is what is 
     steps.undo();
     expect(shown()).toEqual(before);
     const next = opened();
-    expect([next.appearance.choice, next.appearance.curveChoice, next.slices.appearance]).toEqual([appearance.choice, appearance.curveChoice, slices.appearance]);
+    expect([next.appearance.choice, next.appearance.curveChoice, next.slices.appearance]).toEqual([
+      appearance.choice,
+      appearance.curveChoice,
+      slices.appearance,
+    ]);
   }
   expect(steps.canUndo).toBe(false);
   for (const after of states.slice(1)) {

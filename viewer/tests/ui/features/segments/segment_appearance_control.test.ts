@@ -15,7 +15,17 @@ const one = (id: number): Segment => segments.find((segment) => segment.id === i
 const seen = (): readonly boolean[] => segments.map(({ visible }) => visible);
 
 beforeEach(() => {
-  const first = { id: 1, name: "Bone", colour: [1, 0, 0], visible: true, touchable: true, locked: false, shown_as: "volume", opacity: 1, smoothing: 3 } as unknown as Segment;
+  const first = {
+    id: 1,
+    name: "Bone",
+    colour: [1, 0, 0],
+    visible: true,
+    touchable: true,
+    locked: false,
+    shown_as: "volume",
+    opacity: 1,
+    smoothing: 3,
+  } as unknown as Segment;
   segments = [first, { ...first, id: 2, name: "Skin", visible: false }, { ...first, id: 3, name: "Fat" }];
   sent = [];
   waiters = [];
@@ -38,23 +48,41 @@ function answer(): void {
   for (const told of waiters.splice(0)) told();
 }
 
-test.each([["each is answered", true], ["none is answered", false]])("what was changed comes back in turn where %s before the next", (_, answers) => {
+test.each([
+  ["each is answered", true],
+  ["none is answered", false],
+])("what was changed comes back in turn where %s before the next", (_, answers) => {
   const next = (act: () => void): void => {
     act();
     if (answers) answer();
   };
-  next(() => { control.change(one(1), { colour: [0, 1, 0] }); });
-  next(() => { control.change(one(1), { name: "Skull" }); });
-  next(() => { control.change(one(1), { opacity: 0.5 }); });
+  next(() => {
+    control.change(one(1), { colour: [0, 1, 0] });
+  });
+  next(() => {
+    control.change(one(1), { name: "Skull" });
+  });
+  next(() => {
+    control.change(one(1), { opacity: 0.5 });
+  });
   expect(steps.toUndo).toMatch(/^opacity of /);
   const changed = { colour: [0, 1, 0], name: "Skull", opacity: 0.5 };
-  for (const expected of [{ ...changed, opacity: 1 }, { ...changed, opacity: 1, name: "Bone" }, { colour: [1, 0, 0], name: "Bone", opacity: 1 }]) {
-    next(() => { steps.undo(); });
+  for (const expected of [
+    { ...changed, opacity: 1 },
+    { ...changed, opacity: 1, name: "Bone" },
+    { colour: [1, 0, 0], name: "Bone", opacity: 1 },
+  ]) {
+    next(() => {
+      steps.undo();
+    });
     if (answers) expect(one(1)).toMatchObject(expected);
   }
   answer();
   expect(one(1)).toMatchObject({ colour: [1, 0, 0], name: "Bone", opacity: 1 });
-  while (steps.canRedo) next(() => { steps.redo(); });
+  while (steps.canRedo)
+    next(() => {
+      steps.redo();
+    });
   answer();
   expect(one(1)).toMatchObject(changed);
 });
@@ -80,7 +108,9 @@ test("what another page has changed since stays as it is", () => {
   answer();
   control.changeAll(segments, { shown_as: "both" });
   answer();
-  segments = segments.map((segment) => (segment.id === 3 ? { ...segment, shown_as: "surface", wireframe: false } : segment));
+  segments = segments.map((segment) =>
+    segment.id === 3 ? { ...segment, shown_as: "surface", wireframe: false } : segment,
+  );
   steps.undo();
   answer();
   expect(segments.map(({ shown_as }) => shown_as)).toEqual(["volume", "volume", "surface"]);

@@ -71,7 +71,10 @@ test("it is told how, and what is painted becomes touchable", () => {
   expect(sent.map(({ type }) => type)).toEqual(["tool", "tool", "stroke", "stroke"]);
   tool.paint.change({ overlaps: false });
   tool.press();
-  expect(sent.slice(-2)).toMatchObject([{ type: "segment_properties", id: 2, touchable: true }, { type: "stroke", on: true }]);
+  expect(sent.slice(-2)).toMatchObject([
+    { type: "segment_properties", id: 2, touchable: true },
+    { type: "stroke", on: true },
+  ]);
 });
 
 test("the segment that is painted with alone is nothing to paint", () => {

@@ -9,7 +9,15 @@ import { HandControl } from "../../../../src/ui/features/touch/hand_control.svel
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
 /** Looks along y from before; a pixel of the picture is 1 mm at the target. */
-const camera: Camera = { target: [0, 0, 0], distance: 100, right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0], field: Math.PI / 2, parallel: null };
+const camera: Camera = {
+  target: [0, 0, 0],
+  distance: 100,
+  right: [1, 0, 0],
+  up: [0, 0, 1],
+  back: [0, -1, 0],
+  field: Math.PI / 2,
+  parallel: null,
+};
 const viewport = { width: 200, height: 200 };
 
 let now = 0;
