@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
-.NOTPARALLEL:
+.ONESHELL:
 .SUFFIXES:
 .DEFAULT_GOAL := help
 
@@ -25,19 +25,24 @@ PACKAGE_SOURCES := $(shell find python/palpate -type f -name '*.py*' -not -path 
 VENV_READY := $(VENV)/.packages
 NODE_READY := viewer/node_modules/.packages
 ENGINE_READY := $(VENV)/.engine
+QUICK_ENGINE_READY := $(VENV)/.quick-engine
 VIEWER_READY := python/palpate/viewer/index.html
 WHEEL_READY := dist/.wheel
 
-say = @printf '\n\033[1m== %s\033[0m\n' "$(1)"
+# first line of a recipe: its name; the rest is one script, timed (scripts/stage.sh)
+step = @source scripts/stage.sh "$(1)"
+
+# two steps at a time, the output of each in one piece
+TWO := --jobs=2 --output-sync=target --no-print-directory
 
 .PHONY: help
 help: ## this list
 	@echo "Palpate: examine medical scans by touch"
-	@echo
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' $(MAKEFILE_LIST) | column -t -s '|' 2>/dev/null \
+	echo
+	sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' $(MAKEFILE_LIST) | column -t -s '|' 2>/dev/null \
 		|| sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1  \2/p' $(MAKEFILE_LIST)
-	@echo
-	@scripts/prerequisites.sh
+	echo
+	scripts/prerequisites.sh
 
 # --- set-up -----------------------------------------------------------------------------
 
@@ -45,10 +50,10 @@ help: ## this list
 prerequisites:
 	@scripts/prerequisites.sh --quiet
 
-setup: prerequisites $(ENGINE_READY) $(VIEWER_READY) ## build everything for use from this folder
+setup: prerequisites $(QUICK_ENGINE_READY) $(VIEWER_READY) ## build everything for use from this folder
 
 $(VENV_READY): python/requirements.lock
-	$(call say,Python packages)
+	$(call step,Python packages)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --requirement python/requirements.lock
 	touch $@
@@ -56,18 +61,28 @@ $(VENV_READY): python/requirements.lock
 # `npm ci` refuses a lock file without the packages for other systems, which a mirror need not
 # hold; `npm install --no-save` takes the versions of the lock file just so, and leaves it alone
 $(NODE_READY): viewer/package.json viewer/package-lock.json
-	$(call say,Node packages)
-	cd viewer && npm install --no-save --no-audit --no-fund --loglevel=error
+	$(call step,Node packages)
+	(cd viewer && npm install --no-save --no-audit --no-fund --loglevel=error)
 	touch $@
 
+# the engine as in the wheel, for tests and figures; it serves as well where any engine will do
 $(ENGINE_READY): $(VENV_READY) $(RUST_SOURCES)
-	$(call say,engine)
-	cd python && VIRTUAL_ENV=$(CURDIR)/$(VENV) PIP_QUIET=1 $(BIN)/maturin develop --release --locked --quiet
+	$(call step,engine)
+	export VIRTUAL_ENV=$(CURDIR)/$(VENV) PIP_QUIET=1
+	$(BIN)/maturin develop --release --locked --quiet --manifest-path python/Cargo.toml
+	touch $@ $(QUICK_ENGINE_READY)
+
+# the same code, compiled in half the time
+$(QUICK_ENGINE_READY): $(VENV_READY) $(RUST_SOURCES)
+	$(call step,engine for development)
+	export VIRTUAL_ENV=$(CURDIR)/$(VENV) PIP_QUIET=1
+	rm -f $(ENGINE_READY)
+	$(BIN)/maturin develop --profile quick --locked --quiet --manifest-path python/Cargo.toml
 	touch $@
 
 $(VIEWER_READY): $(NODE_READY) $(VIEWER_SOURCES)
-	$(call say,viewer)
-	cd viewer && npm run build --silent
+	$(call step,viewer)
+	(cd viewer && npm run build --silent)
 	touch $@
 
 # --- use --------------------------------------------------------------------------------
@@ -79,7 +94,7 @@ demo: setup ## start Palpate on the built-in phantom
 wheel: prerequisites $(WHEEL_READY) ## build the wheel: engine, package and viewer in one file
 
 $(WHEEL_READY): $(VENV_READY) $(VIEWER_READY) $(RUST_SOURCES) $(PACKAGE_SOURCES)
-	$(call say,wheel)
+	$(call step,wheel)
 	rm -rf dist
 	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --manifest-path python/Cargo.toml --out dist --quiet
 	ls -lh dist
@@ -98,33 +113,84 @@ clean: ## remove everything that was built
 lint: prerequisites lint-repository lint-python lint-viewer lint-rust ## formats, lints, types, arrows between layers
 
 lint-repository: $(VENV_READY)
-	$(call say,repository: headers; words; arrows between crates)
+	$(call step,repository: headers; words; arrows between crates)
 	$(BIN)/python scripts/check_headers.py
 	$(BIN)/python scripts/check_words.py
 	$(BIN)/python scripts/check_arrows.py
 
-lint-python: $(ENGINE_READY)
-	$(call say,Python: format; lint; types; arrows between modules)
+lint-python: $(VENV_READY)
+	$(call step,Python: format; lint; types; arrows between modules)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/lint-imports
+	PYTHONPATH=python $(BIN)/lint-imports
 
 lint-viewer: $(NODE_READY)
-	$(call say,viewer: types; lint)
-	cd viewer && npm run check --silent
-	cd viewer && npm run lint --silent
+	$(call step,viewer: types; lint)
+	cd viewer
+	npm run check --silent
+	npm run lint --silent
 
 lint-rust:
-	$(call say,Rust: format; clippy)
+	$(call step,Rust: format; clippy)
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 
+# the unit tests of what changed since the branch left main (scripts/changed.py)
+.PHONY: check changed check-rust check-python check-viewer
+check: ## in three minutes: formats, lints, types, and unit tests of what changed
+	@scripts/stages.sh --begin
+	trap scripts/stages.sh EXIT
+	$(MAKE) $(TWO) changed TOGETHER=changed
+
+changed: check-rust lint check-python check-viewer
+
+check-rust: $(VENV_READY)
+	$(call step,Rust: tests of crates that changed)
+	crates=$$($(BIN)/python scripts/changed.py crates)
+	test -z "$$crates" || cargo test --locked --quiet --tests $${crates//palpate-/--package palpate-}
+
+# where the engine changed too, it is built first
+check-python: $(VENV_READY)
+	$(call step,Python: tests of what changed)
+	tests=$$($(BIN)/python scripts/changed.py python)
+	test -z "$$tests" || $(MAKE) --no-print-directory $(QUICK_ENGINE_READY)
+	test -z "$$tests" || $(BIN)/pytest -q -m "not wheel and not browser" --numprocesses 2 --dist loadfile $$tests
+
+check-viewer: $(VENV_READY) $(NODE_READY)
+	$(call step,viewer: tests of what changed)
+	commit=$$($(BIN)/python scripts/changed.py commit)
+	cd viewer
+	npx vitest run --changed "$$commit" tests/core tests/ui tests/live
+
 # --- tests ------------------------------------------------------------------------------
 
-.PHONY: test test-rust test-python test-viewer test-wheel test-browser
-test: prerequisites chromium data lint test-rust test-python test-viewer test-wheel test-browser ## all tests and checks
-	$(call say,make test: everything passed)
+.PHONY: test test-long everything test-rust test-python test-viewer test-wheel test-browser
+# the times of all steps stand at the end
+test: ## all tests and checks
+	@scripts/stages.sh --begin
+	trap scripts/stages.sh EXIT
+	$(MAKE) $(TWO) everything TOGETHER=everything
+	printf '\n\033[1m== make test: everything passed\033[0m\n'
+
+everything: test-rust lint test-python test-viewer test-wheel test-browser
+
+# Beside one another, two at a time, but what takes the same lock of cargo or fills both cores;
+# pages are looked at when nothing else runs.
+ifdef TOGETHER
+lint-rust $(VENV_READY) $(NODE_READY): | prerequisites
+test-rust check-rust: | lint-rust
+test-python check-python: | lint-python lint-viewer
+test-viewer: | test-python
+test-wheel: | test-viewer
+test-browser: | test-rust test-wheel
+endif
+ifeq ($(TOGETHER),everything)
+prerequisites: | chromium data
+endif
+
+test-long: export PALPATE_LONG := 1
+test-long: test ## the same with the long form of statistical tests
 
 # a missing browser and missing scans are told before all other tests
 .PHONY: chromium data
@@ -135,32 +201,35 @@ data:
 	@scripts/data.sh
 
 test-rust: ## tests of the crates
-	$(call say,Rust: tests)
+	$(call step,Rust: tests)
 	cargo test --locked --workspace --quiet
 
 test-python: $(ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository
-	$(call say,Python: tests)
-	$(BIN)/pytest -q -m "not wheel and not browser"
+	$(call step,Python: tests)
+	$(BIN)/pytest -q -m "not wheel and not browser" --numprocesses 2 --dist loadfile
 
 test-viewer: $(NODE_READY) ## unit tests of the page, its shaders in a browser
-	$(call say,viewer: tests)
-	cd viewer && PALPATE_CHROMIUM="$$(../scripts/chromium.sh)" npm run test --silent
+	$(call step,viewer: tests)
+	export PALPATE_CHROMIUM="$$(scripts/chromium.sh)"
+	cd viewer
+	npm run test --silent
 
 test-wheel: $(WHEEL_READY) ## the wheel in an empty environment: install, start, open the page
-	$(call say,wheel: in an empty environment)
+	$(call step,wheel: in an empty environment)
 	$(BIN)/pytest -q -m wheel tests
 
-test-browser: setup ## a real scan in a real browser: picture, contact, force
-	$(call say,browser: tests)
-	PALPATE_CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/pytest -q -m browser
+test-browser: $(ENGINE_READY) $(VIEWER_READY) ## a real scan in a real browser: picture, contact, force
+	$(call step,browser: tests)
+	export PALPATE_CHROMIUM="$$(scripts/chromium.sh)"
+	$(BIN)/pytest -q -m browser
 
 # --- figures ----------------------------------------------------------------------------
 
 .PHONY: bench
-bench: setup bench-page bench-edit ## measure everything: the page, Rust benchmarks, all of `palpate bench`
+bench: $(ENGINE_READY) $(VIEWER_READY) bench-page bench-edit ## measure everything: the page, Rust benchmarks, all of `palpate bench`
 	cargo bench --locked --package palpate-benches
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench open
-	cd viewer && npm run build:bench --silent  # vtk.js, to measure beside it
+	(cd viewer && npm run build:bench --silent)  # vtk.js, to measure beside it
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench render
 	$(BIN)/palpate bench haptics
 	$(BIN)/palpate bench passivity
@@ -178,12 +247,12 @@ bench: setup bench-page bench-edit ## measure everything: the page, Rust benchma
 SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
 
 .PHONY: bench-edit
-bench-edit: setup chromium ## measure edits at the page with SCANS=PATH: applied until handed to the GPU
-	$(call say,edits at the page)
+bench-edit: $(ENGINE_READY) $(VIEWER_READY) chromium ## measure edits at the page with SCANS=PATH: applied until handed to the GPU
+	$(call step,edits at the page)
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench edit $(firstword $(SCANS))
 
 .PHONY: pictures
-pictures: setup chromium ## take the pictures of the page that the docs show
+pictures: $(ENGINE_READY) $(VIEWER_READY) chromium ## take the pictures of the page that the docs show
 	PYTHONPATH=tests/support $(BIN)/python scripts/take_pictures.py $(or $(PALPATE_DATA),../shared/data) docs/images
 
 # programs that are pictured beside ours: only their built pages, which need no packages of their own
@@ -193,7 +262,7 @@ PEERS := target/peers
 PEERS_READY := $(PEERS)/.ohif-$(OHIF)-niivue-$(NIIVUE)
 
 $(PEERS_READY):
-	$(call say,OHIF $(OHIF); niivue $(NIIVUE))
+	$(call step,OHIF $(OHIF); niivue $(NIIVUE))
 	rm -rf $(PEERS)
 	mkdir -p $(PEERS)/ohif $(PEERS)/niivue
 	npm pack --silent --pack-destination $(PEERS) @ohif/app@$(OHIF) @niivue/niivue@$(NIIVUE)
@@ -203,12 +272,12 @@ $(PEERS_READY):
 	touch $@
 
 .PHONY: pictures-beside
-pictures-beside: setup chromium $(PEERS_READY) ## take pictures of OHIF and niivue with the same scan, and count clicks
+pictures-beside: $(ENGINE_READY) $(VIEWER_READY) chromium $(PEERS_READY) ## take pictures of OHIF and niivue with the same scan, and count clicks
 	CHROMIUM="$$(scripts/chromium.sh)" PYTHONPATH=tests/support \
 		$(BIN)/python scripts/take_peer_pictures.py $(or $(PALPATE_DATA),../shared/data) $(PEERS) docs/images
 
 .PHONY: bench-page
-bench-page: setup chromium ## measure the page with SCANS="PATH ...": first picture, late ticks, memory
-	$(call say,page)
+bench-page: $(ENGINE_READY) $(VIEWER_READY) chromium ## measure the page with SCANS="PATH ...": first picture, late ticks, memory
+	$(call step,page)
 	CHROMIUM="$$(scripts/chromium.sh)" PYTHONPATH=tests/support \
 		$(BIN)/python scripts/measure_page.py $(SCANS)

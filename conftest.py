@@ -10,8 +10,12 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from xdist.workermanage import WorkerController
 
 DEFAULT_FOLDER = Path(__file__).parent.parent / "shared" / "data"
 LEFT_OUT = pytest.StashKey[int]()
@@ -41,14 +45,32 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     with_data = [item for item in items if item.get_closest_marker("data")]
     if os.environ.get("PALPATE_NO_DATA") == "1":
         config.stash[LEFT_OUT] = len(with_data)
+        if hasattr(config, "workeroutput"):
+            config.workeroutput["left_out"] = len(with_data)
         config.hook.pytest_deselected(items=with_data)
         items[:] = [item for item in items if not item.get_closest_marker("data")]
-    elif with_data and not find_data_folder().is_dir():
-        message = (
-            f"no real scans in {find_data_folder()}: set PALPATE_DATA to their folder, "
-            f"or PALPATE_NO_DATA=1 to leave out {len(with_data)} tests"
+    elif with_data and not find_data_folder().is_dir() and not hasattr(config, "workeroutput"):
+        raise pytest.UsageError(
+            f"{no_scans()}, or PALPATE_NO_DATA=1 to leave out {len(with_data)} tests"
         )
-        raise pytest.UsageError(message)
+
+
+def no_scans() -> str:
+    """Says that the scans are missing and how to give them."""
+    return f"no real scans in {find_data_folder()}: set PALPATE_DATA to their folder"
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Fails tests on real data where it is absent: processes of pytest-xdist cannot end all."""
+    if item.get_closest_marker("data") and not find_data_folder().is_dir():
+        pytest.fail(no_scans(), pytrace=False)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: WorkerController, error: object) -> None:
+    """Takes the number over from a process of pytest-xdist: each of them finds all tests."""
+    del error
+    node.config.stash[LEFT_OUT] = node.workeroutput.get("left_out", 0)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

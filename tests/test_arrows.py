@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from check_arrows import FLOORS, wrong_arrows
+from check_arrows import FLOORS, FOLDERS, wrong_arrows, wrong_folder_arrows
 
 ROOT = Path(__file__).parent.parent
 TOOLS = Path(sys.executable).parent
@@ -68,6 +68,63 @@ def test_a_crate_without_a_floor_is_found() -> None:
     assert any("palpate-new" in sentence for sentence in wrong_arrows(metadata))
 
 
+@pytest.mark.parametrize("crate", FOLDERS)
+def test_folders_of_a_crate_point_down(crate: str) -> None:
+    assert wrong_folder_arrows(ROOT / "crates" / crate / "src", FOLDERS[crate]) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("touch/feel.rs", "use crate::servo::Servo;"),
+        ("touch/feel.rs", "use crate::{notice::Notice, servo::{self, Servo}};"),
+        ("touch/feel.rs", "pub fn it() -> crate::servo::Servo {}"),
+        ("touch/feel.rs", "use super::super::servo::Servo;"),
+        ("touch/feel.rs", "mod tests {\n    use super::super::super::servo::Servo;\n}"),
+        ("touch/mod.rs", "use super::servo::Servo;"),
+        ("touch/parts/brick.rs", "use crate::servo::Servo;"),
+        ("scene/mod.rs", "use crate::servo::Servo;"),
+        ("notice.rs", "use crate::servo::Servo;"),
+    ],
+)
+def test_an_arrow_between_folders_that_points_up_or_to_a_sibling_is_found(
+    tmp_path: Path, file: str, line: str
+) -> None:
+    floors = [["notice"], ["touch"], ["scene", "servo"]]
+    for name in ["notice.rs", "touch/mod.rs", "scene/mod.rs", "servo/mod.rs", file]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    (tmp_path / "servo" / "tick.rs").write_text(
+        "use super::Servo;\nuse crate::touch::Feel; // not crate::scene\n"
+        "mod tests {\n    use super::super::Servo;\n}\n"
+    )
+    assert wrong_folder_arrows(tmp_path, floors) == []
+    (tmp_path / file).write_text(f"{line}\n")
+    [sentence] = wrong_folder_arrows(tmp_path, floors)
+    assert file in sentence
+    assert "uses crate::servo" in sentence
+
+
+def test_an_arrow_planted_in_the_engine_is_found(tmp_path: Path) -> None:
+    source = shutil.copytree(ROOT / "crates" / "engine" / "src", tmp_path / "src")
+    with (source / "touch" / "settings.rs").open("a") as module:
+        module.write("\nuse crate::session::Session;\n")
+    [sentence] = wrong_folder_arrows(source, FOLDERS["engine"])
+    assert "settings.rs (touch) uses crate::session" in sentence
+
+
+def test_a_folder_without_a_floor_and_a_path_through_the_facade_are_found(tmp_path: Path) -> None:
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "mod.rs").write_text("use crate::Session;\n")
+    (tmp_path / "lib.rs").write_text("pub use crate::new::Session;\n")
+    found = wrong_folder_arrows(tmp_path, [["old"]])
+    assert len(found) == 3
+    for part, sentence in zip(
+        ["folder new", "no folder old", "crate::Session"], found, strict=True
+    ):
+        assert part in sentence
+
+
 def python_arrows(folder: Path, module: str, line: str) -> str:
     """Returns what the linter says of a copy of the package where a module has another import."""
     package = shutil.copytree(
@@ -120,8 +177,8 @@ def python_arrows(folder: Path, module: str, line: str) -> str:
         ),
         (
             "cli/export_run.py",
-            "from palpate.server.segments import ShownSegments",
-            "palpate.cli.export_run -> palpate.server.segments",
+            "from palpate.server.messages.segment_list import SegmentList",
+            "palpate.cli.export_run -> palpate.server.messages.segment_list",
         ),
         (
             "io/reading.py",
@@ -180,10 +237,12 @@ def eslint(file: str, line: str) -> subprocess.CompletedProcess[str]:
     ("file", "target"),
     [
         pytest.param("core/view/new.ts", "../../gl/picture/picture", id="core to gl"),
+        pytest.param("core/geometry/new.ts", "../view/clip", id="core to a room above"),
+        pytest.param("gl/march/new.ts", "../surfaces/surfaces", id="gl to a room above"),
         pytest.param("gl/picture/new.ts", "../../ui/state/session.svelte", id="gl to ui"),
         pytest.param("live/new.ts", "../gl/picture/picture", id="live to gl"),
-        pytest.param("ui/state/new.ts", "../widgets/settled", id="state to widget"),
-        pytest.param("ui/theme/new.ts", "../widgets/settled", id="theme to widget"),
+        pytest.param("ui/state/new.ts", "../widgets/revert_input", id="state to widget"),
+        pytest.param("ui/theme/new.ts", "../widgets/revert_input", id="theme to widget"),
         pytest.param(
             "ui/widgets/New.svelte", "../features/marks/mark_control.svelte", id="widget to feature"
         ),
@@ -196,7 +255,7 @@ def eslint(file: str, line: str) -> subprocess.CompletedProcess[str]:
             "../slices/slice_control.svelte",
             id="feature to feature in svelte",
         ),
-        pytest.param("ui/features/marks/new.ts", "../../app/stage.svelte", id="feature to app"),
+        pytest.param("ui/features/marks/new.ts", "../../app/stage", id="feature to app"),
         pytest.param("ui/new/new.ts", "../state/remembered", id="a folder that is no room"),
     ],
 )

@@ -81,7 +81,7 @@ def test_every_page_is_listed_once(index: str) -> None:
 
 def test_every_thread_is_listed() -> None:
     table = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").partition("## Threads")[2]
-    live = (ROOT / "crates" / "engine" / "src" / "live.rs").read_text(encoding="utf-8")
+    live = (ROOT / "crates" / "engine" / "src" / "session" / "live.rs").read_text(encoding="utf-8")
     threads = re.findall(r'live\.spawn\("(\w+)"', live)
     assert len(threads) > 5, "live.rs starts threads otherwise than this test believes"
     assert [name for name in threads if f"\n| {name} |" not in table] == []
@@ -92,7 +92,7 @@ def test_tests_named_for_the_promises_of_touch_exist() -> None:
     promises = text.partition("## Guarantees")[2].partition("## ")[0]
     # names of tests are sentences: three words at least
     named = re.findall(r"`((?:[a-z0-9]+_){2,}[a-z0-9]+)`", promises)
-    sources = [file.read_text(encoding="utf-8") for file in ROOT.glob("crates/*/tests/*.rs")]
+    sources = [file.read_text(encoding="utf-8") for file in ROOT.glob("crates/*/tests/**/*.rs")]
     assert len(named) > 15, "the page names no tests: has its form changed?"
     assert [name for name in named if not any(f"fn {name}()" in text for text in sources)] == []
 

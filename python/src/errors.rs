@@ -9,7 +9,7 @@ use palpate_device::simulated::SettingsError;
 use palpate_engine::error::SessionError;
 use palpate_surface::SettingsError as SurfaceSettingsError;
 use palpate_surface::voxelise::MeshError;
-use palpate_tools::journal_error::JournalError;
+use palpate_tools::journal::JournalError;
 use palpate_tools::tool::ToolError;
 use palpate_volume::grid::GridError;
 use palpate_volume::intensities::IntensitiesError;

@@ -1,14 +1,14 @@
 //! Tools as the package names and reads them.
 
-use palpate_engine::picture::frame::Frame;
-use palpate_engine::touch::needle::NeedleDisplay;
+use palpate_engine::picture::Frame;
+use palpate_engine::touch::NeedleDisplay;
 use palpate_haptics::needle::events::NeedleEvent;
 use palpate_tools::drill::DrillSettings;
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::painter::PaintSettings;
 use palpate_tools::specific_energy::SpecificEnergy;
-use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

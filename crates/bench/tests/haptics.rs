@@ -3,10 +3,9 @@
 use crate::common::*;
 use glam::{DVec3, UVec3};
 use palpate_bench::haptics::{BenchError, Ground, TouchBench, Work, compare, free_rays, stroke};
-use palpate_engine::touch::contact_model::Model;
-use palpate_haptics::ball::BallShape;
-use palpate_haptics::ball_limits::ball_limits;
-use palpate_haptics::exact::Exact;
+use palpate_engine::touch::Model;
+use palpate_haptics::ball::{BallShape, ball_limits};
+use palpate_haptics::contact::Exact;
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::occupancy::Occupancy;

@@ -1,4 +1,4 @@
-//! The bonded lattice: isotropic nodes that carry a body's matter around the tools.
+//! The bonded lattice: isotropic nodes that carry a body's tissue around the tools.
 //!
 //! Nodes stand on a cubic lattice of their own, whatever the voxels' shape; each is bonded to
 //! its 6 face and 12 edge neighbours. Equal springs on all of them are exactly isotropic with
@@ -20,18 +20,18 @@ mod border;
 mod coarse;
 mod conjugate;
 mod contact_law;
+mod damage;
 mod inelastic;
-mod lasting;
 mod lattice_model;
 mod layout;
-mod measured;
+mod measured_stiffness;
 mod moduli;
 mod moving_box;
 mod node_contacts;
 mod nodes;
+mod plastic_set;
 mod relax;
 mod resample;
-mod scars;
 mod settings;
 mod shift;
 mod structure;
@@ -47,7 +47,7 @@ pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};
 pub use lattice_model::LatticeModel;
 pub use layout::{FAMILIES, Layout};
 pub use moduli::{LatticeModuli, POISSON_RANGE};
-pub use nodes::{Lattice, NodeMatter};
+pub use nodes::{Lattice, NodeMaterial};
 pub use relax::{RelaxReport, RelaxSettings, Relaxer};
 pub use settings::LatticeSettings;
 pub use tool_contact::{LatticeTool, ToolForce};

@@ -1,4 +1,4 @@
-//! Deformation: matter that gives, breaks and pushes back.
+//! Deformation of soft tissue: it gives, breaks and pushes back.
 //!
 //! A [`model::DeformationModel`] sees the voxels around the tools and what they are made of,
 //! and answers with an edit, a field of displacements and a contact for each tool. Nobody
@@ -12,13 +12,12 @@
 //! or the engine's threads.
 
 mod displacement;
-pub mod integrator;
 pub mod lattice;
 pub mod material;
 pub mod model;
-pub mod model_options;
+mod observed_voxels;
 pub mod particles;
 pub mod potential;
 pub mod pressed_block;
-mod rest_matter;
-mod seen;
+pub mod registry;
+mod voxel_ledger;

@@ -11,10 +11,10 @@ pub mod calibration;
 mod cells;
 mod contact_laws;
 pub mod elasticity;
-mod following;
 mod global_field;
-mod global_matter;
 pub mod global_model;
+mod global_sites;
+pub mod integrator;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;
@@ -30,11 +30,11 @@ pub mod space;
 pub mod state;
 pub mod system;
 pub mod tool_push;
+mod voxel_following;
 mod walls;
 mod write_back;
 
 pub use global_model::{GlobalModel, GlobalSettings};
-pub use lanes::Registers;
 pub use local_model::{LocalModel, LocalSettings, Motion};
 pub use neighbours::NeighbourList;
 pub use pair_force::{PairOptions, PairSums, Workers, pair_forces};

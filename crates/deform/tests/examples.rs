@@ -1,11 +1,10 @@
 //! The example of `docs/extend/adding-a-model.md` does what the page says.
 
-mod model_support;
 #[path = "../examples/simple_model.rs"]
 mod simple_model;
 
+use crate::model_support::{Bench, LIVER, RADIUS, TOP};
 use glam::DVec3;
-use model_support::{Bench, LIVER, RADIUS, TOP};
 use simple_model::Springs;
 
 #[test]

@@ -1,11 +1,12 @@
 //! The thesis' global prototype: coarse particles through a whole segment.
 
 use glam::{DMat3, DQuat, DVec3, UVec3};
-use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::material::{Materials, SegmentMaterial, preset};
 use palpate_deform::model::{
-    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState, model_from_name,
+    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
 use palpate_deform::particles::{GlobalModel, GlobalSettings};
+use palpate_deform::registry::model_from_name;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -42,7 +43,7 @@ fn block(dimensions: UVec3) -> (Voxels, Materials) {
     (
         voxels,
         Materials {
-            segments: vec![SegmentMatter {
+            segments: vec![SegmentMaterial {
                 segment,
                 law,
                 regions: Vec::new(),

@@ -1,11 +1,9 @@
 //! Rest under tools: how near, how soon, how smooth, and what absurd input does.
 
-mod support;
-
+use crate::support::{ball, block, half_space, press, solid};
 use glam::{DVec3, UVec3};
 use palpate_deform::lattice::{Lattice, LatticeTool, Relaxer};
 use palpate_deform::material::Solid;
-use support::{ball, block, half_space, press, solid};
 
 #[test]
 fn the_force_of_a_moving_ball_is_within_a_hundredth_of_that_at_full_rest() {
@@ -100,7 +98,7 @@ fn the_stiffness_that_is_told_is_the_one_of_the_next_step_also_over_bone() {
         let mut relaxer = Relaxer::default();
         let tool = |deep: f64| ball(15, deep, 0.0);
         let (force, _) = press(&mut relaxer, &mut lattice, tool(0.8), 1e-6, 2000);
-        let told = relaxer.stiffness(&mut lattice, &[tool(0.8)], 0, (40, &|| false));
+        let told = relaxer.stiffness(&mut lattice, &[tool(0.8)], 0, 40, &|| false);
         // it left all as it was
         assert_eq!(relaxer.felt()[0].force, force);
         let (more, _) = press(&mut relaxer, &mut lattice, tool(0.85), 1e-6, 2000);

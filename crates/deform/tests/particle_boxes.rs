@@ -1,9 +1,7 @@
 //! The box of the thesis' local models: where it stands, what it holds, what its border does.
 
-mod liver;
-
+use crate::liver::{H, SIDE, TOP, advance, ball, force, picture, scan};
 use glam::{DMat3, DVec3, IVec3};
-use liver::{H, SIDE, TOP, advance, ball, force, picture, scan};
 use palpate_deform::model::{ModelEvent, ToolShape, ToolState};
 use palpate_deform::particles::{LocalModel, LocalSettings};
 use palpate_volume::voxel_box::VoxelBox;

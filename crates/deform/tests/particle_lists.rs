@@ -2,7 +2,8 @@
 
 use glam::{DVec3, IVec3};
 use palpate_deform::particles::lattices::fcc;
-use palpate_deform::particles::{NeighbourList, Particles, Registers, Space};
+use palpate_deform::particles::{NeighbourList, Particles, Space};
+use palpate_volume::simd_dispatch::SimdLevel;
 
 fn random_places(count: usize, size: DVec3, seed: u128) -> Vec<DVec3> {
     let mut random = oorandom::Rand64::new(seed);
@@ -24,9 +25,9 @@ fn all_pairs(places: &[DVec3], reach: f64, space: Space) -> Vec<Vec<usize>> {
         .collect()
 }
 
-fn lists(places: &[DVec3], space: Space, registers: Registers) -> Vec<Vec<usize>> {
+fn lists(places: &[DVec3], space: Space, simd: SimdLevel) -> Vec<Vec<usize>> {
     let particles = Particles::at_rest(places, 1.0, 1.0);
-    let mut list = NeighbourList::new(1.0, 0.25, space).with_registers(registers);
+    let mut list = NeighbourList::new(1.0, 0.25, space).with_simd(simd);
     list.update(&particles.sites);
     let sorted = |i: usize| {
         let mut members: Vec<usize> = list.neighbours(i).collect();
@@ -50,10 +51,10 @@ fn lists_hold_all_pairs_within_reach_and_no_others() {
         let places = random_places(300, size, seed as u128);
         for space in [Space::Open, Space::Periodic(size)] {
             let expected = all_pairs(&places, 1.25, space);
-            for registers in [Registers::Best, Registers::Avx2, Registers::Plain] {
+            for simd in [SimdLevel::widest(), SimdLevel::Avx2, SimdLevel::Plain] {
                 assert!(
-                    lists(&places, space, registers) == expected,
-                    "{size} {space:?} {registers:?}"
+                    lists(&places, space, simd) == expected,
+                    "{size} {space:?} {simd:?}"
                 );
             }
         }
@@ -70,7 +71,7 @@ fn places_outside_a_periodic_box_count_as_inside() {
         .map(|(i, p)| *p + size * f64::from((i % 5) as u8) - size)
         .collect();
     let space = Space::Periodic(size);
-    assert!(lists(&outside, space, Registers::Best) == all_pairs(&inside, 1.25, space));
+    assert!(lists(&outside, space, SimdLevel::widest()) == all_pairs(&inside, 1.25, space));
 }
 
 #[test]
@@ -81,11 +82,13 @@ fn scattered_and_absurd_places_are_found_without_a_mountain_of_cells() {
         DVec3::new(1e7, 1e7, 1e7 + 0.5),
         DVec3::new(-4e5, 0.0, 0.0),
     ]);
-    assert!(lists(&places, Space::Open, Registers::Best) == all_pairs(&places, 1.25, Space::Open));
+    assert!(
+        lists(&places, Space::Open, SimdLevel::widest()) == all_pairs(&places, 1.25, Space::Open)
+    );
     places.extend([DVec3::NAN, DVec3::INFINITY]);
     let expected = all_pairs(&places, 1.25, Space::Open);
-    assert!(lists(&places, Space::Open, Registers::Best) == expected);
-    assert!(lists(&[], Space::Open, Registers::Best).is_empty());
+    assert!(lists(&places, Space::Open, SimdLevel::widest()) == expected);
+    assert!(lists(&[], Space::Open, SimdLevel::widest()).is_empty());
 }
 
 #[test]

@@ -2,15 +2,16 @@
 #![expect(clippy::unwrap_used, reason = "a test stops where a law is refused")]
 
 use glam::{DVec3, IVec3};
-use palpate_deform::integrator::{Fire, TimeScale, VelocityVerlet};
 use palpate_deform::material::{MaterialLaw, preset};
 use palpate_deform::particles::calibration::{Calibration, FADE, LatticeKind, LatticeScale};
 use palpate_deform::particles::elasticity::{CubicModuli, fcc_offsets};
+use palpate_deform::particles::integrator::{Fire, TimeScale, VelocityVerlet};
 use palpate_deform::particles::lattices::{FCC_CHI, fcc};
 use palpate_deform::particles::limits::cuboid_heat;
 use palpate_deform::particles::{
-    CuboidLaw, CutLaw, FadedLaw, PairOptions, ParticleSystem, Particles, Registers, Space, Workers,
+    CuboidLaw, CutLaw, FadedLaw, PairOptions, ParticleSystem, Particles, Space, Workers,
 };
+use palpate_volume::simd_dispatch::SimdLevel;
 
 /// T₀ of one particle on one link, for a = D = m = 1.
 const PERIOD: f64 = std::f64::consts::TAU / 8.485_281_374_238_57;
@@ -143,7 +144,7 @@ fn the_result_is_the_same_to_the_bit_on_any_number_of_threads() {
 
 #[test]
 fn narrow_registers_give_the_same_forces_and_lists() {
-    let forces = |registers: Registers, mixed: bool| {
+    let forces = |simd: SimdLevel, mixed: bool| {
         let mut system = crystal(5, 0.4, true, 9);
         let (mut random, count) = (oorandom::Rand64::new(2), system.particles.len());
         for site in &mut system.particles.sites {
@@ -161,16 +162,16 @@ fn narrow_registers_give_the_same_forces_and_lists() {
         system.options = PairOptions {
             depth: if mixed { None } else { Some(1.3) },
             sums: true,
-            registers,
+            simd,
             ..PairOptions::default()
         };
         let sums = system.evaluate();
         (sums, system.particles.forces)
     };
     for mixed in [false, true] {
-        let (sums, best) = forces(Registers::Best, mixed);
-        for registers in [Registers::Avx2, Registers::Plain] {
-            let (other_sums, other) = forces(registers, mixed);
+        let (sums, best) = forces(SimdLevel::widest(), mixed);
+        for simd in [SimdLevel::Avx2, SimdLevel::Plain] {
+            let (other_sums, other) = forces(simd, mixed);
             assert_eq!(sums.pairs, other_sums.pairs);
             // fused and separate rounding differ in the last bits of sums of 1e4 terms
             assert!((sums.energy / other_sums.energy - 1.0).abs() < 1e-12);
@@ -180,7 +181,7 @@ fn narrow_registers_give_the_same_forces_and_lists() {
                 .zip(&other)
                 .map(|(a, b)| a.distance(*b))
                 .fold(0.0, f64::max);
-            assert!(apart < 1e-10, "{registers:?}: {apart}");
+            assert!(apart < 1e-10, "{simd:?}: {apart}");
         }
     }
 }
@@ -408,20 +409,17 @@ fn absurd_positions_never_give_a_force_that_is_no_number_to_others() {
     for (site, place) in particles.sites[count - 5..].iter_mut().zip(absurd) {
         site.set_position(place);
     }
-    for registers in [Registers::Best, Registers::Avx2, Registers::Plain] {
+    for simd in [SimdLevel::widest(), SimdLevel::Avx2, SimdLevel::Plain] {
         let cut = ParticleSystem::new(particles.clone(), law(), FADE[1], 0.3, Space::Open);
         let cuboid = CuboidLaw::new(1.0, 2.1, 0.5);
         let mut cubes = ParticleSystem::new(particles.clone(), cuboid, 3.7, 0.3, Space::Open);
         let mut cut = cut;
-        cut.options.registers = registers;
-        cubes.options.registers = registers;
+        cut.options.simd = simd;
+        cubes.options.simd = simd;
         cut.evaluate();
         cubes.evaluate();
         for forces in [&cut.particles.forces, &cubes.particles.forces] {
-            assert!(
-                forces.iter().all(|force| force.is_finite()),
-                "{registers:?}"
-            );
+            assert!(forces.iter().all(|force| force.is_finite()), "{simd:?}");
         }
     }
     // a bare cut has no limit, but two at one place have no direction and no force

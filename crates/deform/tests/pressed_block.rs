@@ -1,10 +1,8 @@
 //! A whole block between plates that it sticks to.
 
-mod support;
-
+use crate::support::solid;
 use glam::{DVec3, UVec3};
 use palpate_deform::pressed_block::{BlockAtRest, PressedBlock};
-use support::solid;
 
 fn press(nodes: u32, spacing: f64, poisson: f64, plates: [DVec3; 2]) -> BlockAtRest {
     let block = PressedBlock {

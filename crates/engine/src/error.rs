@@ -2,13 +2,13 @@
 
 use palpate_haptics::ball::BallError;
 use palpate_haptics::scene::{MAX_OBJECTS, PoseError};
-use palpate_tools::journal_error::JournalError;
+use palpate_tools::journal::JournalError;
 use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
-use crate::scene::cut::MOST_POINTS;
-use crate::servo::mapping::ViewError;
-use crate::touch::settings::SettingsError;
+use crate::scene::MOST_POINTS;
+use crate::servo::ViewError;
+use crate::touch::SettingsError;
 
 /// Why a session does not do what it is asked for.
 #[derive(Debug, thiserror::Error)]
@@ -146,10 +146,10 @@ pub enum SessionError {
     NotOffline,
     /// No deformation model of that name.
     #[error(transparent)]
-    Model(#[from] palpate_deform::model::UnknownModel),
+    Model(#[from] palpate_deform::registry::UnknownModel),
     /// No such box of a deformation model.
     #[error(transparent)]
-    ModelOption(#[from] palpate_deform::model_options::WrongOption),
+    ModelOption(#[from] palpate_deform::registry::WrongOption),
     /// Voxels that do not fit.
     #[error(transparent)]
     Voxels(#[from] VoxelsError),

@@ -13,7 +13,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use common::changes::change_something;
 use common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::tissue::Tissue;
 

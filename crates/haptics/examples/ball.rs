@@ -13,11 +13,8 @@ use std::time::Instant;
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit};
-use palpate_haptics::ball::Ball;
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::ball::{Ball, ProbeSolid};
+use palpate_haptics::contact::{Contact, ContactModel, Exact, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;

@@ -17,9 +17,7 @@ mod support;
 use std::time::Instant;
 
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;

@@ -3,8 +3,7 @@
 //! Frame: the world's grid. `docs/extend/adding-a-contact-model.md` shows this file.
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Proxy};
 use palpate_haptics::scene::{Solid, TouchScene};
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::{grid::Grid, occupancy::Occupancy, segment::Segment};

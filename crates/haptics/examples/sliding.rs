@@ -13,9 +13,7 @@
 mod support;
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;

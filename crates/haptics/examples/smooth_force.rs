@@ -13,9 +13,7 @@
 mod support;
 
 use glam::{DMat3, DVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::cache::{SmoothCache, Source};
 use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother};
@@ -81,7 +79,7 @@ fn follow(strokes: &[(Segment, Path)], grid: &Grid, depth: f64) -> [Figures; 2] 
                 &scene,
                 Source {
                     epoch: 0,
-                    shares: false,
+                    fractions: false,
                 },
                 &proxy,
                 in_grid,

@@ -20,13 +20,9 @@
 mod support;
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::thesis_path::ThesisLimits;
+use palpate_haptics::thesis::{ThesisImproved, ThesisLimits, ThesisOriginal};
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::occupancy::Occupancy;
 use support::{Body, Random, grid};

@@ -8,10 +8,16 @@
 //!
 //! Frame: grid; distances in mm. Closed, like a tick: the search runs on the stack.
 
-use crate::bodies::{Bodies, Visits};
-use crate::proxy::Proxy;
+mod motion;
+mod placement;
+
+pub use motion::{POSE_STEP_VISITS, PoseMotion, PoseStep, step_pose};
+pub use placement::{nearest_free, nearest_free_in};
+
+use crate::contact::Proxy;
+use crate::contact::bodies::{Bodies, Visits};
+use crate::contact::voxel_distance::squared_distance;
 use crate::scene::TouchScene;
-use crate::voxel_distance::squared_distance;
 use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
@@ -27,7 +33,8 @@ const VOXELS: usize = (EDGE * EDGE * EDGE) as usize;
 /// Most voxels that one admission reads, in either occupancy.
 pub const ADMISSION_VISITS: u32 = 2 * VOXELS as u32;
 
-/// The same with objects near; where they are used up the change is held.
+/// Most voxels read by one question of admission with objects near; where they are used up the
+/// change is held.
 pub const SCENE_ADMISSION_VISITS: u32 = 65_536;
 
 /// What became of a change.
@@ -77,7 +84,7 @@ pub fn admit<A: Occupancy + ?Sized, B: Occupancy + ?Sized>(
 ///
 /// Where objects are near, the probe goes by steps of one voxel of the world, each walked in
 /// every body that was there before, to the nearest place that is free in all that are there
-/// after. An object that moves is better asked about step by step (`moving.rs`).
+/// after. An object that moves is better asked about step by step (`motion.rs`).
 pub fn admit_scene<A: Occupancy, B: Occupancy>(
     old: &TouchScene<'_, A>,
     new: &TouchScene<'_, B>,

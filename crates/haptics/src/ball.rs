@@ -12,10 +12,21 @@
 //!
 //! Frame: grid; radii in mm.
 
-use crate::ball_brick::dilated_brick;
-use crate::ball_cache::BallCache;
-use crate::ball_nearest::nearest_solid;
-pub use crate::ball_shape::{BallError, BallShape, MAX_REACH};
+mod brick;
+mod cache;
+mod closing;
+mod limits;
+mod nearest;
+mod probe;
+mod shape;
+
+pub use limits::{ball_limits, most_bricks};
+pub use probe::{MAX_BODIES, ProbeSolid, ProbeView, admit_radius};
+pub use shape::{BallError, BallShape, MAX_REACH};
+
+use crate::ball::brick::dilated_brick;
+use crate::ball::cache::BallCache;
+use crate::ball::nearest::nearest_solid;
 use glam::IVec3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::block::block_of_bricks;
@@ -42,7 +53,7 @@ impl Ball {
         }
     }
 
-    /// Its shape.
+    /// The shape of the ball.
     pub fn shape(&self) -> &BallShape {
         &self.shape
     }
@@ -54,13 +65,13 @@ impl Ball {
         self.invalidate();
     }
 
-    /// Whether it blocks just the solid voxels themselves.
+    /// Whether the ball has no reach: it blocks the solid voxels only, like a point.
     #[inline]
     pub fn is_point(&self) -> bool {
         self.is_point
     }
 
-    /// The occupancy is another one now.
+    /// Forgets all cells: the occupancy is another one now.
     pub fn invalidate(&mut self) {
         self.cache.invalidate();
     }

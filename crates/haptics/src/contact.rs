@@ -2,7 +2,23 @@
 //!
 //! Frame: the world's grid. A model is constant; all that changes is the proxy.
 
-use crate::proxy::Proxy;
+mod bit_rows;
+pub(crate) mod bodies;
+mod corner_search;
+pub(crate) mod descent;
+mod exact;
+pub(crate) mod flood;
+mod many_bodies;
+mod node_lattice;
+mod proxy;
+mod slide;
+mod slide_many;
+mod slide_window;
+pub(crate) mod voxel_distance;
+
+pub use exact::{Exact, ExactLimits};
+pub use proxy::Proxy;
+
 use crate::scene::{Solid, TouchScene};
 use glam::DVec3;
 use palpate_volume::grid::Grid;
@@ -52,7 +68,7 @@ pub struct ForceInput<'a> {
     pub device_in_grid: DVec3,
     /// p₂: the proxy after the tick, grid.
     pub proxy_in_grid: DVec3,
-    /// What it met.
+    /// What the proxy met.
     pub contact: &'a Contact,
     /// k [N/mm].
     pub stiffness: f64,

@@ -1,17 +1,12 @@
 //! Voxels may change under the probe only where its body stays free.
 
-mod support;
-
+use crate::support::{Body, Components, Random, SPACINGS, grid, noise, rotation};
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_haptics::admission::{Admission, PUSH_REACH, admit, admit_scene};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{Admission, PUSH_REACH, admit, admit_scene, nearest_free};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
-use support::{Body, Components, Random, SPACINGS, grid, noise, rotation};
 
 const SIZE: u32 = 24;
 

@@ -1,24 +1,22 @@
 //! The ball probe: the space of its centres, and what must hold while it moves.
 
-mod support;
-
 use std::cell::Cell;
 
+use crate::support::{
+    Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise, probe_solid,
+};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::ball::{Ball, BallError, BallShape, MAX_REACH};
-use palpate_haptics::ball_limits::{ball_limits, most_bricks};
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::nearest_free;
+use palpate_haptics::ball::{
+    Ball, BallError, BallShape, MAX_REACH, ProbeSolid, ball_limits, most_bricks,
+};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use proptest::prelude::*;
-use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise, probe_solid};
 
 /// Radii in smallest spacings: touching the next voxels or just not, round ones, large ones.
 const RADII: [f64; 9] = [0.0, 0.4, 1.0, 1.2, 2.0, 3.3, 5.0, 8.7, 16.0];

@@ -1,19 +1,17 @@
 //! Voxels and radii that change while a ball touches.
 
-mod support;
-
+use crate::support::{
+    Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise, probe_solid,
+};
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_haptics::admission::{Admission, admit};
-use palpate_haptics::ball::{Ball, BallShape, MAX_REACH};
-use palpate_haptics::ball_probe::{MAX_BODIES, ProbeSolid, admit_radius};
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{Admission, admit, nearest_free};
+use palpate_haptics::ball::{Ball, BallShape, MAX_BODIES, MAX_REACH, ProbeSolid, admit_radius};
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise, probe_solid};
 
 #[test]
 fn an_edit_is_felt_at_the_next_update() {

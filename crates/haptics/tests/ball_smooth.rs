@@ -1,20 +1,16 @@
 //! The smooth force of a ball: on the body's own surface, a radius above it, and safe everywhere.
 
-mod support;
-
+use crate::support::{Random, SPACINGS, grid, noise, probe_solid};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::ball_limits::ball_limits;
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::ball::{ProbeSolid, ball_limits};
+use palpate_haptics::contact::{Exact, Proxy};
+use palpate_haptics::force::Uniform;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::Smoothing;
-use palpate_haptics::surface::Uniform;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
-use support::{Random, SPACINGS, grid, noise, probe_solid};
 
 /// A ball that is led about; stiffness 1 N/mm, so that forces are ways.
 struct Hand<'a> {

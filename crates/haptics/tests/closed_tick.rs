@@ -1,32 +1,24 @@
 //! The servo tick is closed: a counting allocator sees nothing, whatever is touched.
 
-mod support;
-
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use crate::support::{Press, Random, SPACINGS, grid, noise, rub};
 use glam::{DAffine3, DMat3, DVec3, UVec3};
-use palpate_haptics::admission::{Admission, admit, admit_scene};
-use palpate_haptics::ball::{Ball, BallShape};
-use palpate_haptics::ball_probe::{MAX_BODIES, ProbeSolid, admit_radius};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::friction::FrictionState;
-use palpate_haptics::local_force::LocalForce;
-use palpate_haptics::moving::{PoseStep, step_pose};
-use palpate_haptics::passivity::Passivity;
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
-use palpate_haptics::safety::{ForceLimits, Safety, SafetySettings};
+use palpate_haptics::admission::{
+    Admission, PoseStep, admit, admit_scene, nearest_free, step_pose,
+};
+use palpate_haptics::ball::{Ball, BallShape, MAX_BODIES, ProbeSolid, admit_radius};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
+use palpate_haptics::force::{
+    Coupling, ForceLimits, FrictionState, Holders, LocalForce, Passivity, Safety, SafetySettings,
+    Surface, SurfaceBlend, Uniform,
+};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
-use palpate_haptics::surface::{Holders, Surface, SurfaceBlend, Uniform};
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_haptics::tick::{TickCache, TickState};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Press, Random, SPACINGS, grid, noise, rub};
 
 thread_local! {
     /// Calls of the allocator by this thread.

@@ -1,17 +1,12 @@
 //! Friction, surfaces and the contact model `exact`, composed as a tick composes them.
 
-mod support;
-
+use crate::support::{Body, Random, SPACINGS, grid, noise};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::friction::{Friction, FrictionState};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
+use palpate_haptics::force::{Friction, FrictionState, Holders, Surface, SurfaceBlend, Surfaces};
 use palpate_haptics::scene::{Solid, TouchScene};
-use palpate_haptics::surface::{Holders, Surface, SurfaceBlend, Surfaces};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Random, SPACINGS, grid, noise};
 
 /// Bone where x < 32, and a softer, rougher tissue beyond.
 struct Halves;

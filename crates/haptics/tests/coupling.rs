@@ -1,11 +1,9 @@
 //! The coupling never pulls, starts from zero and refuses what is no spring.
 
-mod support;
-
+use crate::support::Random;
 use glam::DVec3;
-use palpate_haptics::coupling::{Coupling, CouplingError};
+use palpate_haptics::force::{Coupling, CouplingError};
 use proptest::prelude::*;
-use support::Random;
 
 #[test]
 fn without_damping_the_force_is_stiffness_times_depth_along_the_spring() {

@@ -1,17 +1,13 @@
 //! What must hold for the contact model `exact` on every set of voxels.
 
-mod support;
-
+use crate::support::{Body, Components, Random, SPACINGS, grid, noise};
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::exact::{Exact, ExactLimits};
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::nearest_free;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, ExactLimits, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
-use support::{Body, Components, Random, SPACINGS, grid, noise};
 
 const MODEL: Exact = Exact {
     limits: ExactLimits {

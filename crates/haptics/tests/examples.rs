@@ -2,15 +2,13 @@
 
 #[path = "../examples/simple_model.rs"]
 mod simple_model;
-mod support;
 
+use crate::support::{Body, Components, Random, SPACINGS, grid, noise};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::occupancy::Occupancy;
 use simple_model::HardStop;
-use support::{Body, Components, Random, SPACINGS, grid, noise};
 
 #[test]
 fn the_example_of_a_contact_model_runs() {
@@ -48,7 +46,7 @@ fn the_example_does_not_slide_around_an_edge_that_exact_slides_around() {
     let (mut stopped, mut slid) = (start, start);
     for _ in 0..100 {
         HardStop.advance(&scene, device, &mut stopped);
-        palpate_haptics::exact::Exact::default().advance(&scene, device, &mut slid);
+        palpate_haptics::contact::Exact::default().advance(&scene, device, &mut slid);
     }
     assert!(stopped.point().x < 10.0 && slid.point().x > 14.0);
 }

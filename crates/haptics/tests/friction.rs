@@ -1,15 +1,11 @@
 //! Friction sticks, slips and never drives.
 
-mod support;
-
+use crate::support::{Body, Random, grid, noise};
 use glam::{DAffine3, DQuat, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::friction::{Friction, FrictionError, FrictionState, MAX_FRICTION};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
+use palpate_haptics::force::{Friction, FrictionError, FrictionState, MAX_FRICTION};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Random, grid, noise};
 
 /// Stiffness of the spring [N/mm].
 const K: f64 = 1.0;

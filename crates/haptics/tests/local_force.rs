@@ -1,12 +1,9 @@
 //! The contact as a law that the device follows at its own rate.
 
-mod support;
-
+use crate::support::Random;
 use glam::DVec3;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::force::{Coupling, LocalForce};
 use proptest::prelude::*;
-use support::Random;
 
 const WALL: Coupling = Coupling {
     stiffness: 1.5,

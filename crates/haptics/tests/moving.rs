@@ -1,18 +1,14 @@
 //! Objects that move past, push and pinch the probe, and motions cut into steps.
 
-mod support;
-
+use crate::support::{Body, Components, Random, SPACINGS, grid, noise, rotation};
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::moving::{PoseMotion, PoseStep, step_pose};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{PoseMotion, PoseStep, step_pose};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, PoseError, TouchScene};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Components, Random, SPACINGS, grid, noise, rotation};
 
 type AnyBody<'a> = &'a dyn Occupancy;
 

@@ -1,21 +1,16 @@
 //! What must hold for `exact` among several bodies, each with its own grid and pose.
 
-mod support;
-
+use crate::support::{
+    Body, Components, Random, SPACINGS, grid, nearest_outside, noise, open_normals, rotation,
+};
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::exact::{Exact, ExactLimits};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, ExactLimits, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, PoseError, TouchScene};
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{
-    Body, Components, Random, SPACINGS, grid, nearest_outside, noise, open_normals, rotation,
-};
 
 /// Any body: tests mix them in one scene.
 type AnyBody<'a> = &'a dyn Occupancy;

@@ -1,10 +1,8 @@
 //! The observer counts what came from nowhere, and the controller takes it back.
 
-mod support;
-
+use crate::support::Random;
 use glam::DVec3;
-use palpate_haptics::passivity::Passivity;
-use support::Random;
+use palpate_haptics::force::Passivity;
 
 const DT: f64 = 0.001;
 const K: f64 = 1.0;

@@ -1,13 +1,11 @@
 //! The start of the proxy against a search of all voxels.
 
-mod support;
-
+use crate::support::{Body, Random, SPACINGS, grid, noise, rotation};
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_haptics::placement::{nearest_free, nearest_free_in};
+use palpate_haptics::admission::{nearest_free, nearest_free_in};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Random, SPACINGS, grid, noise, rotation};
 
 #[test]
 fn a_free_point_is_its_own_place() {

@@ -1,11 +1,9 @@
 //! Whatever is wanted, what is sent is finite, small enough, and grows slowly enough.
 
-mod support;
-
+use crate::support::Random;
 use glam::DVec3;
-use palpate_haptics::safety::{ForceLimits, ForceOff, Safety, SafetyCounters, SafetySettings};
+use palpate_haptics::force::{ForceLimits, ForceOff, Safety, SafetyCounters, SafetySettings};
 use proptest::prelude::*;
-use support::Random;
 
 const LIMITS: ForceLimits = ForceLimits {
     max_force: 8.0,

@@ -1,16 +1,12 @@
 //! Surfaces mix by squared direction cosines and blend by the way of the hand.
 
-mod support;
-
+use crate::support::{Body, Random};
 use glam::{DAffine3, DVec3, IVec3};
-use palpate_haptics::coupling::MAX_STIFFNESS;
-use palpate_haptics::friction::Friction;
-use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
-use palpate_haptics::surface::{
-    Feel, Holders, Surface, SurfaceBlend, SurfaceError, Surfaces, Uniform,
+use palpate_haptics::force::{
+    Feel, Friction, Holders, MAX_STIFFNESS, Surface, SurfaceBlend, SurfaceError, Surfaces, Uniform,
 };
+use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Random};
 
 const BONE: Surface = Surface {
     stiffness: 2.0,
@@ -109,7 +105,7 @@ fn faces_that_the_probe_does_not_stand_on_or_is_not_pulled_to_do_not_count() {
 #[test]
 fn a_contact_is_held_by_the_faces_it_stands_on_and_by_the_object_that_stopped_it() {
     let floor = Body(|v: IVec3| v.z < 0);
-    let grid = support::grid(glam::UVec3::splat(8), DVec3::ONE);
+    let grid = crate::support::grid(glam::UVec3::splat(8), DVec3::ONE);
     let scene = TouchScene::of_world(&floor, &grid);
     let [on_floor, above] = [1e-8, 0.4].map(|z| DVec3::new(0.5, 0.5, z));
     let target = DVec3::new(1.5, 0.5, 1e-8 - 1.0);
@@ -138,7 +134,7 @@ fn is_floor(voxel: IVec3) -> bool {
 fn two_objects_that_hold_the_probe_between_them_are_felt_by_equal_shares() {
     let nothing: fn(IVec3) -> bool = |_| false;
     let floor: fn(IVec3) -> bool = is_floor;
-    let grid = support::grid(glam::UVec3::splat(8), DVec3::ONE);
+    let grid = crate::support::grid(glam::UVec3::splat(8), DVec3::ONE);
     let corner = grid.patient_from_grid().transform_point3(DVec3::ZERO);
     // turned by 45° to either side, they are a valley along x
     let objects = [1.0, -1.0].map(|side: f64| {
@@ -224,7 +220,7 @@ fn a_hand_at_rest_feels_the_same_to_the_bit_whatever_is_beneath_it() {
 fn a_surface_that_is_set_anew_comes_to_a_hand_at_rest_within_a_quarter_second_and_stays() {
     let mut blend = SurfaceBlend::default();
     blend.follow(Some(feel(&LIVER)), 0.3, 1.0, 1.0);
-    blend.tell();
+    blend.note_new_settings();
     let mut last = LIVER.stiffness;
     for tick in 1..=256 {
         let now = blend

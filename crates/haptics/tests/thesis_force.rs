@@ -1,16 +1,11 @@
 //! The thesis' forces as printed: with their faults, but bounded and finite.
 
-mod support;
-
+use crate::support::{Body, Random, SPACINGS, grid, noise};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel, ForceInput, SlidePath};
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, ForceInput, Proxy, SlidePath};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_volume::grid::Grid;
-use support::{Body, Random, SPACINGS, grid, noise};
 
 const DEVICE: DVec3 = DVec3::new(10.0, 10.0, 8.0);
 const PROXY: DVec3 = DVec3::new(10.5, 10.0, 10.0);

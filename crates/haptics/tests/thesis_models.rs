@@ -1,18 +1,12 @@
 //! The thesis' contact models as printed: bounded and finite whatever they are given, and
 //! wrong where their headers say so, on bodies where `exact` is right.
 
-mod support;
-
+use crate::support::{Body, Random, SPACINGS, grid, noise};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, Proxy};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::thesis_path::ThesisLimits;
+use palpate_haptics::thesis::{ThesisImproved, ThesisLimits, ThesisOriginal};
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Random, SPACINGS, grid, noise};
 
 const NORMAL: ThesisLimits = ThesisLimits {
     max_path: 5.0,

@@ -1,18 +1,14 @@
 //! One tick, from scene to force.
 
-mod support;
-
+use crate::support::{Body, Press, Random, noise, press, press_smooth};
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::admission::nearest_free;
+use palpate_haptics::contact::{ContactModel, Exact};
+use palpate_haptics::force::{Coupling, ForceLimits, Safety};
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::tick::{TickCache, TickOutput, TickState};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Press, Random, noise, press, press_smooth};
 
 const SIZE: u32 = 32;
 

@@ -1,16 +1,14 @@
 //! Surfaces are closed, whatever the bits.
 
-mod support;
-
+use crate::support::{
+    assert_closed, ball, bits_where, cubes, euler_characteristic, mesh, noise, settings, surface,
+    turned_slices,
+};
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_surface::cell_table::{cell_table, middle_of};
 use palpate_surface::{SmoothingMode, SurfaceSettings};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
-use support::{
-    assert_closed, ball, bits_where, cubes, euler_characteristic, mesh, noise, settings, surface,
-    turned_slices,
-};
 
 #[test]
 fn no_case_draws_a_diagonal_on_a_face_of_the_cell() {

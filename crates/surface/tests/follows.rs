@@ -1,9 +1,11 @@
 //! Patches meet to the bit, and follow edits as if made afresh.
 
-mod support;
-
 use std::collections::{BTreeMap, HashMap};
 
+use crate::support::{
+    assert_closed, ball, bits_where, cubes, noise, settings, surface, turned_slices,
+    vertices_of_patches,
+};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_surface::{Limits, PatchChange, PatchId, SegmentSurface, SmoothingMode};
 use palpate_surface::{SurfaceSettings, VoxelSource};
@@ -15,10 +17,6 @@ use palpate_volume::overlay::Overlay;
 use palpate_volume::segment::Segment;
 use palpate_volume::threshold::threshold;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{
-    assert_closed, ball, bits_where, cubes, noise, settings, surface, turned_slices,
-    vertices_of_patches,
-};
 
 /// Blobs and noise over several blocks.
 fn body(dimensions: UVec3) -> Bits {
@@ -31,7 +29,7 @@ fn body(dimensions: UVec3) -> Bits {
 
 /// Sets the voxels of a ball.
 fn edited(bits: &mut Bits, centre: IVec3, radius: i32, solid: bool) -> VoxelBox {
-    let dirty = support::around(centre, radius, bits.dimensions());
+    let dirty = crate::support::around(centre, radius, bits.dimensions());
     for index in bits.bricks().indices_in(&dirty) {
         let mut brick = bits
             .bricks()
@@ -144,7 +142,7 @@ fn after_each_random_edit_all_patches_are_those_of_a_fresh_extraction() {
             let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
             apply(&mut shown, changes);
 
-            let fresh = shown_of(&support::surface(&grid, &bits, settings));
+            let fresh = shown_of(&crate::support::surface(&grid, &bits, settings));
             assert_eq!(
                 shown.keys().collect::<Vec<_>>(),
                 fresh.keys().collect::<Vec<_>>()
@@ -174,7 +172,7 @@ fn a_single_voxel_at_any_distance_from_a_border_changes_all_patches_that_it_can(
             let solid = !bits.is_solid(voxel);
             let dirty = edited(&mut bits, voxel, 0, solid);
             let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
-            let fresh = support::surface(&grid, &bits, settings(smoothing));
+            let fresh = crate::support::surface(&grid, &bits, settings(smoothing));
             assert!(shown_of(&surface) == shown_of(&fresh), "{smoothing} {x}");
             for change in changes {
                 reached[usize::from(change.id.block[0])] += 1;
@@ -272,7 +270,7 @@ fn where_bits_were_edited_a_surface_from_intensities_follows_the_bits() {
             surface.update(&source_of(&bits, &scan, &overlay), &dirty);
         }
 
-        let plain = support::mesh(&grid, &bits, settings(degree));
+        let plain = crate::support::mesh(&grid, &bits, settings(degree));
         let mesh = palpate_surface::mesh::joined(&surface);
         assert_eq!(mesh.triangles, plain.triangles);
         for (vertex, of_bits) in mesh.vertices.iter().zip(&plain.vertices) {
@@ -427,7 +425,7 @@ fn an_edit_in_a_dense_block_changes_the_octants_that_it_reaches() {
             .iter()
             .filter(|change| change.patch.is_none())
             .count();
-        let fresh = support::surface(&grid, &bits, settings);
+        let fresh = crate::support::surface(&grid, &bits, settings);
         assert!(shown_of(&surface) == shown_of(&fresh));
     }
     assert!(dropped >= 8, "{dropped}");

@@ -1,13 +1,11 @@
 //! Smoothed spheres keep their area and volume, and what is thin its thickness.
 
-mod support;
-
 use std::f64::consts::PI;
 
+use crate::support::{ball, bits_where, cubes, mesh, settings, surface, turned_slices};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_surface::{SurfaceSettings, VoxelSource};
 use palpate_volume::segment::Segment;
-use support::{ball, bits_where, cubes, mesh, settings, surface, turned_slices};
 
 /// Shares by which the smoothed surface of a ball differs from the sphere in area and volume,
 /// and by which the ball's voxels do in volume.
@@ -157,7 +155,7 @@ fn walls_gaps_and_rods_of_one_voxel_stay() {
 #[test]
 fn no_vertex_leaves_its_edge_and_normals_are_units_on_random_bits() {
     let dimensions = UVec3::splat(30);
-    let bits = support::noise(dimensions, 5, 0.5);
+    let bits = crate::support::noise(dimensions, 5, 0.5);
     let plain = mesh(&cubes(dimensions), &bits, settings(0));
     for degree in [1, 5, 12] {
         let smooth = mesh(&cubes(dimensions), &bits, settings(degree));

@@ -1,13 +1,11 @@
 //! Meshes become the voxels whose middles they enclose.
 
-mod support;
-
+use crate::support::{ball, cubes, mesh, noise, settings};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_surface::voxelise::{Filling, MeshError, voxelise};
 use palpate_volume::bits::Bits;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{ball, cubes, mesh, noise, settings};
 
 fn points(mesh: &palpate_surface::Patch) -> Vec<DVec3> {
     let vertices = mesh.vertices.iter();

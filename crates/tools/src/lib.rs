@@ -2,7 +2,7 @@
 //!
 //! A tool sees the voxels and where the probe went, and gives an edit. Nobody here applies
 //! it: whoever owns the voxels does, keeps the inverse in a [`stroke::Stroke`], and the
-//! whole stroke as one step in an [`undo::UndoJournal`]. A [`journal_file::JournalFile`]
+//! whole stroke as one step in an [`undo::UndoJournal`]. A [`journal::JournalFile`]
 //! writes each change down, so that a crash loses nothing.
 //!
 //! Lengths mm, forces N, energies N·mm (= mJ), power N·mm/s (= mW). Points are in the
@@ -14,11 +14,8 @@
 pub mod adder;
 pub mod drill;
 pub mod eraser;
-pub mod journal_entry;
-pub mod journal_error;
-pub mod journal_file;
-pub mod journal_reader;
-mod journal_record;
+pub mod factory;
+pub mod journal;
 mod measure;
 mod needle;
 pub mod painter;

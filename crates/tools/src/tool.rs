@@ -8,16 +8,9 @@ use std::fmt;
 use glam::{DAffine3, DVec3};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
-use palpate_volume::tissue::{Tissue, TissueError};
+use palpate_volume::tissue::TissueError;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use thiserror::Error;
-
-use crate::adder::Adder;
-use crate::drill::{Drill, DrillSettings, MAX_BURR_IN_VOXELS};
-use crate::eraser::Eraser;
-use crate::needle::Needle;
-use crate::painter::{PaintSettings, Painter};
 
 /// Radius of a tool, at most [mm].
 pub const MAX_RADIUS: f64 = 50.0;
@@ -35,7 +28,7 @@ pub const MAX_PASS: f64 = 0.1;
 pub struct ToolInput {
     /// Where the probe was in the last pass [mm].
     pub from: DVec3,
-    /// Where it is now [mm].
+    /// Where the probe is now [mm].
     pub to: DVec3,
     /// Radius of the probe's own body [mm], 0 for a point; none where nothing that the tool
     /// changes is an obstacle to it.
@@ -80,7 +73,7 @@ pub struct ToolReport {
     pub volume: f64,
     /// Time at work [s].
     pub time: f64,
-    /// Work done on matter [N·mm]; 0 for tools that do none.
+    /// Work done on tissue [N·mm]; 0 for tools that do none.
     pub energy: f64,
     /// Power of the newest pass [N·mm/s].
     pub load: f64,
@@ -98,55 +91,8 @@ pub trait Tool: Send + fmt::Debug {
     /// The button is released: what a stroke left open is forgotten.
     fn release(&mut self) {}
 
-    /// What it has done so far.
+    /// Report of what the tool has done so far.
     fn report(&self) -> ToolReport;
-}
-
-/// The tools, by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ToolKind {
-    /// Frees voxels of segments.
-    Eraser,
-    /// Makes voxels of segments solid.
-    Adder,
-    /// Removes matter by work.
-    Drill,
-    /// Goes into tissue and changes no voxel.
-    Needle,
-    /// Gives voxels that are touched to a segment.
-    Painter,
-}
-
-impl ToolKind {
-    /// All of them.
-    pub const ALL: [Self; 5] = [
-        Self::Eraser,
-        Self::Adder,
-        Self::Drill,
-        Self::Needle,
-        Self::Painter,
-    ];
-
-    /// As users write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Eraser => "eraser",
-            Self::Adder => "adder",
-            Self::Drill => "drill",
-            Self::Needle => "needle",
-            Self::Painter => "painter",
-        }
-    }
-
-    /// The tool of a name.
-    ///
-    /// # Errors
-    /// Where there is none.
-    pub fn from_name(name: &str) -> Result<Self, ToolError> {
-        let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
-        known.ok_or_else(|| ToolError::UnknownTool(name.to_owned()))
-    }
 }
 
 /// The grid that segments stand on which a tool works on at once: that of the first one.
@@ -165,17 +111,17 @@ pub enum ToolError {
     /// Not a radius, or too large.
     #[error("radius {given} mm given; allowed: above 0 to {allowed} mm")]
     Radius {
-        /// As given [mm].
+        /// The value given [mm].
         given: f64,
         /// The largest one in this scan [mm].
         allowed: f64,
     },
-    /// A number of the drill's that is none.
+    /// A setting of the drill that is out of range or not a number.
     #[error("{what} {given} of the drill given; allowed: {allowed}")]
     Drill {
         /// Which one.
         what: &'static str,
-        /// As given.
+        /// The value given.
         given: f64,
         /// What may be given.
         allowed: &'static str,
@@ -185,7 +131,7 @@ pub enum ToolError {
         "depth {given} mm given; allowed: above 0 to {allowed} mm, or none for all of the ball"
     )]
     Depth {
-        /// As given [mm].
+        /// The value given [mm].
         given: f64,
         /// The largest one for these voxels [mm].
         allowed: f64,
@@ -195,7 +141,7 @@ pub enum ToolError {
         "{0} segment given to the painter; allowed: one to paint with, and those to be painted"
     )]
     NothingToPaint(usize),
-    /// A tissue that is none.
+    /// A tissue whose figures are out of range.
     #[error(transparent)]
     Tissue(#[from] TissueError),
     /// A needle needs to know what it goes into.
@@ -208,118 +154,7 @@ pub enum ToolError {
         /// Segments given.
         segments: usize,
     },
-    /// Nothing to work on.
+    /// No segment is chosen.
     #[error("no segment given; allowed: one or more to work on")]
     NoSegment,
-}
-
-/// How a tool works.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ToolSettings {
-    /// Which one.
-    pub kind: ToolKind,
-    /// Radius of its ball [mm].
-    pub radius: f64,
-    /// Segments that it changes, all of one grid; for the drill, those of the scan that it cuts;
-    /// for the needle, those that it can puncture; the painter gives the first one voxels of the
-    /// others.
-    pub segments: Vec<SegmentId>,
-    /// How the drill works; other tools pass it over.
-    pub drill: DrillSettings,
-    /// What each of the segments is for the needle; other tools pass it over.
-    pub tissues: Vec<Tissue>,
-    /// How the painter works; other tools pass it over.
-    pub paint: PaintSettings,
-    /// Segments that lose nothing to the drill, since they were moved elsewhere.
-    pub spared: SegmentSet,
-    /// Segments whose voxels the drill leaves as they are, for other segments too.
-    pub locked: SegmentSet,
-}
-
-impl ToolSettings {
-    /// A tool on these segments, in all else as it is by default.
-    #[must_use]
-    pub fn new(kind: ToolKind, radius: f64, segments: Vec<SegmentId>) -> Self {
-        Self {
-            kind,
-            radius,
-            segments,
-            drill: DrillSettings::default(),
-            tissues: Vec::new(),
-            paint: PaintSettings::default(),
-            spared: SegmentSet::EMPTY,
-            locked: SegmentSet::EMPTY,
-        }
-    }
-
-    /// Makes the tool for segments on a grid: all of them on the same; the drill's is the scan's.
-    ///
-    /// # Errors
-    /// Where the radius is none for voxels of this size, no segment is chosen, or a number of
-    /// the drill's is out of range.
-    pub fn build(&self, grid: &Grid) -> Result<Box<dyn Tool>, ToolError> {
-        self.check(grid)?;
-        let segments = self.segments.clone();
-        Ok(match self.kind {
-            ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
-            ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
-            ToolKind::Drill => Box::new(Drill::new(
-                self.radius,
-                segments,
-                self.drill,
-                (self.spared, self.locked),
-            )),
-            ToolKind::Needle => Box::new(Needle::default()),
-            ToolKind::Painter => Box::new(Painter::new(self.radius, segments, self.paint)),
-        })
-    }
-
-    fn check_tissues(&self) -> Result<(), ToolError> {
-        let (tissues, segments) = (self.tissues.len(), self.segments.len());
-        if tissues != segments || tissues > MAX_TISSUES {
-            return Err(ToolError::Tissues { tissues, segments });
-        }
-        self.tissues.iter().try_for_each(Tissue::check)?;
-        Ok(())
-    }
-
-    fn check_painted(&self) -> Result<(), ToolError> {
-        let first = self.segments.first();
-        let others = self.segments.iter().filter(|id| Some(*id) != first);
-        match others.count() {
-            0 => Err(ToolError::NothingToPaint(self.segments.len())),
-            _ => Ok(()),
-        }
-    }
-
-    fn check(&self, grid: &Grid) -> Result<(), ToolError> {
-        let in_voxels = match self.kind {
-            ToolKind::Eraser | ToolKind::Adder | ToolKind::Painter => MAX_RADIUS_IN_VOXELS,
-            ToolKind::Drill => MAX_BURR_IN_VOXELS,
-            // what it is drawn with: it does not act on touch
-            ToolKind::Needle => f64::INFINITY,
-        };
-        let allowed = MAX_RADIUS.min(in_voxels * grid.smallest_spacing());
-        // written so that NaN is refused
-        if !(self.radius > 0.0 && self.radius <= allowed) {
-            return Err(ToolError::Radius {
-                given: self.radius,
-                allowed,
-            });
-        }
-        if self.segments.is_empty() {
-            return Err(ToolError::NoSegment);
-        }
-        if self.kind == ToolKind::Drill {
-            self.drill.check()?;
-        }
-        if self.kind == ToolKind::Needle {
-            self.check_tissues()?;
-        }
-        if self.kind == ToolKind::Painter {
-            self.check_painted()?;
-            self.paint.check(grid)?;
-        }
-        Ok(())
-    }
 }

@@ -1,13 +1,12 @@
 //! What the adder fills, and where it waits for the probe's body.
 
-mod support;
-
+use crate::support::{centre, distance_to_way, free_move, oblique_grid, scan, straight_grid};
 use glam::{DVec3, UVec3};
-use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
+use palpate_tools::tool::{Tool, ToolInput};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::Voxels;
-use support::{centre, distance_to_way, free_move, oblique_grid, scan, straight_grid};
 
 fn adder(grid: &Grid, radius: f64) -> Box<dyn Tool> {
     let settings = ToolSettings::new(ToolKind::Adder, radius, vec![SegmentId(1), SegmentId(2)]);

@@ -1,17 +1,18 @@
 //! The drill's accounts of work, the shape of its hole, and what it leaves alone.
 
-mod support;
-
+use crate::support::{
+    Dense, Random, centre, everywhere, free_move, oblique_grid, scan, straight_grid,
+};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_tools::drill::{DrillSettings, MAX_VOXELS_PER_PASS};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::specific_energy::{CORTICAL, SpecificEnergy};
 use palpate_tools::stroke::Stroke;
-use palpate_tools::tool::{Tool, ToolError, ToolInput, ToolKind, ToolReport, ToolSettings};
+use palpate_tools::tool::{Tool, ToolError, ToolInput, ToolReport};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxels::Voxels;
-use support::{Dense, Random, centre, everywhere, free_move, oblique_grid, scan, straight_grid};
 
 const BONE: i16 = 1500;
 const AIR: i16 = -1000;
@@ -73,7 +74,7 @@ impl Press {
         };
         let edit = tool.advance(voxels, &input).expect("it exists");
         if let Some(edit) = edit {
-            assert_eq!(edit.kind, EditKind::Matter);
+            assert_eq!(edit.kind, EditKind::Voxel);
             voxels.apply(edit).expect("it fits");
             return true;
         }

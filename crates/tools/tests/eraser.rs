@@ -1,14 +1,15 @@
 //! What the eraser frees, and that it can be taken back.
 
-mod support;
-
+use crate::support::{
+    Dense, Random, centre, distance_to_way, everywhere, free_move, oblique_grid, scan,
+};
 use glam::{DVec3, UVec3};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::stroke::Stroke;
-use palpate_tools::tool::{MAX_WAY, Tool, ToolError, ToolKind, ToolSettings};
+use palpate_tools::tool::{MAX_WAY, Tool, ToolError};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::VoxelsError;
-use support::{Dense, Random, centre, distance_to_way, everywhere, free_move, oblique_grid, scan};
 
 const DIMENSIONS: UVec3 = UVec3::new(40, 37, 21);
 
@@ -168,8 +169,8 @@ fn a_moved_input_is_the_same_stroke_in_the_other_frame() {
     let [from, to] = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(-4.0, 0.5, 9.0)];
     let mut input = free_move(from, to);
     input.contact_normal = DVec3::Z;
-    let there = input.moved(&support::rigid());
-    let back = there.moved(&support::rigid().inverse());
+    let there = input.moved(&crate::support::rigid());
+    let back = there.moved(&crate::support::rigid().inverse());
     // rounding of two rigid motions
     assert!(back.from.abs_diff_eq(from, 1e-12) && back.to.abs_diff_eq(to, 1e-12));
     assert!(back.contact_normal.abs_diff_eq(DVec3::Z, 1e-12));

@@ -1,21 +1,18 @@
 //! The journal on disk: recovered to the bit, gone on with, refused where it is another's.
 
-mod support;
-
 use std::fs;
 
+use crate::support::journal::{HASH, bare, recovered, start, written};
+use crate::support::place::Place;
+use crate::support::session::Session;
+use crate::support::{Dense, Random, oblique_grid};
 use glam::{DAffine3, DVec3, UVec3};
-use palpate_tools::journal_entry::{Action, Entry, Facts, ScanHash};
-use palpate_tools::journal_error::JournalError;
-use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::{JournalReader, recover};
+use palpate_tools::journal::{
+    Action, Entry, Facts, JournalError, JournalFile, JournalReader, ScanHash, recover,
+};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
-use support::journal::{HASH, bare, recovered, start, written};
-use support::place::Place;
-use support::session::Session;
-use support::{Dense, Random, oblique_grid};
 
 #[test]
 fn a_random_session_is_recovered_to_the_bit() {

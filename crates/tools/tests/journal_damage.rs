@@ -1,18 +1,13 @@
 //! Journals that were cut, changed, or lie; and those of other versions.
 
-mod support;
-
 use std::fs;
 
+use crate::support::journal::{HASH, recovered, start, states, written};
+use crate::support::place::Place;
+use crate::support::{Dense, Random};
 use glam::UVec3;
-use palpate_tools::journal_entry::Facts;
-use palpate_tools::journal_error::JournalError;
-use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::recover;
+use palpate_tools::journal::{Facts, JournalError, JournalFile, recover};
 use palpate_volume::edit::SegmentId;
-use support::journal::{HASH, recovered, start, states, written};
-use support::place::Place;
-use support::{Dense, Random};
 
 #[test]
 fn cut_at_any_byte_it_gives_the_state_after_the_last_whole_record() {

@@ -1,7 +1,5 @@
 //! Journals on disks that are full or hang, and of processes that are killed.
 
-mod support;
-
 use std::fs;
 use std::io;
 use std::io::Write;
@@ -11,14 +9,14 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::support::Random;
+use crate::support::journal::{HASH, recovered, start};
+use crate::support::place::Place;
+use crate::support::session::{Change, Session};
 use glam::UVec3;
-use palpate_tools::journal_file::{JournalFile, Storage};
+use palpate_tools::journal::{JournalFile, Storage};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
-use support::Random;
-use support::journal::{HASH, recovered, start};
-use support::place::Place;
-use support::session::{Change, Session};
 
 /// A disk with so much room.
 struct Small {
@@ -165,7 +163,7 @@ fn a_child_writes_until_it_is_killed() {
 fn a_killed_process_loses_nothing_that_it_has_written() {
     let place = Place::new("killed");
     let mut child = Command::new(std::env::current_exe().expect("this program"))
-        .args(["--exact", "a_child_writes_until_it_is_killed"])
+        .args(["--exact", "journal_disk::a_child_writes_until_it_is_killed"])
         .env(CHILD, &place.0)
         .stdout(Stdio::null())
         .spawn()

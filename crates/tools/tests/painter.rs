@@ -1,17 +1,16 @@
 //! What the painter paints, and that what is solid stays so.
 
-mod support;
-
+use crate::support::{
+    Dense, Random, centre, distance_to_way, free_move, oblique_grid, scan, straight_grid,
+};
 use glam::{DVec3, IVec3, UVec3};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::painter::PaintSettings;
 use palpate_tools::stroke::Stroke;
-use palpate_tools::tool::{Tool, ToolError, ToolInput, ToolKind, ToolSettings};
+use palpate_tools::tool::{Tool, ToolError, ToolInput};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::Voxels;
-use support::{
-    Dense, Random, centre, distance_to_way, free_move, oblique_grid, scan, straight_grid,
-};
 
 const PAINTED: SegmentId = SegmentId(1);
 const FIRST: SegmentId = SegmentId(2);

@@ -1,12 +1,10 @@
 //! Random strokes of all tools, undone and redone, beside a list of states.
 
-mod support;
-
+use crate::support::session::Session;
+use crate::support::{Dense, Random, oblique_grid, scan};
 use glam::UVec3;
 use palpate_tools::stroke::{Stroke, bytes_of};
 use palpate_volume::edit::{Edit, EditKind};
-use support::session::Session;
-use support::{Dense, Random, oblique_grid, scan};
 
 #[test]
 fn undo_and_redo_of_random_steps_are_those_of_a_list_of_states() {
@@ -66,7 +64,7 @@ fn the_box_of_a_strokes_inverse_holds_all_that_differs() {
             continue;
         }
         let after = Dense::of(&session.voxels);
-        let Some(support::session::Change::Edit(inverse)) = session.undo.newest() else {
+        let Some(crate::support::session::Change::Edit(inverse)) = session.undo.newest() else {
             panic!("a stroke is undone by an edit");
         };
         for (place, voxel) in grid.bounds().voxels().enumerate() {
@@ -93,16 +91,13 @@ fn an_empty_stroke_is_told_and_a_matter_edit_makes_a_matter_stroke() {
     assert_eq!(stroke.clone().into_inverse().kind, EditKind::Label);
 
     let grid = oblique_grid(UVec3::splat(9));
-    let mut voxels = scan(grid, |_| 900, &[&support::everywhere]);
-    let edit = voxels.matter_edit(&grid.bounds(), |voxel, mut was| {
+    let mut voxels = scan(grid, |_| 900, &[&crate::support::everywhere]);
+    let edit = voxels.voxel_edit(&grid.bounds(), |voxel, mut was| {
         was.stored = voxel.x as i16;
         was
     });
     stroke.add(voxels.apply(edit).expect("it fits"));
     let inverse = stroke.into_inverse();
-    assert_eq!(
-        (inverse.kind, inverse.segments.len()),
-        (EditKind::Matter, 0)
-    );
+    assert_eq!((inverse.kind, inverse.segments.len()), (EditKind::Voxel, 0));
     assert_eq!(inverse.dirty, grid.bounds());
 }

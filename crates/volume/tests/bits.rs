@@ -1,12 +1,10 @@
 //! Sparse bits against one truth value per voxel.
 
-mod support;
-
+use crate::support::{DIMENSIONS, Random, box_where};
 use glam::UVec3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{DIMENSIONS, Random, box_where};
 
 /// Bits of a mask, x fastest.
 fn bits(dimensions: UVec3, mask: &[u8]) -> Bits {

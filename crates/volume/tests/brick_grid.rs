@@ -1,20 +1,15 @@
 //! The directory of bricks, and the swap that the servo relies on.
 
-mod support;
-
 use std::sync::Arc;
 
-use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use crate::support::{DIMENSIONS, Random};
+use assert_no_alloc::assert_no_alloc;
 use glam::{IVec3, UVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::{BrickGrid, BrickSwap};
 use palpate_volume::voxel_box::VoxelBox;
-use support::{DIMENSIONS, Random};
 
 /// Stops the test program where a swap allocates or frees.
-#[global_allocator]
-static ALLOCATOR: AllocDisabler = AllocDisabler;
-
 /// Bricks that hold the place they were made for.
 fn numbered(dimensions: UVec3) -> BrickGrid<IVec3> {
     BrickGrid::from_fn(dimensions, |voxels| Some(Arc::new(voxels.min)))

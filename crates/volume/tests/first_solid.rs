@@ -1,20 +1,15 @@
 //! The first solid voxel against brute force, and walls that must not be passed.
 
-mod support;
-
-use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use crate::support::Random;
+use assert_no_alloc::assert_no_alloc;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::{Outcome, first_solid, first_solid_bounded};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::Random;
 
 /// Stops the test program where a traversal allocates.
-#[global_allocator]
-static ALLOCATOR: AllocDisabler = AllocDisabler;
-
 const DIMENSIONS: UVec3 = UVec3::splat(16);
 
 /// The thinnest digital plane that no face-connected path crosses: 0 <= n·v + d < max |n|.

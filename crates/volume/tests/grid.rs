@@ -1,10 +1,8 @@
 //! Frames of a grid, and what is refused.
 
-mod support;
-
+use crate::support::Random;
 use glam::{DAffine3, DMat3, DQuat, DVec3, IVec3, UVec3};
 use palpate_volume::grid::{Grid, GridError};
-use support::Random;
 
 const SPACING: DVec3 = DVec3::new(0.7, 0.8, 2.5);
 const ORIGIN: DVec3 = DVec3::new(-120.5, -98.25, 1033.0);

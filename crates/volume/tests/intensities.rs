@@ -1,11 +1,9 @@
 //! Values, ranges and histograms against plain loops.
 
-mod support;
-
+use crate::support::Random;
 use glam::{IVec3, UVec3};
 use palpate_volume::intensities::{Intensities, IntensitiesError};
 use palpate_volume::voxel_box::VoxelBox;
-use support::Random;
 
 const DIMENSIONS: UVec3 = UVec3::new(61, 53, 47);
 

@@ -1,7 +1,7 @@
 //! Sets of segments.
 
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 
 #[test]
 fn a_set_holds_the_segments_put_into_it() {

@@ -1,12 +1,10 @@
 //! Segments against dense masks, and the size of a large one.
 
-mod support;
-
+use crate::support::{DIMENSIONS, Random, box_where};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::grid::GridError;
 use palpate_volume::segment::{Coverage, Segment, SegmentError};
 use palpate_volume::voxel_box::VoxelBox;
-use support::{DIMENSIONS, Random, box_where};
 
 #[test]
 fn a_mask_goes_in_and_comes_out() {

@@ -1,13 +1,11 @@
 //! Count and bounding box that follow swaps, against counting again.
 
-mod support;
-
+use crate::support::{Random, box_where};
 use glam::UVec3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::statistics::Statistics;
-use support::{Random, box_where};
 
 /// Bricks of all densities, so that planes become empty and full again.
 fn random_brick(random: &mut Random) -> BitBrick {

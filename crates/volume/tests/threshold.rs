@@ -1,7 +1,6 @@
 //! Thresholds against comparing each physical value.
 
-mod support;
-
+use crate::support::{DIMENSIONS, Random};
 use glam::{IVec3, UVec3};
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::intensities::Intensities;
@@ -10,7 +9,6 @@ use palpate_volume::overlay::Overlay;
 use palpate_volume::segment::Segment;
 use palpate_volume::threshold::{stored_range, threshold};
 use palpate_volume::voxel_box::VoxelBox;
-use support::{DIMENSIONS, Random};
 
 /// Rescalings of scanners and odd ones: exact, rounded, falling, huge, tiny.
 const RESCALINGS: [(f64, f64); 6] = [

@@ -1,10 +1,8 @@
 //! Boxes against sets of voxels.
 
-mod support;
-
+use crate::support::Random;
 use glam::{IVec3, UVec3};
 use palpate_volume::voxel_box::VoxelBox;
-use support::Random;
 
 const AROUND: VoxelBox = VoxelBox::new(IVec3::splat(-5), IVec3::splat(12));
 

@@ -1,11 +1,9 @@
 //! The walk against brute force: every voxel box is cut with the move on its own.
 
-mod support;
-
+use crate::support::Random;
 use glam::{DVec3, IVec3};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::walk::{COORDINATE_LIMIT, Walk};
-use support::Random;
 
 /// Rounding of fractions and of cutting a box; moves here are at most some 20 voxels long.
 const ROUNDING: f64 = 1e-12;

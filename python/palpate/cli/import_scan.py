@@ -13,7 +13,7 @@ from palpate.cli.options import Fill, MaxVoxels, Orientation, Raw, Resample, Ser
 from palpate.cli.reading_options import Reading
 
 if TYPE_CHECKING:
-    from palpate.cli.import_run import Writing
+    from palpate.cli.import_scan_run import Writing
     from palpate.io.browse import Choice
     from palpate.io.dicomweb.address import WebAddress
     from palpate.io.dicomweb.series import RemoteSeries
@@ -99,7 +99,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
 ) -> None:
     """List the scans in files or on a DICOMweb server, and convert or download one."""
     from palpate.base.errors import OptionError
-    from palpate.cli.import_run import Writing, check_target
+    from palpate.cli.import_scan_run import Writing, check_target
     from palpate.io.dicomweb.address import WebAddress
 
     given = paths or []
@@ -145,7 +145,7 @@ def _import_files(
     every: bool,
     as_json: bool,
 ) -> None:
-    from palpate.cli.import_run import read_or_list, write_import
+    from palpate.cli.import_scan_run import read_or_list, write_import
 
     files: list[dict[str, Any]] = []
     with quiet_libraries(), Display() as display:
@@ -167,7 +167,7 @@ def _import_remote(
     writing: Writing | None,
     as_json: bool,
 ) -> None:
-    from palpate.cli.import_run import read_remote, write_import
+    from palpate.cli.import_scan_run import read_remote, write_import
     from palpate.io.dicomweb.series import choose_remote, remote_series
 
     with quiet_libraries(), Display() as display:
@@ -184,7 +184,7 @@ def _import_remote(
 
 
 def _import_folder(address: WebAddress, series: str | None, out: Path, *, as_json: bool) -> None:
-    from palpate.cli.import_run import bring
+    from palpate.cli.import_scan_run import bring
     from palpate.io.dicomweb.series import choose_remote, remote_series
 
     with quiet_libraries(), Display() as display:

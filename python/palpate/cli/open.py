@@ -66,8 +66,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     """Open a scan or a saved scene in the browser."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.open_run import check_start, choose_on_page, show
     from palpate.cli.scenes import add_second, saved_scene, scene_of
+    from palpate.cli.show_page import check_start, choose_on_page, show
     from palpate.cli.surface_run import add_mesh
     from palpate.saved.opening import Opening, is_scene
     from palpate.server.app import bind_again
@@ -115,8 +115,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
 def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     """Open the built-in phantom in the browser."""
-    from palpate.cli.open_run import check_start, show
     from palpate.cli.scenes import scene_of
+    from palpate.cli.show_page import check_start, show
     from palpate.saved.opening import Opening
     from palpate.server.app import bind
     from palpate.volumes.phantom import phantom

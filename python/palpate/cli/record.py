@@ -38,9 +38,9 @@ def record(
 ) -> None:
     """Record a session, with every input of touch, for replay."""
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.open_run import check_rate
     from palpate.cli.record_run import check_out, check_seconds, record_page, record_script
     from palpate.cli.scenes import scene_of
+    from palpate.cli.show_page import check_rate
     from palpate.session.scripted_file import read_path
 
     check_rate(rate)

@@ -12,7 +12,7 @@ import typer
 
 from palpate.base.console import warn
 from palpate.base.errors import OptionError
-from palpate.cli.open_run import check_page, serve_page
+from palpate.cli.show_page import check_page, serve_page
 from palpate.server.app import bind
 from palpate.server.open_scan import OpenScan
 from palpate.server.recording import Recorder, summary

@@ -155,7 +155,7 @@ def play(
 ) -> None:
     """Play a run on the page, with its scan."""
     from palpate.base.console import warn
-    from palpate.cli.open_run import check_page, show
+    from palpate.cli.show_page import check_page, show
     from palpate.saved.opening import Opening
     from palpate.scenarios.run import read_run
     from palpate.scenarios.scenarios import scene_of_body

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
+from palpate.volumes.appearance import Colour
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
@@ -32,7 +33,6 @@ __all__ = [
     "placement",
 ]
 
-Colour = tuple[float, float, float]
 """sRGB, each 0..1."""
 
 OFF = 0.25

@@ -8,23 +8,18 @@ import msgspec
 
 from palpate.protocol.soft_tissue import MatterRegion, SegmentMaterial
 from palpate.protocol.types import (
-    Colour,
     Friction,
     GridPlace,
-    LightFactor,
     Message,
     Name,
     Pose,
     SegmentId,
     ShapeKind,
-    Share,
-    ShownAs,
-    SmoothingDegree,
     Stiffness,
-    SurfaceSource,
     Value,
     Vector,
 )
+from palpate.volumes.appearance import SegmentAppearance
 
 __all__ = [
     "ChangeShape",
@@ -66,7 +61,7 @@ class Feel(msgspec.Struct, frozen=True):
     friction_kinetic: Friction | None
 
 
-class Segment(msgspec.Struct, frozen=True):
+class Segment(SegmentAppearance, frozen=True):
     """A segment of the scan.
 
     ``range`` is the threshold (low, high) as long as the segment is exactly that threshold; null
@@ -83,8 +78,6 @@ class Segment(msgspec.Struct, frozen=True):
 
     id: SegmentId
     name: Name
-    colour: Colour
-    visible: bool
     touchable: bool
     locked: bool
     range: tuple[Value, Value] | None
@@ -98,13 +91,6 @@ class Segment(msgspec.Struct, frozen=True):
     pose: Pose | None
     bounds: tuple[GridPlace, GridPlace] | None
     grid: Pose | None
-    shown_as: ShownAs
-    opacity: Share
-    smoothing: SmoothingDegree
-    surface_from: SurfaceSource
-    wireframe: bool
-    ambient: LightFactor
-    specular: LightFactor
 
 
 class MovedPose(msgspec.Struct, frozen=True):
@@ -234,22 +220,13 @@ class StopSegmentWork(Message, frozen=True, tag="stop_segment_work"):
     """Stops what ``SegmentWork`` reports and drops what is queued."""
 
 
-class SegmentProperties(Message, frozen=True, tag="segment_properties"):
+class SegmentProperties(SegmentAppearance, Message, frozen=True, tag="segment_properties"):
     """Changes the appearance of a segment, and whether it is touchable and locked."""
 
     id: SegmentId
     name: Name
-    colour: Colour
-    visible: bool
     touchable: bool
     locked: bool
-    shown_as: ShownAs
-    opacity: Share
-    smoothing: SmoothingDegree
-    surface_from: SurfaceSource
-    wireframe: bool
-    ambient: LightFactor
-    specular: LightFactor
 
 
 class SegmentFeel(Message, frozen=True, tag="segment_feel"):

@@ -10,6 +10,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from palpate.volumes import appearance
+
 __all__ = [
     "BeforeOrAfter",
     "Calibration",
@@ -63,10 +65,10 @@ Name = Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
 SegmentId = Annotated[int, msgspec.Meta(ge=1, le=255)]
 """Number of a segment; also its value in ``/api/labels``."""
 
-Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
+Share = appearance.Share
 """A fraction, 0 to 1."""
 
-Colour = tuple[Share, Share, Share]
+Colour = appearance.Colour
 """Red, green, blue, sRGB, each 0 to 1."""
 
 Stiffness = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
@@ -75,17 +77,17 @@ Stiffness = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
 Friction = Annotated[float, msgspec.Meta(ge=0.0, le=2.0)]
 """A Coulomb coefficient."""
 
-ShownAs = Literal["volume", "surface", "both"]
+ShownAs = appearance.ShownAs
 """How a segment is drawn: from its voxels, as a surface, or both."""
 
-SurfaceSource = Literal["intensities", "bits"]
+SurfaceSource = appearance.SurfaceSource
 """What a surface is made from: the scan's values where a threshold made the segment, or its voxels.
 """
 
-LightFactor = Annotated[float, msgspec.Meta(ge=0.0, le=3.0)]
+LightFactor = appearance.LightFactor
 """Factor of the light of one segment, relative to that of the picture."""
 
-SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
+SmoothingDegree = appearance.SmoothingDegree
 """Number of times that vertices of a surface are moved to the mean of their neighbours."""
 
 ShapeKind = Literal[

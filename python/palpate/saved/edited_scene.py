@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from palpate.saved.scene_file import SavedScene
-from palpate.session.appearance import Look, look_of_number, restored_looks, scene_with_looks
+from palpate.session.appearance import (
+    ShownAppearance,
+    appearance_of_number,
+    restore_appearances,
+    scene_with_appearances,
+)
 from palpate.session.edited_values import EditedValues
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
@@ -23,7 +28,7 @@ def edited_scene(saved: SavedScene) -> tuple[Scene, list[str]]:
     """
     with Session(Scene(saved.volume), options=SessionOptions(real_time=False)) as session:
         saved.restore(session)
-        looks = restored_looks(session, saved.looks)
+        appearances = restore_appearances(session, saved.looks)
         session.run(SETTLED)
         edited = EditedValues(saved.volume.array)
         for change in session.picture_changes():
@@ -31,7 +36,7 @@ def edited_scene(saved: SavedScene) -> tuple[Scene, list[str]]:
                 if box["stored"] is not None:
                     edited.write(box["low"], box["high"], box["stored"])
 
-        def look_of(segment_id: int) -> Look:
-            return looks.get(segment_id, look_of_number(segment_id))
+        def appearance_of(segment_id: int) -> ShownAppearance:
+            return appearances.get(segment_id, appearance_of_number(segment_id))
 
-        return scene_with_looks(session, edited.values, look_of)
+        return scene_with_appearances(session, edited.values, appearance_of)

@@ -5,7 +5,7 @@ A zip archive with
 - ``scene.json``: the scan, names, appearance and materials of segments, the deformation model, and
   the page's view;
 - ``segments.journal``: voxels of segments, edits of the scan, poses and touch settings, as the head
-  of a journal (``crates/tools/src/journal_file.rs``);
+  of a journal (``crates/tools/src/journal/file.rs``);
 - ``scan.i16``: the scan's stored values, x fastest, where the file is to be self-contained;
 - ``second.i16``: those of a second scan that is shown with it.
 

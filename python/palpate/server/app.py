@@ -22,7 +22,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from palpate.base.errors import OptionError
-from palpate.server.library import Library
+from palpate.server.library.library import Library
 from palpate.server.resume import Resuming, kept_port
 from palpate.server.security import Access, AccessMiddleware
 from palpate.server.workbench import Workbench

@@ -12,7 +12,7 @@ from starlette.responses import Response
 
 from palpate.export.export import Kind, export_scene
 from palpate.server.download import file_name, file_response
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 
 __all__ = ["MOST_EXPORT_BYTES", "export_response"]
 
@@ -38,7 +38,7 @@ class WantedExport(msgspec.Struct, frozen=True):
     keep_identity: bool = False
 
 
-def export_response(segments: ShownSegments, values: NDArray[np.int16], body: bytes) -> Response:
+def export_response(segments: SegmentList, values: NDArray[np.int16], body: bytes) -> Response:
     """Writes what a page asks for and answers with the file, or with why it was not written."""
 
     def write(wanted: WantedExport, folder: Path) -> tuple[Path, list[str]]:
@@ -48,7 +48,7 @@ def export_response(segments: ShownSegments, values: NDArray[np.int16], body: by
 
 
 def _write(
-    segments: ShownSegments, values: NDArray[np.int16], wanted: WantedExport, *, folder: Path
+    segments: SegmentList, values: NDArray[np.int16], wanted: WantedExport, *, folder: Path
 ) -> tuple[Path, list[str]]:
     scene, notes = segments.scene(values)
     shared = wanted.kind == "dicom" and not wanted.keep_identity

@@ -18,22 +18,24 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
-from palpate.server.changes import messages_of
-from palpate.server.gap import GapWatch
-from palpate.server.needle import ToldNeedle
-from palpate.server.outbox import Missed, Outbox
-from palpate.server.outlines import Outlines
-from palpate.server.paint import Painter
-from palpate.server.picture import ToldPicture, labels_anew
+from palpate.server.messages.outbox import Missed, Outbox
+from palpate.server.messages.painting import Outlines, Painter
+from palpate.server.messages.picture import (
+    EditPace,
+    PublishedPicture,
+    change_messages,
+    label_messages,
+)
+from palpate.server.messages.registration import Registering
+from palpate.server.messages.segment_list import SegmentList
+from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
+from palpate.server.messages.segments import GapWatch, SegmentMessages
+from palpate.server.messages.session import Recovery, SessionMessages
+from palpate.server.messages.soft_tissue import ModelParts, SoftTissueMessages
+from palpate.server.messages.table import MessageTable
+from palpate.server.messages.touch import PublishedNeedle, TouchMessages
 from palpate.server.recording import Recorder
-from palpate.server.recovery import Recovering
-from palpate.server.registration import Registering
-from palpate.server.requests import Requests
 from palpate.server.second_scan import second_message
-from palpate.server.segment_work import SegmentWork
-from palpate.server.segments import ShownSegments
-from palpate.server.soft_tissue import parts_of
-from palpate.server.thresholds import ThresholdJobs
 from palpate.session.session import Session
 from palpate.volumes.second_scan import SecondScan
 
@@ -50,7 +52,7 @@ EXCHANGED = 4001
 
 
 class Live:
-    """Tells pages what is, and the session what they want."""
+    """Publishes the state of a session to its pages, and has their messages handled."""
 
     def __init__(
         self,
@@ -66,42 +68,55 @@ class Live:
         ``looks`` are those of a scene that was opened.
         """
         self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
+        publish = self._from_threads.put
         self.session = session
         self.recorder = recorder
         self.journal = journal
-        self.segments = ShownSegments(session, None if journal is None else journal.note)
+        self.segments = SegmentList(session, None if journal is None else journal.note)
         if looks is not None:
             self.segments.restore(looks)
-        self._recovery = Recovering(
-            journal, self.segments, show_second=self.show_second, tell=self._from_threads.put
+        self._recovery = Recovery(
+            journal, self.segments, show_second=self.show_second, publish=publish
         )
-        self._recovery.restore_looks()
+        self._recovery.restore_appearances()
         self._hello = hello
-        self.picture = ToldPicture(session.scene.volume.array)
+        self.picture = PublishedPicture(session.scene.volume.array)
+        self._needle = PublishedNeedle(session)
         self._outboxes: set[Outbox] = set()
         self._sockets: set[WebSocket] = set()
-        self._thresholds = ThresholdJobs(self._make_threshold)
-        self._segment_work = SegmentWork(session, self.segments, self._from_threads.put)
-        self._presses: Outbox | None = None
-        self._painter = Painter(session)
-        self._outlines = Outlines(session.scene.volume)
-        self._paces: dict[Outbox, int] = {}
-        self._needle = ToldNeedle(session)
-        self._parts_for: set[Outbox] = set()
-        self._gaps = GapWatch(session, self._from_threads.put)
-        self._requests = Requests(
-            session,
-            self.segments,
-            painter=self._painter,
-            recorder=recorder,
-            gaps=self._gaps,
-            recovery=self._recovery,
-            settings=hello.settings,
-            tell=self._from_threads.put,
-        )
         self._scene_of_now: object = None
         self._second = second_message(session.scene.second, version=0)
-        self.registering = Registering(session, show=self.show_second, tell=self._from_threads.put)
+        # subjects of messages
+        self._thresholds = ThresholdJobs(self._make_threshold)
+        self._segment_work = SegmentWork(session, self.segments, publish)
+        self._painter = Painter(session)
+        self._pace = EditPace(session)
+        self._parts = ModelParts(session)
+        self._gaps = GapWatch(session, publish)
+        self._touch = TouchMessages(session, hello.settings, publish)
+        self.registering = Registering(session, show=self.show_second, tell=publish)
+        self.table = MessageTable(
+            self._touch,
+            self._thresholds,
+            self._segment_work,
+            self._painter,
+            Outlines(session.scene.volume),
+            self._pace,
+            self._parts,
+            SoftTissueMessages(session),
+            SegmentMessages(session, self.segments, self._gaps, publish=publish),
+            SessionMessages(
+                session,
+                painter=self._painter,
+                recorder=recorder,
+                recovery=self._recovery,
+                publish=publish,
+                flush=self._publish_from_threads,
+            ),
+            self.registering,
+        )
+        """Who handles what pages ask."""
+        self.table.check()
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
@@ -110,7 +125,7 @@ class Live:
         gaps = asyncio.create_task(self._gaps.run(lambda: self._scene_of_now))
         changes = asyncio.create_task(self._follow_changes())
         try:
-            while self._tell_state():
+            while self._publish_state():
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
         finally:
             worker.cancel()
@@ -129,7 +144,7 @@ class Live:
             msgspec.structs.replace(
                 self._hello,
                 segments=self.segments.message.segments,
-                settings=self._requests.settings,
+                settings=self._touch.settings,
             )
         )
         outbox.tell(self.segments.message)
@@ -149,9 +164,8 @@ class Live:
         finally:
             self._outboxes.discard(outbox)
             self._sockets.discard(websocket)
-            self._paces.pop(outbox, None)
-            self._follow_edits()
-            self._show_parts(outbox, on=False)
+            self._pace.leave(outbox)
+            self._parts.leave(outbox)
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)
@@ -161,9 +175,7 @@ class Live:
             sender.cancel()
             with suppress(PalpateError, RuntimeError):
                 await asyncio.to_thread(self._painter.leave, outbox)
-            if self._presses is outbox:
-                # nobody is left to release the tool
-                await asyncio.to_thread(self._release)
+            await asyncio.to_thread(self._touch.leave, outbox)
 
     def notify(self, level: Literal["info", "warning"], text: str) -> None:
         """Tells all pages a sentence; for any thread."""
@@ -191,63 +203,60 @@ class Live:
 
     # --- to pages -------------------------------------------------------------------------
 
-    def _tell(self, message: protocol.ToPage) -> None:
+    def _publish(self, message: protocol.ToPage) -> None:
         for outbox in self._outboxes:
             outbox.tell(message)
 
-    def _tell_from_threads(self) -> None:
+    def _publish_from_threads(self) -> None:
         while not self._from_threads.empty():
-            self._tell(self._from_threads.get())
+            self._publish(self._from_threads.get())
 
-    def _tell_state(self) -> bool:
+    def _publish_state(self) -> bool:
         """Tells what is now and what changed; False where the session has ended."""
         frame = self.session.frame()
         for level, text in frame["notices"]:
-            self._tell(protocol.Notice(level=level, text=text))
-        self._tell_from_threads()
+            self._publish(protocol.Notice(level=level, text=text))
+        self._publish_from_threads()
         if not self.session.is_running:
-            self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
+            self._publish(
+                protocol.Notice(level="error", text="the session has ended: start it again")
+            )
             return False
         self._scene_of_now = (frame["edit"], frame["poses"])
         versions, voxels = frame["segments_version"], frame["voxels_version"]
         if self.segments.refresh(versions, voxels_version=voxels, pending=frame["pending"]):
-            self._tell(self.segments.message)
+            self._publish(self.segments.message)
             for text in self.segments.take_notices():
-                self._tell(protocol.Notice(level="info", text=text))
-        self._tell_changes()
+                self._publish(protocol.Notice(level="info", text=text))
+        self._publish_changes()
         needle = self._needle.message(frame["needle"]["events"])
         if needle is not None:
-            self._tell(needle)
+            self._publish(needle)
         try:
             fields = protocol.State.__struct_fields__
             told = {name: value for name, value in frame.items() if name in fields}
             state = msgspec.convert(told, protocol.State)
         except msgspec.ValidationError as error:
-            self._tell(protocol.Notice(level="error", text=f"the engine is out of order: {error}"))
+            self._publish(
+                protocol.Notice(level="error", text=f"the engine is out of order: {error}")
+            )
             return False
-        self._tell(state)
-        self._tell_parts()
+        self._publish(state)
+        self._parts.publish()
         return True
-
-    def _tell_parts(self) -> None:
-        parts = self.session.model_parts() if self._parts_for else None
-        if parts is not None:
-            message = parts_of(parts)
-            for outbox in self._parts_for:
-                outbox.tell(message)
 
     async def _follow_changes(self) -> None:
         """Tells changes of voxels and surfaces as soon as they are made."""
         heard = 0
         while True:
             heard = await asyncio.to_thread(self.session.wait_for_changes, heard, PATIENCE)
-            self._tell_changes()
+            self._publish_changes()
 
-    def _tell_changes(self) -> None:
+    def _publish_changes(self) -> None:
         for change in self.session.picture_changes():
-            for message in messages_of(change):
+            for message in change_messages(change):
                 self.picture.take(message)
-                self._tell(message)
+                self._publish(message)
 
     async def _send(self, websocket: WebSocket, outbox: Outbox) -> None:
         """Sends what a page is to be told, as fast as it takes it."""
@@ -269,80 +278,28 @@ class Live:
         """
         edit = self.picture.edit
         whole = await asyncio.to_thread(self.session.whole_surfaces)
-        for message in self.picture.surfaces_anew(whole, edit=edit):
+        for message in self.picture.surface_messages(whole, edit=edit):
             yield message
-        for message in self.picture.values_anew(missed.stored, edit=edit):
+        for message in self.picture.value_messages(missed.stored, edit=edit):
             yield message
         if not missed.labels.is_empty:
             with suppress(
                 PalpateError, RuntimeError
             ):  # a session that has ended has no more voxels
                 labels = await asyncio.to_thread(self.segments.labels)
-                for message in labels_anew(missed.labels, labels, edit=edit):
+                for message in label_messages(missed.labels, labels, edit=edit):
                     yield message
 
     # --- from pages -----------------------------------------------------------------------
 
     async def _take(self, packed: bytes, outbox: Outbox) -> None:
-        """Does what a page asks; tells that page where it cannot be done."""
+        """Has a message handled; the page is told where that fails."""
         try:
-            message = protocol.decode_from_page(packed)
-            if self._begin(message) or self._outlines.take(message, outbox):
-                return
-            match message:
-                case protocol.Hand(target):
-                    # the most frequent message, and wait-free
-                    self.session.hand(target)
-                case protocol.FollowEdits(every):
-                    self._paces[outbox] = every
-                    self._follow_edits()
-                case protocol.ShowParts(on):
-                    self._show_parts(outbox, on=on)
-                case protocol.Stroke(on):
-                    await asyncio.to_thread(self.session.stroke, on=on)
-                    self._presses = outbox if on else None
-                case protocol.Fence(number):
-                    # messages of a page are done one after another: answers go before
-                    self._tell_from_threads()
-                    outbox.tell(protocol.Passed(number, tick=self._following_tick()))
-                case _:
-                    await asyncio.to_thread(self._requests.do, message, outbox)
+            await self.table.handle(protocol.decode_from_page(packed), outbox)
         except msgspec.DecodeError as error:
             outbox.tell(protocol.Notice(level="error", text=f"message not understood: {error}"))
-        except (PalpateError, OSError) as error:
+        except (PalpateError, OSError, RuntimeError) as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
-        except RuntimeError as error:
-            outbox.tell(protocol.Notice(level="error", text=str(error)))
-
-    def _begin(self, message: protocol.FromPage) -> bool:
-        """Hands on what is done beside all else; says whether the message was that."""
-        if isinstance(message, protocol.Threshold):
-            self._thresholds.ask(message)
-            return True
-        return self._segment_work.take(message) or self.registering.take(message)
-
-    def _following_tick(self) -> int:
-        """Returns the first tick that follows all that the session was told until now."""
-        # one has begun and may be past its commands; the next one takes them
-        ticks = self.session.lateness()["servo"]["ticks"]
-        return ticks + 1
-
-    def _follow_edits(self) -> None:
-        """Has the engine follow edits at the pace of the slowest page."""
-        self.session.follow_edits(max(self._paces.values(), default=1))
-
-    def _show_parts(self, outbox: Outbox, *, on: bool) -> None:
-        """Tells a page the parts of the model from now on, or no more."""
-        if on:
-            self._parts_for.add(outbox)
-        else:
-            self._parts_for.discard(outbox)
-        self.session.show_model_parts(on=bool(self._parts_for))
-
-    def _release(self) -> None:
-        self._presses = None
-        with suppress(RuntimeError):
-            self.session.stroke(on=False)
 
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:

@@ -25,8 +25,8 @@ from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
 from palpate.saved.scene_file import SavedScene
 from palpate.server.export import export_response
-from palpate.server.hello import hello_of
 from palpate.server.live import Live
+from palpate.server.messages.hello import hello_of
 from palpate.server.recording import Recorder
 from palpate.server.scene import scene_response, view_response
 from palpate.server.second_scan import second_routes

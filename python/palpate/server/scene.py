@@ -12,7 +12,7 @@ from starlette.responses import Response
 from palpate.saved.autosave import note_scene
 from palpate.saved.scene_file import ENDING, save_scene
 from palpate.server.download import file_name, file_response
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 from palpate.session.session import Session
 
 __all__ = ["MOST_VIEW_BYTES", "scene_response", "view_response"]
@@ -31,7 +31,7 @@ class WantedScene(msgspec.Struct, frozen=True):
 
 
 def scene_response(
-    session: Session, segments: ShownSegments, body: bytes, *, passing: bool = False
+    session: Session, segments: SegmentList, body: bytes, *, passing: bool = False
 ) -> Response:
     """Saves a scene and answers with its file; one that cannot be is told as a sentence.
 

@@ -14,7 +14,7 @@ from starlette.routing import Route
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
 from palpate.base.simpleitk import Transform
-from palpate.server.hello import scan_of
+from palpate.server.messages.hello import scan_of
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan, placed, read_transform
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from palpate.volumes.appearance import Colour
+
 __all__ = ["Colour", "colour_of_name", "first_colour"]
 
-Colour = tuple[float, float, float]
 
 BY_NAME: tuple[tuple[str, Colour], ...] = (
     ("vertebra|sternum|sacrum|femur|tibia|fibula|patella|humerus|scapula|clavic|costal|bone|skull",

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Generic, TypeVar
+
+import msgspec
 
 from palpate.base.errors import OptionError
 from palpate.volumes.anatomical_colour import first_colour
+from palpate.volumes.appearance import (
+    DEFAULT_SMOOTHING,
+    Colour,
+    SegmentAppearance,
+    ShownAs,
+)
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
@@ -15,16 +23,11 @@ from palpate.volumes.volume import Volume
 __all__ = [
     "MOST_SEGMENTS",
     "PALETTE",
-    "Colour",
     "Scene",
     "SceneSegment",
-    "ShownAs",
     "choose_segment",
+    "new_appearance",
 ]
-
-Colour = tuple[float, float, float]
-
-ShownAs = Literal["volume", "surface", "both"]
 
 PALETTE: tuple[Colour, ...] = (
     (0.94, 0.89, 0.78),
@@ -38,8 +41,24 @@ PALETTE: tuple[Colour, ...] = (
 )
 """Colours that segments get in turn, sRGB; the first one is that of bone."""
 
+Field = TypeVar("Field")
+
 MOST_SEGMENTS = 255
 """A segment's number is one byte, and 0 means none."""
+
+
+class _AppearanceField(Generic[Field]):
+    """A field of a segment's appearance, read and set on the ``SceneSegment`` itself."""
+
+    def __set_name__(self, _: type[SceneSegment], name: str) -> None:
+        self._name = name
+
+    def __get__(self, one: SceneSegment, _: type[SceneSegment]) -> Field:
+        value: Field = getattr(one.appearance, self._name)
+        return value
+
+    def __set__(self, one: SceneSegment, value: Field) -> None:
+        one.appearance = msgspec.structs.replace(one.appearance, **{self._name: value})
 
 
 @dataclass
@@ -47,11 +66,32 @@ class SceneSegment:
     """A segment, and its appearance and touch at the start of a session."""
 
     segment: Segment
-    name: str
-    colour: Colour
-    visible: bool
+    appearance: SegmentAppearance
     touchable: bool
-    shown_as: ShownAs = "volume"
+
+    name = _AppearanceField[str]()
+    colour = _AppearanceField[Colour]()
+    """sRGB, each 0..1."""
+    visible = _AppearanceField[bool]()
+    shown_as = _AppearanceField[ShownAs]()
+
+
+def new_appearance(
+    name: str, colour: Colour, *, visible: bool = True, shown_as: ShownAs = "volume"
+) -> SegmentAppearance:
+    """Returns how a segment is shown that nobody has changed yet."""
+    return SegmentAppearance(
+        name=name,
+        colour=colour,
+        visible=visible,
+        shown_as=shown_as,
+        opacity=1.0,
+        smoothing=DEFAULT_SMOOTHING,
+        surface_from="intensities",
+        wireframe=False,
+        ambient=1.0,
+        specular=1.0,
+    )
 
 
 class Scene:
@@ -112,7 +152,8 @@ class Scene:
         next_one = PALETTE[len(self._segments) % len(PALETTE)]
         names = [other.name for other in self._segments]
         chosen = colour or first_colour(segment.name, names, otherwise=next_one)
-        added = SceneSegment(segment, segment.name, chosen, visible, touchable, shown_as)
+        look = new_appearance(segment.name, chosen, visible=visible, shown_as=shown_as)
+        added = SceneSegment(segment, look, touchable)
         self._segments.append(added)
         return added
 

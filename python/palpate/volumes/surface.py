@@ -11,15 +11,13 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.base.errors import EmptySegmentError, MeshFormatError, OptionError
+from palpate.volumes.appearance import SurfaceSource as Source
 
 if TYPE_CHECKING:
     from palpate.volumes.segment import Segment
     from palpate.volumes.volume import Volume
 
 __all__ = ["Mesh", "Source", "Surface", "voxelise"]
-
-Source = Literal["intensities", "bits"]
-"""What surfaces are made from; the smoothing of touch has the same choice."""
 
 
 @dataclass(frozen=True)

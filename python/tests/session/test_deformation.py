@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from palpate import protocol
 from palpate.base.errors import OptionError
-from palpate.server.soft_tissue import asked_material, material_of
+from palpate.server.messages.soft_tissue import material_of, wanted_material
 from palpate.session.model_options import ModelOptions, Prony, deformation_models, offered_models
 from palpate.session.recording import Recording
 from palpate.session.scripted_path import ScriptedPath
@@ -467,13 +467,13 @@ def test_segments_say_what_they_are_made_of() -> None:
         wanted = protocol.SetMaterial(
             1, None, protocol.Constants(7000.0, 0.3, 1000.0, None, friction=0.1), undoable=True
         )
-        session.set_material(1, asked_material(wanted))
+        session.set_material(1, wanted_material(wanted))
         own = material_of(session.segments()[0])
         assert own is not None
         assert own.preset is None
         assert own.low == own.high
         assert (own.low.poisson, own.low.breaking_strain) == (0.3, None)
-        session.set_material(1, asked_material(protocol.SetMaterial(1, None, None, undoable=True)))
+        session.set_material(1, wanted_material(protocol.SetMaterial(1, None, None, undoable=True)))
         assert material_of(session.segments()[0]) is None
         # each of them is a step of undo; what a page asks for by itself is none
         session.set_material(1, "fat", undoable=False)

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import pytest
 from palpate import protocol
-from palpate.server.segments import ShownSegments
+from palpate.server.messages.segment_list import SegmentList
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.anatomical_colour import colour_of_name
 from palpate.volumes.scene import PALETTE, Scene
@@ -19,19 +19,19 @@ GREEN = (0.1, 0.9, 0.2)
 
 
 @pytest.fixture
-def shown(ball_scene: Scene) -> Iterator[ShownSegments]:
+def shown(ball_scene: Scene) -> Iterator[SegmentList]:
     """A ball as pages see it."""
     with Session(ball_scene, options=SessionOptions(real_time=False)) as session:
-        yield ShownSegments(session)
+        yield SegmentList(session)
 
 
-def now(shown: ShownSegments, number: int) -> protocol.Segment:
+def now(shown: SegmentList, number: int) -> protocol.Segment:
     """A segment as pages are told."""
     shown.refresh(next(VERSIONS), voxels_version=0, pending=0)
     return next(one for one in shown.message.segments if one.id == number)
 
 
-def change(shown: ShownSegments, number: int, **wanted: Any) -> protocol.Segment:
+def change(shown: SegmentList, number: int, **wanted: Any) -> protocol.Segment:
     """Changes a segment as a page does; returns what it is then."""
     segment = now(shown, number)
     fields = {
@@ -54,7 +54,7 @@ def test_other_names_have_none(name: str) -> None:
     assert colour_of_name(name) is None
 
 
-def test_a_segment_that_is_made_has_the_colour_of_its_name(shown: ShownSegments) -> None:
+def test_a_segment_that_is_made_has_the_colour_of_its_name(shown: SegmentList) -> None:
     shown.threshold(protocol.Threshold(id=None, low=0.0, high=200.0, name="Spleen"))
     assert now(shown, 2).colour == colour_of_name("spleen")
     shown.add_empty("painted")
@@ -65,7 +65,7 @@ def test_a_segment_that_is_made_has_the_colour_of_its_name(shown: ShownSegments)
 
 
 def test_of_two_that_are_called_the_same_the_second_has_another_colour(
-    shown: ShownSegments,
+    shown: SegmentList,
 ) -> None:
     for number in (2, 3):
         shown.add_empty("Bone")
@@ -75,7 +75,7 @@ def test_of_two_that_are_called_the_same_the_second_has_another_colour(
     assert change(shown, 3, name="right kidney").colour == colour_of_name("kidney")
 
 
-def test_a_new_name_brings_its_colour_and_an_old_one_takes_it_back(shown: ShownSegments) -> None:
+def test_a_new_name_brings_its_colour_and_an_old_one_takes_it_back(shown: SegmentList) -> None:
     before = now(shown, 1).colour
     assert change(shown, 1, name="kidney").colour == colour_of_name("kidney")
     assert change(shown, 1, name="aorta").colour == colour_of_name("aorta")
@@ -86,7 +86,7 @@ def test_a_new_name_brings_its_colour_and_an_old_one_takes_it_back(shown: ShownS
     assert change(shown, 1, name="liver").colour == colour_of_name("liver")
 
 
-def test_a_colour_that_was_chosen_stays(shown: ShownSegments) -> None:
+def test_a_colour_that_was_chosen_stays(shown: SegmentList) -> None:
     assert change(shown, 1, colour=GREEN).colour == GREEN
     assert change(shown, 1, name="liver").colour == GREEN
     # also after it was kept and brought back
@@ -95,7 +95,7 @@ def test_a_colour_that_was_chosen_stays(shown: ShownSegments) -> None:
     assert change(shown, 1, name="spleen").colour == GREEN
 
 
-def test_looks_of_before_keep_their_colours(shown: ShownSegments) -> None:
+def test_looks_of_before_keep_their_colours(shown: SegmentList) -> None:
     kept = msgspec.json.decode(shown.kept())
     for each in kept:
         del each["look"]["chosen"]

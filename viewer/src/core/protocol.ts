@@ -208,10 +208,17 @@ export interface MatterRegion {
  * segment cannot change.
  */
 export interface Segment {
-  readonly id: SegmentId;
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
+  readonly shown_as: ShownAs;
+  readonly opacity: Share;
+  readonly smoothing: SmoothingDegree;
+  readonly surface_from: SurfaceSource;
+  readonly wireframe: boolean;
+  readonly ambient: LightFactor;
+  readonly specular: LightFactor;
+  readonly id: SegmentId;
   readonly touchable: boolean;
   readonly locked: boolean;
   readonly range: readonly [Value, Value] | null;
@@ -225,13 +232,6 @@ export interface Segment {
   readonly pose: Pose | null;
   readonly bounds: readonly [GridPlace, GridPlace] | null;
   readonly grid: Pose | null;
-  readonly shown_as: ShownAs;
-  readonly opacity: Share;
-  readonly smoothing: SmoothingDegree;
-  readonly surface_from: SurfaceSource;
-  readonly wireframe: boolean;
-  readonly ambient: LightFactor;
-  readonly specular: LightFactor;
 }
 
 /** Settings of touch; `gain` is scene mm per mm of the device. */
@@ -958,12 +958,9 @@ export interface FillOutline {
 /** Changes the appearance of a segment, and whether it is touchable and locked. */
 export interface SegmentProperties {
   readonly type: "segment_properties";
-  readonly id: SegmentId;
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
-  readonly touchable: boolean;
-  readonly locked: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -971,6 +968,9 @@ export interface SegmentProperties {
   readonly wireframe: boolean;
   readonly ambient: LightFactor;
   readonly specular: LightFactor;
+  readonly id: SegmentId;
+  readonly touchable: boolean;
+  readonly locked: boolean;
 }
 
 /** Changes the touch settings of a segment. */
@@ -1471,10 +1471,17 @@ const isMatterRegion = record({
 });
 
 const isSegment = record({
-  id: isSegmentId,
   name: isName,
   colour: isColour,
   visible: flag,
+  shown_as: isShownAs,
+  opacity: isShare,
+  smoothing: isSmoothingDegree,
+  surface_from: isSurfaceSource,
+  wireframe: flag,
+  ambient: isLightFactor,
+  specular: isLightFactor,
+  id: isSegmentId,
   touchable: flag,
   locked: flag,
   range: nullable(tuple(isValue, isValue)),
@@ -1488,13 +1495,6 @@ const isSegment = record({
   pose: nullable(isPose),
   bounds: nullable(tuple(isGridPlace, isGridPlace)),
   grid: nullable(isPose),
-  shown_as: isShownAs,
-  opacity: isShare,
-  smoothing: isSmoothingDegree,
-  surface_from: isSurfaceSource,
-  wireframe: flag,
-  ambient: isLightFactor,
-  specular: isLightFactor,
 });
 
 const isSettings = record({

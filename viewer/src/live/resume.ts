@@ -10,7 +10,7 @@ const numberBytes = 32;
 export class Resumption {
   private key: string | null = null;
 
-  /** @param address where a page that is let in is told the key. */
+  /** @param address where a page that is let in is given the key. */
   constructor(private readonly address: string) {}
 
   /** Asks for the key; without it a later engine refuses this page. */

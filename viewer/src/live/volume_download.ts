@@ -61,7 +61,7 @@ export async function downloadLabels({ frame, step }: ScanVolume, token: string)
   return answer.labels;
 }
 
-/** What of a coarse scan a worker is told. */
+/** What of a coarse scan a worker is sent. */
 function sent({ coarse: { dimensions, values, step }, parts, soon }: Meanwhile): ValuesRequest["meanwhile"] {
   return { coarse: { dimensions, values, step }, parts, soon };
 }

@@ -6,7 +6,7 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import { keptSpan, planesOf, type Clip, type Plane } from "../../src/core/view/clip";
 import { frameOf } from "../../src/core/scan/scan_volume";
 import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/geometry/vector";
-import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../src/core/base/colour";
 import { keyLight } from "../../src/gl/march/key_light";
 import { scanOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
@@ -119,7 +119,7 @@ test.each(["shaded", "mip", "iso"] as const)("in mode %s leaping over empty bric
 test("a cut surface is closed by a flat face in its colour where the scan has its segment", async () => {
   const lighting = { occlusion: 0, shadow: 0 };
   const ball = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0, lighting } as const;
-  const surfaces = [{ centre: middle, radius: 14, sectors: 4, look: { colour: [0.7, 0, 0] as const, range: [0, 3000] as const } }];
+  const surfaces = [{ centre: middle, radius: 14, sectors: 4, appearance: { colour: [0.7, 0, 0] as const, range: [0, 3000] as const } }];
   const pixels = await show({ scan: { ...ball, clip: [front] }, surfaces });
   const result = await march({ ...ball });
   const light = keyLight(result.camera);
@@ -139,9 +139,9 @@ test("a cut surface is closed by a flat face in its colour where the scan has it
 test.each([false, true])("a cut translucent surface is closed too: its cut face lies over what is seen through it; orthographic %s", async (orthographic) => {
   const lighting = { occlusion: 0, shadow: 0 };
   const ball = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0, lighting, orthographic } as const;
-  const look = { colour: [0.7, 0, 0] as const, opacity: 0.4 };
+  const appearance = { colour: [0.7, 0, 0] as const, opacity: 0.4 };
   const cut = async (range: readonly [number, number] | null): Promise<number[]> =>
-    show({ scan: { ...ball, clip: [front] }, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { ...look, range } }] });
+    show({ scan: { ...ball, clip: [front] }, surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { ...appearance, range } }] });
   const [closed, hollow] = [await cut([0, 3000]), await cut(null)];
   const result = await march({ ...ball });
   const light = keyLight(result.camera);
@@ -168,7 +168,7 @@ const aside: Plane = { normal: normalize([0.9, -0.2, 0.4]), offset: dot(normaliz
 
 test("of a cut surface that is seen which is left, from outside and from within", async () => {
   const air = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0 } as const;
-  const surfaces = [{ centre: middle, radius: 12, sectors: 4, look: { colour: [1, 0, 0] as const } }];
+  const surfaces = [{ centre: middle, radius: 12, sectors: 4, appearance: { colour: [1, 0, 0] as const } }];
   const pixels = await show({ scan: { ...air, clip: [aside] }, surfaces });
   const { camera, extent } = await march({ ...air });
   const counts = { seen: 0, cut: 0 };

@@ -68,15 +68,15 @@ const scan: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPer
 /** A hole in the front of the scan's ball, which reaches from 10 to 38 on each axis. */
 const hole = { low: [20, 8, 19] as Vec3, high: [29, 20, 30] as Vec3 };
 const box = [20, 8, 19, 9, 12, 11];
-const nothing = { scan, ...hole, value: null, label: null, looks: [{ colour: [1, 0, 0] as Vec3, shown_as: "surface" as const, range: null }] };
+const nothing = { scan, ...hole, value: null, label: null, appearances: [{ colour: [1, 0, 0] as Vec3, shown_as: "surface" as const, range: null }] };
 
 test.each([
   ["values", -1000, null, [box]],
   ["labels", null, 1, [box]],
   ["values and labels", -1000, 0, [box, box]],
 ] as const)("an edit of %s sends just its box, and is then what a new picture shows", async (_, value, label, uploads) => {
-  const looks = [{ colour: [0, 0, 1] as Vec3, range: null }];
-  const result = await edit({ ...nothing, scan: label === 1 ? { ...scan, segment: "hidden" } : scan, value, label, looks });
+  const appearances = [{ colour: [0, 0, 1] as Vec3, range: null }];
+  const result = await edit({ ...nothing, scan: label === 1 ? { ...scan, segment: "hidden" } : scan, value, label, appearances });
   expect(result.complaints).toEqual([]);
   expect(result.uploads.filter((upload) => upload.join() === box.join())).toHaveLength(uploads.length);
   // beside the box only labels that did not exist before, and the small grid of bricks

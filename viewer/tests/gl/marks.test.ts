@@ -49,7 +49,7 @@ const outside = [4, 7, 41, 44];
 test.each([
   ["the scan", { scan: green }],
   ["the scan, orthographic", { scan: { ...green, orthographic: true } }],
-  ["a surface", { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { colour: [0, 1, 0] as const } }] }],
+  ["a surface", { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { colour: [0, 1, 0] as const } }] }],
 ] as const)("a line through %s is faint inside, and plain beside and before it", async (_, scene) => {
   const scan: MarchTest = scene.scan;
   const camera = inProjection(front, scan.orthographic === true, extent);

@@ -3,7 +3,7 @@
  * same rays on the CPU. Scans of 48³, pictures of 96², no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../src/core/base/colour";
 import { biasedAt } from "../../src/core/scan/field";
 import { flatShare, type Lighting } from "../../src/core/appearance/appearance";
 import { blends, greyOf, shadedOptics, type GreyBlend } from "../../src/core/appearance/optics";

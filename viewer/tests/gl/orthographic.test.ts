@@ -59,7 +59,7 @@ function passes(result: MarchResult): number[] {
 test("scan and surface of one ball have the same outline, that of the ball", async () => {
   const solid = await march({ field: "ball", segment: "visible" });
   const air = { field: "flat", spacing: [1, 1, 1], from: "A", orthographic: true, stepsPerVoxel: 1, extinction: 0 } as const;
-  const surface = await show({ scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { colour: [1, 0, 0] } }] });
+  const surface = await show({ scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { colour: [1, 0, 0] } }] });
   passes(solid).forEach((away, i) => {
     if (Math.abs(away - 14) > 0.7) {
       const [r = 0, g = 0] = surface.slice(4 * i, 4 * i + 2);
@@ -70,7 +70,7 @@ test("scan and surface of one ball have the same outline, that of the ball", asy
 
 test("of a surface and the scan the nearer one is seen", async () => {
   const green = { field: "ball", spacing: [1, 1, 1], from: "A", orthographic: true, stepsPerVoxel: 2, segment: "visible" } as const;
-  const dotAt = (y: number): SurfaceTest => ({ centre: [24, y, 24], radius: 4, sectors: 4, look: { colour: [1, 0, 0] } });
+  const dotAt = (y: number): SurfaceTest => ({ centre: [24, y, 24], radius: 4, sectors: 4, appearance: { colour: [1, 0, 0] } });
   const centre = 4 * (edge / 2 + edge * (edge / 2));
   const middleOf = async (y: number): Promise<readonly number[]> => (await show({ scan: green, surfaces: [dotAt(y)] })).slice(centre, centre + 2);
   // the scan's ball begins at 10 mm

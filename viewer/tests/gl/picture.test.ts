@@ -4,7 +4,7 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { transformPoint, transformVector } from "../../src/core/geometry/affine";
 import { project, rayThrough } from "../../src/core/geometry/camera";
-import { srgbFromHex } from "../../src/core/appearance/colour";
+import { srgbFromHex } from "../../src/core/base/colour";
 import { flatShare } from "../../src/core/appearance/appearance";
 import { throughBox } from "../../src/core/picking/pick_surface";
 import { qualities, restingPictures } from "../../src/core/view/quality";

@@ -67,7 +67,7 @@ export function fieldOf({ field, spacing, step = 1, slope = 1 }: MarchTest): Sca
   return volumeOf(scan, field === "ball" ? value : field === "marble" ? marble : () => (field === "flat" ? 100 : -1000), step);
 }
 
-export function lookOf(test: MarchTest): Appearance {
+export function appearanceOf(test: MarchTest): Appearance {
   const flat: TransferFunction = {
     points: [
       { value: -500, colour: [0.2, 0.4, 0.6], extinction: test.extinction ?? 0 },

@@ -16,7 +16,7 @@ import type { MarkerState } from "../../src/gl/markers/markers";
 import { Picture } from "../../src/gl/picture/picture";
 import { ballSurface } from "../support/ball_surface";
 import { segment } from "../support/volumes";
-import { bricksOf, edge, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
+import { bricksOf, edge, fieldOf, appearanceOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 
 /** Markers of a test, over those of a probe at rest in the middle. */
 export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: readonly Vec3[] };
@@ -41,7 +41,7 @@ export interface ScreenTest {
   readonly scan: MarchTest;
   readonly markers?: MarkerTest;
   readonly jitter?: boolean;
-  /** Surfaces of balls, as segments look them. */
+  /** Surfaces of balls, as segments have them. */
   readonly surfaces?: readonly SurfaceTest[];
   /** Tissue is displaced from its voxels; "none" where a model is at work and nothing has moved. */
   readonly displaced?: DisplacedTest | "none";
@@ -82,11 +82,11 @@ export interface SurfaceTest {
   readonly sectors: number;
   /** From pole to pole. */
   readonly rings?: number;
-  readonly look: Partial<Segment>;
+  readonly appearance: Partial<Segment>;
 }
 
 export function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[]): void {
-  const segments = surfaces.map(({ look }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...look }));
+  const segments = surfaces.map(({ appearance }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...appearance }));
   picture.setSegments(segments);
   picture.changeSurfaces(
     surfaces.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
@@ -106,7 +106,7 @@ export async function refined(test: MarchTest, quality: Quality): Promise<{ read
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), quality });
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   const pixels = await finished(drawn);
   const { shown } = picture;
@@ -167,13 +167,13 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
     picture.resize(edge, edge);
   }
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   const view = viewOf(test, extent);
   picture.setCamera({ ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind }, extent);
   picture.setClip(test.clip ?? []);
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
-    picture.setGives(true);
+    picture.setDeforming(true);
     picture.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
   }
   if (markers !== undefined) {
@@ -193,7 +193,7 @@ export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ rea
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), frameBudget: 1e-3 });
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough([]) });
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
@@ -217,7 +217,7 @@ export async function withoutFrames(test: MarchTest, software: boolean): Promise
   const extent = outlineOf(test);
   const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
   // on a busy machine a piece may take longer than any pause
@@ -257,11 +257,11 @@ export async function turned(test: MarchTest, probes: readonly Vec3[], marks: re
     const drawn = pictureOf(false, true);
     drawn.picture.resize(size, size);
     drawn.picture.setScan(volume, bricksOf(volume, true));
-    drawn.picture.setLook(lookOf(test));
+    drawn.picture.setAppearance(appearanceOf(test));
     drawn.picture.setMarks(shown);
     return drawn;
   };
-  const look = (drawn: ReturnType<typeof pictureOf>, i: number): Promise<number[]> => {
+  const turnTo = (drawn: ReturnType<typeof pictureOf>, i: number): Promise<number[]> => {
     const probe = probes[i] ?? extent.centre;
     drawn.picture.setMarkers({ ...stillMarkers(probe), trail: trailThrough([]) });
     drawn.picture.setCamera(orbit(view, 0.4 * i, 0.1 * i), extent);
@@ -269,13 +269,13 @@ export async function turned(test: MarchTest, probes: readonly Vec3[], marks: re
   };
   const moved = begun(marks);
   for (const [i, probe] of probes.entries()) {
-    await look(moved, i);
+    await turnTo(moved, i);
     // it moves on while the view rests
     moved.picture.setMarkers({ ...stillMarkers(addScaled(probe, [0, 0, 1], 100)), trail: trailThrough([]) });
     await finished(moved);
   }
   const fresh = begun(marks);
-  const pixels = [await look(moved, 0), await look(fresh, 0)] as const;
+  const pixels = [await turnTo(moved, 0), await turnTo(fresh, 0)] as const;
   moved.picture.dispose();
   fresh.picture.dispose();
   return pixels;
@@ -288,7 +288,7 @@ async function atWork({ scan: test, surfaces = [] }: ScreenTest): Promise<Return
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   showSurfaces(picture, surfaces);
   await finished(drawn);

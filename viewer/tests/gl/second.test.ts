@@ -5,7 +5,7 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { transformPoint, transformVector, type Affine } from "../../src/core/geometry/affine";
 import { rayThrough } from "../../src/core/geometry/camera";
-import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../src/core/base/colour";
 import { throughBox } from "../../src/core/picking/pick_surface";
 import { frameOf } from "../../src/core/scan/scan_volume";
 import { scale, type Vec3 } from "../../src/core/geometry/vector";

@@ -49,7 +49,7 @@ const air: MarchTest = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerV
 
 test.each([
   ["of the scan", { scan: green }],
-  ["of a surface", { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { colour: [0, 1, 0] as const } }] }],
+  ["of a surface", { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { colour: [0, 1, 0] as const } }] }],
   ["orthographic", { scan: { ...green, orthographic: true } }],
 ] as const)("a transparent picture %s has the ball's outline across all tiles", async (_, what) => {
   const taken = await snapshot(what, true);

@@ -4,7 +4,7 @@
 import type { Camera, Extent } from "../../src/core/geometry/camera";
 import { firstStereo } from "../../src/core/view/stereo";
 import { addScaled } from "../../src/core/geometry/vector";
-import { bricksOf, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
+import { bricksOf, fieldOf, appearanceOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 import { finished, pictureOf, showSurfaces, type ScreenTest } from "./screen_page";
 
 /** A saved picture of a size, and the same pixels of the screen before and after; RGBA bytes, rows from the top. */
@@ -21,7 +21,7 @@ export async function snapshot(
   const view = viewOf(test, extent);
   const camera = { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind };
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(camera, extent);
   showSurfaces(picture, surfaces);
   const before = await finished(drawn);
@@ -45,7 +45,7 @@ export async function cancelled(test: MarchTest): Promise<string> {
   const extent = outlineOf(test);
   const camera = viewOf(test, extent);
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(camera, extent);
   while (!picture.hasPicture) {
     picture.advance(performance.now());

@@ -34,7 +34,7 @@ const front = lookFrom("A", extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 
 /** Each shows one thing in the middle of the scan. */
 const things: readonly (readonly [string, ScreenTest, (colour: Colour) => boolean])[] = [
   ["the scan", { scan: { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 } }, ([r, g]) => g > 40 && g > 1.6 * r],
-  ["a surface", { scan: air, surfaces: [{ centre: middle, radius: 8, sectors: 4, look: { colour: [1, 0, 0] } }] }, ([r, g]) => r > 40 && r > 1.6 * g],
+  ["a surface", { scan: air, surfaces: [{ centre: middle, radius: 8, sectors: 4, appearance: { colour: [1, 0, 0] } }] }, ([r, g]) => r > 40 && r > 1.6 * g],
   ["the probe", { scan: air, markers: { probe: middle, device: middle } }, ([r, , b]) => b > 120 && b > 1.3 * r],
 ];
 
@@ -114,7 +114,7 @@ test("an anaglyph of two equal pictures has their colours as least squares mix t
 });
 
 test("in an anaglyph the left eye's red stands at the right of what is before the screen", async () => {
-  const scene: ScreenTest = { scan: air, surfaces: [{ centre: middle, radius: 8, sectors: 4, look: { colour: [1, 1, 1] } }] };
+  const scene: ScreenTest = { scan: air, surfaces: [{ centre: middle, radius: 8, sectors: 4, appearance: { colour: [1, 1, 1] } }] };
   const redness = async (behind: number): Promise<number> => {
     const pixels = await show({ ...scene, stereo: { ...firstStereo, mode: "anaglyph", separation: 0.2 }, behind });
     const row = edge / 2;

@@ -10,17 +10,17 @@ import { decodeSurface } from "../../src/core/surfaces/surface_patches";
 import type { Vec3 } from "../../src/core/geometry/vector";
 import { FieldTexture } from "../../src/gl/textures/field_texture";
 import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures";
-import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { Surfaces } from "../../src/gl/surfaces/surfaces";
 import { ThreeCamera } from "../../src/gl/picture/three_camera";
 import { ballSurface } from "../support/ball_surface";
 import { segment } from "../support/volumes";
-import { edge, fieldOf, labelsOfBall, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
+import { edge, fieldOf, labelsOfBall, appearanceOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
 import type { SurfaceTest } from "./screen_page";
 
 function segmentsOf(balls: readonly SurfaceTest[]): Segment[] {
-  return balls.map(({ look }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...look }));
+  return balls.map(({ appearance }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...appearance }));
 }
 
 /** Surfaces and ray caster as the refiner drives them, for one view of the scan. */
@@ -33,7 +33,7 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher({ software: test.software ?? true, lightCells: 64 });
   marcher.setField(field, brickRanges(volume));
-  marcher.setLook(lookOf(test));
+  marcher.setAppearance(appearanceOf(test));
   const surfaces = new Surfaces(marcher, true);
   surfaces.setFrame(volume.frame);
   surfaces.setSegments(segmentsOf(balls), modes);
@@ -67,13 +67,13 @@ function drawnWith({ renderer, marcher, surfaces, picture }: Bench, stepsPerVoxe
   return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), ...tally };
 }
 
-/** Surfaces of segments that are balls of the scan, with all triangles, with few and with all again; one without a range is told by labels. */
+/** Surfaces of segments that are balls of the scan, with all triangles, with few and with all again; one without a range is known by its labels. */
 export function embodied(test: MarchTest, balls: readonly SurfaceTest[], modes: InsideModes): Detailed[] {
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const bench = surfaceBench(test, balls, view, modes);
   const { marcher, volume, close } = bench;
   const segments = segmentsOf(balls);
-  marcher.setLook({ ...lookOf(test), ranges: rangesInside(shownRanges(segments, volume.frame.rescale), modes) });
+  marcher.setAppearance({ ...appearanceOf(test), ranges: rangesInside(shownRanges(segments, volume.frame.rescale), modes) });
   marcher.setClip(test.clip ?? []);
   bench.surfaces.setClip(test.clip ?? []);
   if (segments.some(({ range }) => range === null)) {

@@ -35,7 +35,7 @@ function pixelAt(pixels: readonly number[], x: number, y: number): readonly [num
 
 const air: MarchTest = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0 };
 const middle: Vec3 = [24, 24, 24];
-const red: SurfaceTest = { centre: middle, radius: 12, sectors: 4, look: { colour: [1, 0, 0] } };
+const red: SurfaceTest = { centre: middle, radius: 12, sectors: 4, appearance: { colour: [1, 0, 0] } };
 
 const camera = lookFrom("A", extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? 48 : 0, i & 2 ? 48 : 0, i & 4 ? 48 : 0])), viewport);
 
@@ -72,8 +72,8 @@ function differing(one: readonly number[], other: readonly number[], most: numbe
 
 /** A green ball of the scan itself, of 14 mm. */
 const green: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 };
-const bone: Partial<SurfaceTest["look"]> = { colour: [0, 1, 0], range: [0, 32767] };
-const redDot = (y: number, opacity = 1): SurfaceTest => ({ centre: [24, y, 24], radius: 4, sectors: 4, look: { colour: [1, 0, 0], opacity } });
+const bone: Partial<SurfaceTest["appearance"]> = { colour: [0, 1, 0], range: [0, 32767] };
+const redDot = (y: number, opacity = 1): SurfaceTest => ({ centre: [24, y, 24], radius: 4, sectors: 4, appearance: { colour: [1, 0, 0], opacity } });
 const centre = edge / 2;
 
 test("of a surface and the scan the nearer one is seen", async () => {
@@ -105,7 +105,7 @@ test("tissue before a surface veils it, tissue behind does not", async () => {
 
 test("a ball drawn as a surface looks like the ball drawn from its voxels", async () => {
   const hidden: MarchTest = { ...green, segment: "hidden" };
-  const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, look: bone };
+  const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, appearance: bone };
   const [voxels, surface] = [await show({ scan: green }), await show({ scan: hidden, surfaces: [ball] })];
   const inside = (i: number): boolean => Math.hypot((i % edge) + 0.5 - centre, Math.floor(i / edge) + 0.5 - centre) < outlineRadius(13);
   const differences = Array.from({ length: edge * edge }, (_, i) => i)
@@ -118,7 +118,7 @@ test("a ball drawn as a surface looks like the ball drawn from its voxels", asyn
 
 test.each([1, 0.5])("seams between patches do not show, opacity %d", async (opacity) => {
   const cut = async (sectors: number): Promise<number[]> =>
-    show({ scan: green, surfaces: [{ centre: middle, radius: 17, sectors, look: { colour: [1, 0, 0], opacity } }] });
+    show({ scan: green, surfaces: [{ centre: middle, radius: 17, sectors, appearance: { colour: [1, 0, 0], opacity } }] });
   // boxes of other sizes move a vertex by up to 0.3 µm, which may turn the odd pixel at an edge
   expect(differing(await cut(1), await cut(16), 6)).toBeLessThan(8);
 });
@@ -138,14 +138,14 @@ test("a translucent surface lets the scan behind it through, as much as its opac
 
 test("a translucent surface behind the scan or behind an opaque surface is not seen", async () => {
   expect(differing(await show({ scan: green }), await show({ scan: green, surfaces: [redDot(42, 0.5)] }), 3)).toBe(0);
-  const blue: SurfaceTest = { centre: [24, 6, 24], radius: 6, sectors: 2, look: { colour: [0, 0, 1] } };
+  const blue: SurfaceTest = { centre: [24, 6, 24], radius: 6, sectors: 2, appearance: { colour: [0, 0, 1] } };
   const covered = await show({ scan: green, surfaces: [blue, redDot(6, 0.5)] });
   expect(differing(await show({ scan: green, surfaces: [blue] }), covered, 3)).toBe(0);
 });
 
 test("translucent surfaces in one another look the same in whatever order they are listed", async () => {
-  const outer: SurfaceTest = { centre: middle, radius: 12, sectors: 4, look: { colour: [0, 0, 1], opacity: 0.4 } };
-  const inner: SurfaceTest = { centre: middle, radius: 6, sectors: 4, look: { colour: [1, 0, 0], opacity: 0.6 } };
+  const outer: SurfaceTest = { centre: middle, radius: 12, sectors: 4, appearance: { colour: [0, 0, 1], opacity: 0.4 } };
+  const inner: SurfaceTest = { centre: middle, radius: 6, sectors: 4, appearance: { colour: [1, 0, 0], opacity: 0.6 } };
   const [one, other] = [await show({ scan: air, surfaces: [outer, inner] }), await show({ scan: air, surfaces: [inner, outer] })];
   expect(differing(one, other, 2)).toBe(0);
   const [r, , b] = pixelAt(one, centre, centre);
@@ -155,9 +155,9 @@ test("translucent surfaces in one another look the same in whatever order they a
 });
 
 test("each surface has its own ambient and specular light", async () => {
-  const ball = (x: number, look: SurfaceTest["look"]): SurfaceTest => ({ centre: [x, 24, 24], radius: 8, sectors: 4, look: { colour: [1, 0, 0], ...look } });
-  const middles = async (look: SurfaceTest["look"]): Promise<readonly [number, number]> => {
-    const pixels = await show({ scan: air, surfaces: [ball(12, look), ball(36, {})] });
+  const ball = (x: number, appearance: SurfaceTest["appearance"]): SurfaceTest => ({ centre: [x, 24, 24], radius: 8, sectors: 4, appearance: { colour: [1, 0, 0], ...appearance } });
+  const middles = async (appearance: SurfaceTest["appearance"]): Promise<readonly [number, number]> => {
+    const pixels = await show({ scan: air, surfaces: [ball(12, appearance), ball(36, {})] });
     const brightest = (from: number): number => {
       const places = Array.from({ length: edge * (edge / 2) }, (_, i) => pixelAt(pixels, from + (i % (edge / 2)), Math.floor(i / (edge / 2))));
       // green of a red ball is its highlight
@@ -172,7 +172,7 @@ test("each surface has its own ambient and specular light", async () => {
 });
 
 test("a wireframe is lines between which one looks through", async () => {
-  const ball = (wireframe: boolean): SurfaceTest => ({ centre: middle, radius: 20, sectors: 4, rings: 8, look: { colour: [1, 0, 0], wireframe } });
+  const ball = (wireframe: boolean): SurfaceTest => ({ centre: middle, radius: 20, sectors: 4, rings: 8, appearance: { colour: [1, 0, 0], wireframe } });
   const reds = async (wireframe: boolean): Promise<number> => {
     const pixels = await show({ scan: green, surfaces: [ball(wireframe)] });
     return Array.from({ length: edge * edge }, (_, i) => pixelAt(pixels, i % edge, Math.floor(i / edge))).filter(isRed).length;
@@ -185,7 +185,7 @@ test("a wireframe is lines between which one looks through", async () => {
 test("a segment stands where its pose puts it", async () => {
   // a quarter turn about z, then 6 mm up: (24, 14, 24) comes to (34, 24, 30)
   const pose = [0, -1, 0, 48, 1, 0, 0, 0, 0, 0, 1, 6, 0, 0, 0, 1];
-  const posed = await show({ scan: air, surfaces: [{ ...redDot(14), look: { colour: [1, 0, 0], pose } }] });
+  const posed = await show({ scan: air, surfaces: [{ ...redDot(14), appearance: { colour: [1, 0, 0], pose } }] });
   const there = await show({ scan: air, surfaces: [{ ...redDot(14), centre: [34, 24, 30] }] });
   // the ball's own columns have turned with it: facets at its outline
   expect(differing(posed, there, 30)).toBeLessThan(15);
@@ -193,8 +193,8 @@ test("a segment stands where its pose puts it", async () => {
 
 test("hidden segments, and those of no opacity, draw no surface", async () => {
   const none = await show({ scan: green });
-  for (const look of [{ visible: false }, { opacity: 0 }, { shown_as: "volume" as const }]) {
-    expect(differing(none, await show({ scan: green, surfaces: [{ ...redDot(8), look }] }), 0)).toBe(0);
+  for (const appearance of [{ visible: false }, { opacity: 0 }, { shown_as: "volume" as const }]) {
+    expect(differing(none, await show({ scan: green, surfaces: [{ ...redDot(8), appearance }] }), 0)).toBe(0);
   }
 });
 
@@ -209,7 +209,7 @@ test("averaged pictures smooth the outline of a surface and leave the rest", asy
 test("patches outside of the view are not drawn", async () => {
   const triangles = (target: Vec3, away: number): Promise<number> =>
     browser.page.evaluate(
-      ([t, a]) => window.glTests?.drawnTriangles({ centre: [24, 24, 24], radius: 12, sectors: 16, look: {} }, t, a) ?? Promise.reject(new Error("no page")),
+      ([t, a]) => window.glTests?.drawnTriangles({ centre: [24, 24, 24], radius: 12, sectors: 16, appearance: {} }, t, a) ?? Promise.reject(new Error("no page")),
       [target, away] as const,
     );
   // 32 rings of 64 columns, two triangles each
@@ -247,7 +247,7 @@ test.each([[2, 48], [3, 7], [4, 1]])("at 1/%d of the resolution, in strips of %d
 
 test("voxels around a surface shade it, but not in a picture in haste", async () => {
   // all of the scan's values are in the one range, none in the other
-  const of = (range: readonly [number, number]): SurfaceTest => ({ ...red, look: { colour: [1, 0, 0], range } });
+  const of = (range: readonly [number, number]): SurfaceTest => ({ ...red, appearance: { colour: [1, 0, 0], range } });
   const [around, alone] = [of([-30_000, 30_000]), of([29_000, 30_000])];
   const redness = async (stepsPerVoxel: number, ball: SurfaceTest): Promise<number> => {
     const pixels = await browser.page.evaluate(
@@ -264,7 +264,7 @@ test("voxels around a surface shade it, but not in a picture in haste", async ()
 test.each([1, 0.7])("the probe is plain before a surface and a ghost behind it, opacity %d", async (opacity) => {
   const probeAt = async (y: number): Promise<number> => {
     const probe: Vec3 = [24, y, 24];
-    const surfaces = [{ ...red, look: { colour: [0.5, 0, 0] as const, opacity } }];
+    const surfaces = [{ ...red, appearance: { colour: [0.5, 0, 0] as const, opacity } }];
     const pixels = await show({ scan: air, surfaces, markers: { probe, device: probe, pixel: 0.5 } });
     return pixelAt(pixels, centre, centre)[2];
   };
@@ -288,8 +288,8 @@ test.each([
 
 test.each([1, 0.5])("with few triangles surfaces look nearly the same, with all of them the same, opacity %d", async (opacity) => {
   // nothing tells of their voxels: no body can stand for them
-  const look = { colour: [1, 0, 0] as const, opacity, range: null };
-  const balls: SurfaceTest[] = [{ centre: middle, radius: 17, sectors: 4, rings: 96, look }, { centre: [24, 6, 24], radius: 4, sectors: 1, rings: 96, look }];
+  const appearance = { colour: [1, 0, 0] as const, opacity, range: null };
+  const balls: SurfaceTest[] = [{ centre: middle, radius: 17, sectors: 4, rings: 96, appearance }, { centre: [24, 6, 24], radius: 4, sectors: 1, rings: 96, appearance }];
   const pictures = await browser.page.evaluate(([scan, b]) => window.glTests?.detailed(scan, b) ?? Promise.reject(new Error("no page")), [green, balls] as const);
   const { all, few, inParts, partly, edited, later, again } = pictures;
   expect(few.all).toBe(all.drawn);
@@ -310,8 +310,8 @@ test.each([1, 0.5])("with few triangles surfaces look nearly the same, with all 
   }
 });
 
-const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, rings: 96, look: { colour: [1, 0, 0], range: [0, 1000] } };
-const like = (look: SurfaceTest["look"]): SurfaceTest => ({ ...ball, look: { ...ball.look, ...look } });
+const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, rings: 96, appearance: { colour: [1, 0, 0], range: [0, 1000] } };
+const like = (appearance: SurfaceTest["appearance"]): SurfaceTest => ({ ...ball, appearance: { ...ball.appearance, ...appearance } });
 
 async function embodied(scan: MarchTest, balls: readonly SurfaceTest[], modes: InsideModes = {}): Promise<[Detailed, Detailed, Detailed]> {
   const pictures = await browser.page.evaluate(
@@ -330,8 +330,8 @@ const labelled = { range: null };
 // labels tell too, and are as its values say
 const edited = { range: null, made_by: [0, 1000] } as const;
 // values rise by 400 for each mm toward the middle
-const inner: SurfaceTest = { ...ball, radius: 12, look: { colour: [0, 0, 1], range: [800, 1000] } };
-const innerSeenThrough: SurfaceTest = { ...inner, look: { ...inner.look, opacity: 0.6 } };
+const inner: SurfaceTest = { ...ball, radius: 12, appearance: { colour: [0, 0, 1], range: [800, 1000] } };
+const innerSeenThrough: SurfaceTest = { ...inner, appearance: { ...inner.appearance, opacity: 0.6 } };
 const seenThrough = { opacity: 0.5 };
 const both = { shown_as: "both" } as const;
 
@@ -377,8 +377,8 @@ test.each([
   ["it was moved", inBall, { pose: [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0] }, {}],
   ["its voxels are drawn as the scan beside it", inTissue, both, { 1: "plain" }],
   ["voxels of segments are values like others", { ...inBall, optics: { blend: "mip" } }, {}, {}],
-] as const)("no body stands for a surface where %s", async (_, scan, look, modes) => {
-  const [all, few] = await embodied(scan, [like(look)], modes);
+] as const)("no body stands for a surface where %s", async (_, scan, appearance, modes) => {
+  const [all, few] = await embodied(scan, [like(appearance)], modes);
   expect(few.drawn).toBe(all.drawn);
   expect(few.pixels).toEqual(all.pixels);
 });

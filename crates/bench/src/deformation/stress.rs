@@ -15,9 +15,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
 use palpate_engine::error::SessionError;
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::servo::device_loop::DeviceLoop;
-use palpate_haptics::safety::SafetySettings;
+use palpate_engine::servo::{DeviceLoop, TickRecord};
+use palpate_haptics::force::SafetySettings;
 use palpate_haptics::soft_contact;
 use rayon::prelude::*;
 

@@ -5,11 +5,10 @@
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_deform::material::preset;
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_engine::error::SessionError;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::TouchFeel;
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_engine::touch::{Settings, TouchFeel};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

@@ -7,8 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use glam::DVec3;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Proxy};
 
 use super::ground::Ground;
 use super::stroke::touched_point;

@@ -4,11 +4,10 @@
 //! the surface and keeps the depth. Nothing is repeated. Frame: scene [mm].
 
 use glam::DVec3;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Exact, Proxy};
+use palpate_haptics::force::Uniform;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::Smoothing;
-use palpate_haptics::surface::Uniform;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;

@@ -3,7 +3,7 @@
 //! Frames: the world's grid; the scene [mm] where a name says so.
 
 use glam::{DAffine3, DVec3, IVec3};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::tick::TickOutput;
 use palpate_volume::voxel_box::VoxelBox;
 

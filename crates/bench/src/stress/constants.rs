@@ -1,7 +1,7 @@
 //! What is constant in a run, for those who check it.
 
 use glam::{DMat3, DVec3};
-use palpate_haptics::safety::ForceLimits;
+use palpate_haptics::force::ForceLimits;
 
 use super::felt::Felt;
 

@@ -1,9 +1,8 @@
 //! What tests of the checkers have in common: a wall at x = 8 of the grid and a device in it.
 
 use glam::{DMat3, DVec3};
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::proxy::Proxy;
-use palpate_haptics::safety::ForceLimits;
+use palpate_haptics::contact::Proxy;
+use palpate_haptics::force::{Coupling, ForceLimits};
 use palpate_haptics::tick::TickOutput;
 
 use super::constants::Constants;

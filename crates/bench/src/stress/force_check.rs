@@ -3,7 +3,7 @@
 //! Frames: the world's grid for places; the scene for forces [N] and the spring [mm].
 
 use glam::DVec3;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::tick::TickOutput;
 
 use super::constants::Constants;

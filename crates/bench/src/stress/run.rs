@@ -5,16 +5,11 @@ mod changes;
 use std::ops::Range;
 
 use glam::DVec3;
-use palpate_engine::touch::contact_model::{LimitedModel, Model};
-use palpate_haptics::ball::BallShape;
-use palpate_haptics::ball_limits::ball_limits;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::ExactLimits;
-use palpate_haptics::moving::PoseMotion;
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
-use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::surface::{Surface, Uniform};
+use palpate_engine::touch::{LimitedModel, Model};
+use palpate_haptics::admission::{PoseMotion, nearest_free};
+use palpate_haptics::ball::{BallShape, ball_limits};
+use palpate_haptics::contact::{ContactModel, ExactLimits, Proxy};
+use palpate_haptics::force::{ForceLimits, Safety, Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
@@ -312,8 +307,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
 mod tests {
     use std::cell::Cell;
 
-    use palpate_haptics::contact::Contact;
-    use palpate_haptics::exact::Exact;
+    use palpate_haptics::contact::{Contact, Exact};
     use palpate_haptics::scene::TouchScene;
     use palpate_volume::occupancy::Occupancy;
 

@@ -3,8 +3,10 @@
 //! A bond of stiffness k and rest length l between nodes r apart pulls with k · (r - l). Its
 //! energy is k/2 · (r - l)². Broken bonds and those to nodes that do not exist have k = 0.
 
+use palpate_volume::simd_dispatch;
+
 use super::layout::{CHUNK, FAMILIES, FAMILY_COUNT, Layout};
-use super::vectors::{Field, Lanes, lanes, lanes_mut, widest};
+use super::vectors::{Field, Lanes, lanes, lanes_mut};
 
 /// All bonds of a box. Shape of each array [nodes], at the lower node.
 #[derive(Clone, Debug)]
@@ -43,7 +45,7 @@ pub(super) fn rest_length(family: usize, spacing: f64) -> f64 {
     spacing * (x * x + y * y + z * z).sqrt()
 }
 
-widest! {
+simd_dispatch! {
     /// Adds the force of every bond [N] to both of its nodes, from their displacements [mm].
     pub(super) fn add_bond_forces(
         layout: &Layout,
@@ -51,7 +53,7 @@ widest! {
         bonds: &Bonds,
         moved: &Field,
         force: &mut Field,
-    ) = add_bond_forces_body
+    ) = [avx512, avx2] add_bond_forces_body
 }
 
 #[inline(always)]

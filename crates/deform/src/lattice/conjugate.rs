@@ -2,17 +2,19 @@
 //! change is linear.
 //!
 //! Conjugate gradients with each node's own stiffness and the coarse level as preconditioner, so
-//! that soft and hard matter come to rest equally fast, and large boxes as fast as small ones. The
+//! that soft and hard tissue come to rest equally fast, and large boxes as fast as small ones. The
 //! change of the forces along a direction is told by their difference over a short way along it; no
 //! matrix is built. Chunks of nodes of which none moves, as air and bone, are passed over.
 //! Source: Nocedal & Wright, Numerical Optimization (2006), algorithms 5.3 and 7.1.
 
+use palpate_volume::simd_dispatch;
+
 use super::coarse::{Coarse, CoarseFactor};
 use super::layout::CHUNK;
 use super::nodes::Lattice;
-use super::vectors::{Field, Lanes, lanes, lanes_mut, widest, zero_field};
+use super::vectors::{Field, Lanes, lanes, lanes_mut, zero_field};
 
-/// How far the farthest node goes to see how forces change [spacings].
+/// Largest displacement of a node when the change of forces is probed [spacings].
 const PROBE: f64 = 1e-4;
 
 /// What eases a problem: a guess of where forces bring the nodes.
@@ -25,7 +27,7 @@ pub(super) struct Easing<'a> {
 }
 
 impl<'a> Easing<'a> {
-    /// With the coarse level of a lattice, where it has one.
+    /// A preconditioner with the coarse level of a lattice, where it has one.
     pub fn of(mobility: &'a Field, lattice: &'a Lattice, factor: &'a CoarseFactor) -> Self {
         let coarse = lattice.coarse.as_ref();
         Self {
@@ -48,7 +50,7 @@ pub(super) struct Conjugate {
     /// Forces that are left after it.
     left: Field,
     direction: Field,
-    /// How fast the forces fall along the direction.
+    /// Decrease of the forces along the direction.
     fall: Field,
     /// Where the forces that are left would bring the nodes.
     response: Field,
@@ -58,7 +60,7 @@ pub(super) struct Conjugate {
     /// Force squared at the beginning [N²].
     first_left: f64,
     scale: f64,
-    /// Of the step, along an axis [mm].
+    /// Largest component of the step [mm].
     longest: f64,
 }
 
@@ -157,7 +159,7 @@ impl Conjugate {
 pub(super) struct Sums {
     /// Forces left, squared, by mobility.
     weight: f64,
-    /// The same as they are [N²].
+    /// Sum of squares of the residual forces themselves [N²].
     left: f64,
     /// The longest step along an axis [mm].
     longest: f64,
@@ -198,7 +200,7 @@ fn longest(chunks: &[usize], field: &Field) -> f64 {
     most.into_iter().fold(0.0, f64::max)
 }
 
-widest! {
+simd_dispatch! {
     /// place + share · direction.
     fn place_along(
         chunks: &[usize],
@@ -206,7 +208,7 @@ widest! {
         share: f64,
         direction: &Field,
         moved: &mut Field,
-    ) = place_along_body
+    ) = [avx512, avx2] place_along_body
 }
 
 #[inline(always)]
@@ -228,9 +230,10 @@ fn place_along_body(
     }
 }
 
-widest! {
-    /// How the forces fall along the direction, and how much of that is along it.
-    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64) = look_body
+simd_dispatch! {
+    /// Decrease of the forces along the direction, and its component along the direction.
+    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64)
+        = [avx512, avx2] look_body
 }
 
 #[inline(always)]
@@ -256,9 +259,10 @@ fn look_body(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &m
     *along = sums.iter().sum();
 }
 
-widest! {
+simd_dispatch! {
     /// Goes so many directions on, and adds up what is left.
-    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums) = descend_body
+    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums)
+        = [avx512, avx2] descend_body
 }
 
 #[inline(always)]
@@ -298,9 +302,9 @@ fn descend_body(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut 
     };
 }
 
-widest! {
+simd_dispatch! {
     /// The next direction: the response, and a share of the one before.
-    fn turn(share: f64, problem: &mut Conjugate) = turn_body
+    fn turn(share: f64, problem: &mut Conjugate) = [avx512, avx2] turn_body
 }
 
 #[inline(always)]
@@ -316,9 +320,9 @@ fn turn_body(share: f64, problem: &mut Conjugate) {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// The sum of all products.
-    fn dot(chunks: &[usize], first: &Field, second: &Field, sum: &mut f64) = dot_body
+    fn dot(chunks: &[usize], first: &Field, second: &Field, sum: &mut f64) = [avx512, avx2] dot_body
 }
 
 #[inline(always)]

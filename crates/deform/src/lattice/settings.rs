@@ -1,9 +1,8 @@
 //! How the lattice works, as it is chosen.
 
 use super::inelastic::InelasticSettings;
-use crate::model_options::ModelOptions;
 
-/// How the lattice works.
+/// Settings of the lattice model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeSettings {
     /// Nodes along each edge of the box, odd, 5 to 101.
@@ -12,9 +11,9 @@ pub struct LatticeSettings {
     pub spacing: Option<f64>,
     /// Unbalanced force at rest, as a share of the tools' force.
     pub tolerance: f64,
-    /// What does not come back.
+    /// Breaking, yielding and relaxation of stress.
     pub inelastic: InelasticSettings,
-    /// What the scan reads where the tool is in matter, in its own unit.
+    /// What the scan reads where the tool is in tissue, in its own unit.
     pub air: f64,
 }
 
@@ -26,22 +25,6 @@ impl Default for LatticeSettings {
             tolerance: 1e-3,
             inelastic: InelasticSettings::default(),
             air: -1000.0,
-        }
-    }
-}
-
-impl LatticeSettings {
-    /// The default settings, but for what is chosen.
-    #[must_use]
-    pub fn of(options: &ModelOptions) -> Self {
-        let usual = Self::default();
-        Self {
-            nodes: options.edge.unwrap_or(usual.nodes),
-            inelastic: InelasticSettings {
-                yield_strain: options.yield_strain,
-                prony: options.prony,
-            },
-            ..usual
         }
     }
 }

@@ -1,43 +1,4 @@
-//! Functions compiled for the widest vectors that the machine has.
-//!
-//! The body is the same and no multiplication is joined with an addition, so that all widths
-//! give the same bits.
-
-/// Compiles `$body` as `$name` for plain, 256- and 512-bit vectors, and calls the widest that runs.
-macro_rules! widest {
-    ($(#[$doc:meta])* $visible:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?) = $body:ident) => {
-        $(#[$doc])*
-        $visible fn $name($($argument: $type),*) {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[target_feature(enable = "avx2")]
-                fn avx2($($argument: $type),*) {
-                    $body($($argument),*);
-                }
-                #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-                fn avx512($($argument: $type),*) {
-                    $body($($argument),*);
-                }
-                if is_x86_feature_detected!("avx512f")
-                    && is_x86_feature_detected!("avx512vl")
-                    && is_x86_feature_detected!("avx512dq")
-                {
-                    // SAFETY: the machine has these instructions, as was just asked.
-                    unsafe { avx512($($argument),*) };
-                    return;
-                }
-                if is_x86_feature_detected!("avx2") {
-                    // SAFETY: the machine has these instructions, as was just asked.
-                    unsafe { avx2($($argument),*) };
-                    return;
-                }
-            }
-            $body($($argument),*);
-        }
-    };
-}
-
-pub(super) use widest;
+//! A number or a vector for each node: fields, and chunks of them that one vector instruction takes.
 
 use glam::DVec3;
 

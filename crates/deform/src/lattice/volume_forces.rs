@@ -4,8 +4,10 @@
 //! that at rest; the energy is λv/2 · (J - 1)² · h³. It does not feel rotation, and its force is
 //! the exact gradient, so that nothing is gained or lost on a way around.
 
+use palpate_volume::simd_dispatch;
+
 use super::layout::{CHUNK, Layout};
-use super::vectors::{Field, Lanes, lanes, lanes_mut, widest};
+use super::vectors::{Field, Lanes, lanes, lanes_mut};
 
 /// The cells of a box, each kept at its lowest node.
 #[derive(Clone, Debug)]
@@ -35,7 +37,7 @@ impl Cells {
     }
 }
 
-/// From the lowest node of a cell to each of its nodes, x fastest.
+/// Offsets in memory from the lowest node of a cell to each of its nodes, x fastest.
 pub(super) fn corners(layout: &Layout) -> [usize; 8] {
     std::array::from_fn(|corner| {
         (corner & 1) + (corner >> 1 & 1) * layout.row() + (corner >> 2) * layout.plane()
@@ -48,7 +50,7 @@ fn side(corner: usize, axis: usize) -> f64 {
     if corner >> axis & 1 == 1 { 1.0 } else { -1.0 }
 }
 
-widest! {
+simd_dispatch! {
     /// Adds the force of every cell's pressure [N] to its nodes, from their displacements [mm].
     pub(super) fn add_volume_forces(
         layout: &Layout,
@@ -56,7 +58,7 @@ widest! {
         cells: &Cells,
         moved: &Field,
         force: &mut Field,
-    ) = add_volume_forces_body
+    ) = [avx512, avx2] add_volume_forces_body
 }
 
 #[inline(always)]

@@ -13,38 +13,6 @@ pub(crate) use super::lanes_x86::{Halves, Wide};
 /// Lanes of every kind.
 pub const LANES: usize = 8;
 
-/// Which registers to compute in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Registers {
-    /// The widest that the machine has.
-    #[default]
-    Best,
-    /// AVX-512, where there is.
-    Avx512,
-    /// AVX2 and FMA, where there is.
-    Avx2,
-    /// Those that every machine has.
-    Plain,
-}
-
-impl Registers {
-    /// Never more than the machine has, and never `Best`.
-    pub(crate) fn there(self) -> Self {
-        #[cfg(target_arch = "x86_64")]
-        {
-            let wide = matches!(self, Self::Best | Self::Avx512);
-            if wide && is_x86_feature_detected!("avx512f") {
-                return Self::Avx512;
-            }
-            let fused = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-            if self != Self::Plain && fused {
-                return Self::Avx2;
-            }
-        }
-        Self::Plain
-    }
-}
-
 /// Eight doubles and what the pair loop does with them. A mask has one bit per lane.
 pub trait Lanes: Copy {
     fn splat(value: f64) -> Self;

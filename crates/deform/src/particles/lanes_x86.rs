@@ -17,7 +17,7 @@ pub(crate) struct Wide(arch::__m512d);
 macro_rules! intrinsic {
     ($call:expr) => {
         // SAFETY: values of this type exist only in functions compiled for the feature and
-        // entered after the processor had been asked for it (see `pair_force::accumulate`)
+        // entered after the processor had been asked for it (see `simd_dispatch`)
         unsafe { $call }
     };
 }

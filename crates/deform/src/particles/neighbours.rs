@@ -8,9 +8,11 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use palpate_volume::simd_dispatch;
+use palpate_volume::simd_dispatch::SimdLevel;
 
 use super::cells::Cells;
-use super::lanes::{LANES, Lanes, Plain, Registers, Wrap, squared_length};
+use super::lanes::{LANES, Lanes, Plain, Wrap, squared_length};
 use super::space::Space;
 use super::state::Site;
 
@@ -26,7 +28,7 @@ pub struct NeighbourList {
     built_at: Vec<DVec3>,
     builds: u64,
     rows: Vec<Range<usize>>,
-    registers: Registers,
+    simd: SimdLevel,
 }
 
 impl NeighbourList {
@@ -42,17 +44,17 @@ impl NeighbourList {
             built_at: Vec::new(),
             builds: 0,
             rows: Vec::new(),
-            registers: Registers::Best,
+            simd: SimdLevel::widest(),
         }
     }
 
-    /// Searches in these registers; the lists are the same.
-    pub fn with_registers(mut self, registers: Registers) -> Self {
-        self.registers = registers;
+    /// Searches with no wider an instruction set; the lists are the same.
+    pub fn with_simd(mut self, simd: SimdLevel) -> Self {
+        self.simd = simd;
         self
     }
 
-    /// How often the lists were built.
+    /// Number of times that the lists were built.
     pub fn builds(&self) -> u64 {
         self.builds
     }
@@ -114,29 +116,12 @@ impl NeighbourList {
     }
 }
 
-/// Fills the lists.
-fn search(list: &mut NeighbourList) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use super::lanes::{Halves, Wide};
-
-        #[target_feature(enable = "avx512f")]
-        fn wide(list: &mut NeighbourList) {
-            search_with::<Wide>(list);
-        }
-        #[target_feature(enable = "avx2,fma")]
-        fn halves(list: &mut NeighbourList) {
-            search_with::<Halves>(list);
-        }
-        match list.registers.there() {
-            // SAFETY: `there` gives only registers that the machine has
-            Registers::Avx512 => return unsafe { wide(list) },
-            // SAFETY: as above
-            Registers::Avx2 => return unsafe { halves(list) },
-            _ => {}
-        }
-    }
-    search_with::<Plain>(list);
+simd_dispatch! {
+    /// Fills the lists.
+    fn search(list: &mut NeighbourList) = [
+        avx512 => search_with::<super::lanes::Wide>,
+        avx2 => search_with::<super::lanes::Halves>
+    ] search_with::<Plain>, at list.simd
 }
 
 // loops and no closures: code in a closure would not be compiled for the wide registers

@@ -5,9 +5,11 @@
 //! both its particles the same force with opposite sign, to the last bit.
 
 use glam::DVec3;
+use palpate_volume::simd_dispatch;
+use palpate_volume::simd_dispatch::SimdLevel;
 use rayon::prelude::*;
 
-use super::lanes::{Lanes, Plain, Registers, Wrap, squared_length};
+use super::lanes::{Lanes, Plain, Wrap, squared_length};
 use super::neighbours::NeighbourList;
 use super::pair_laws::LaneLaw;
 use super::space::Space;
@@ -33,10 +35,10 @@ pub struct PairOptions {
     pub depth: Option<f64>,
     /// Whether sums are wanted too.
     pub sums: bool,
-    /// On which threads.
+    /// Threads that compute.
     pub workers: Workers,
-    /// In which registers.
-    pub registers: Registers,
+    /// The widest instruction set to compute in; the machine's own by default.
+    pub simd: SimdLevel,
 }
 
 /// Sums over all pairs, each counted once.
@@ -68,6 +70,8 @@ struct Pairs<'a, L> {
     list: &'a NeighbourList,
     /// D where all pairs have the same.
     depth: Option<f64>,
+    /// Whether sums are wanted too.
+    sums: bool,
 }
 
 /// Sets the force on each particle that is free along any axis to the sum of its pair forces;
@@ -93,21 +97,16 @@ pub fn pair_forces<L: LaneLaw>(
         list.particle_count(),
         "lists of other particles"
     );
-    let depth = options.depth;
     let pairs = Pairs {
         law,
         sites,
         free,
         list,
-        depth,
+        depth: options.depth,
+        sums: options.sums,
     };
-    let registers = options.registers.there();
     let task = |(number, forces): (usize, &mut [DVec3])| {
-        if options.sums {
-            pairs.accumulate::<true>(number * TASK, forces, registers)
-        } else {
-            pairs.accumulate::<false>(number * TASK, forces, registers)
-        }
+        accumulate(&pairs, number * TASK, forces, options.simd)
     };
     match options.workers {
         Workers::One => {
@@ -122,38 +121,35 @@ pub fn pair_forces<L: LaneLaw>(
     }
 }
 
-impl<L: LaneLaw> Pairs<'_, L> {
+simd_dispatch! {
     /// Forces of the particles from `first` on.
-    fn accumulate<const SUMS: bool>(
-        &self,
+    fn accumulate[L: LaneLaw](
+        pairs: &Pairs<'_, L>,
         first: usize,
         forces: &mut [DVec3],
-        registers: Registers,
-    ) -> PairSums {
-        match registers {
-            // SAFETY: `there` gives only registers that the machine has
-            #[cfg(target_arch = "x86_64")]
-            Registers::Avx512 => unsafe { self.wide::<SUMS>(first, forces) },
-            // SAFETY: as above
-            #[cfg(target_arch = "x86_64")]
-            Registers::Avx2 => unsafe { self.halves::<SUMS>(first, forces) },
-            _ => self.choose::<Plain, SUMS>(first, forces),
-        }
-    }
+        simd: SimdLevel,
+    ) -> PairSums = [
+        avx512 => accumulate_with::<super::lanes::Wide, L>,
+        avx2 => accumulate_with::<super::lanes::Halves, L>
+    ] accumulate_with::<Plain, L>, at simd
+}
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f")]
-    fn wide<const SUMS: bool>(&self, first: usize, forces: &mut [DVec3]) -> PairSums {
-        self.choose::<super::lanes::Wide, SUMS>(first, forces)
+#[inline(always)]
+fn accumulate_with<V: Lanes, L: LaneLaw>(
+    pairs: &Pairs<'_, L>,
+    first: usize,
+    forces: &mut [DVec3],
+    _: SimdLevel,
+) -> PairSums {
+    if pairs.sums {
+        pairs.choose::<V, true>(first, forces)
+    } else {
+        pairs.choose::<V, false>(first, forces)
     }
+}
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn halves<const SUMS: bool>(&self, first: usize, forces: &mut [DVec3]) -> PairSums {
-        self.choose::<super::lanes::Halves, SUMS>(first, forces)
-    }
-
-    /// A loop without what this space and matter do not need.
+impl<L: LaneLaw> Pairs<'_, L> {
+    /// A loop without what this space and these materials do not need.
     #[inline(always)]
     fn choose<V: Lanes, const SUMS: bool>(&self, first: usize, forces: &mut [DVec3]) -> PairSums {
         let periodic = self.list.space() != Space::Open;

@@ -1,14 +1,12 @@
 //! A soft block in a small scan, a model and its tool, as tests of voxels share them.
-#![allow(dead_code, reason = "each test file uses its part")]
-
 use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3, IVec3};
-use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, SolidSi};
+use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, SolidSi};
 use palpate_deform::model::{
-    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState, model_from_name,
+    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::{ModelOptions, model_from_name};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -63,7 +61,7 @@ impl Bench {
         let block = Segment::from_fn(dimensions, |voxel| voxel.z < top);
         assert_eq!(voxels.add_segment(block).expect("a free number"), BLOCK);
         let materials = Materials {
-            segments: vec![SegmentMatter {
+            segments: vec![SegmentMaterial {
                 segment: BLOCK,
                 law: MaterialLaw::constant(solid).expect("matter"),
                 regions: Vec::new(),
@@ -101,9 +99,9 @@ impl Bench {
         answer
     }
 
-    /// Takes matter away, as a drill does, and gives the inverse.
+    /// Takes tissue away, as a drill does, and gives the inverse.
     pub fn cut(&mut self, region: &VoxelBox) -> Edit {
-        let edit = self.voxels.matter_edit(region, |_, mut matter| {
+        let edit = self.voxels.voxel_edit(region, |_, mut matter| {
             matter.stored = -1000;
             matter.segments = matter.segments.without(BLOCK);
             matter
@@ -120,7 +118,7 @@ impl Bench {
         block.contains(voxel)
     }
 
-    /// From which layer the matter of a voxel is.
+    /// From which layer the tissue of a voxel is.
     pub fn layer_of(&self, voxel: IVec3) -> i32 {
         i32::from(self.voxels.stored(voxel).expect("in the scan")) / 10
     }

@@ -10,16 +10,16 @@ use glam::{DMat3, DQuat, DVec3};
 use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_haptics::soft_contact::STALE_SECS;
 use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 
 use crate::deformable::deformable_segments::{DeformableSegments, soft_segments};
 use crate::deformable::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};
 use crate::scene::Scene;
-use crate::servo::channels::{DeformableContact, ServoStatus};
+use crate::servo::{DeformableContact, ServoStatus};
 
 /// How long the model may take for an answer, so that 30 come in a second.
 const PATIENCE: Duration = Duration::from_millis(25);

@@ -3,61 +3,14 @@
 //! Points in scene mm (LPS), forces in N in scene axes, times in s since the start.
 
 use glam::{DAffine3, DVec3};
-pub use palpate_haptics::safety::ForceOff;
+pub use palpate_haptics::force::ForceOff;
 
-use crate::deformable::deformation::DeformationStatus;
-use crate::simulation::tool_stroke::ToolStatus;
-use crate::threads::rate::Rate;
-use crate::touch::needle::NeedleDisplay;
-
-/// How much a notice matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoticeLevel {
-    /// Something happened as it was asked for.
-    Info,
-    /// Something is not as it was asked for.
-    Warning,
-    /// Something failed.
-    Error,
-}
-
-/// A sentence for the person.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// How much it matters.
-    pub level: NoticeLevel,
-    /// The sentence.
-    pub text: String,
-}
-
-impl Notice {
-    /// A notice of something that happened as it was asked for.
-    #[must_use]
-    pub fn info(text: impl Into<String>) -> Self {
-        Self {
-            level: NoticeLevel::Info,
-            text: text.into(),
-        }
-    }
-
-    /// A notice of something that is not as it was asked for.
-    #[must_use]
-    pub fn warning(text: impl Into<String>) -> Self {
-        Self {
-            level: NoticeLevel::Warning,
-            text: text.into(),
-        }
-    }
-
-    /// A notice of a failure.
-    #[must_use]
-    pub fn error(text: impl Into<String>) -> Self {
-        Self {
-            level: NoticeLevel::Error,
-            text: text.into(),
-        }
-    }
-}
+use crate::deformable::DeformationStatus;
+use crate::notice::Notice;
+use crate::scene::ToolStatus;
+use crate::servo::ForceState;
+use crate::threads::Rate;
+use crate::touch::NeedleDisplay;
 
 /// The pace of each thread.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,22 +52,6 @@ pub struct Safety {
     pub force: ForceState,
     /// Why no force is sent; none while forces are on.
     pub off: Option<ForceOff>,
-}
-
-/// What stands between the contact and the hand.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ForceState {
-    /// Nothing does.
-    #[default]
-    On,
-    /// Forces wait for a small one to begin with.
-    Waiting,
-    /// Forces rise to their full size.
-    Ramping,
-    /// Forces are eased to what the device bears for long.
-    Easing,
-    /// No force is sent: the servo is late, or the session has ended.
-    Off,
 }
 
 /// One tick of the force plot.

@@ -9,16 +9,16 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
 
 use glam::DVec3;
-use palpate_haptics::safety::ForceOff;
+use palpate_haptics::force::ForceOff;
 use rtrb::Consumer;
 use triple_buffer::Output;
 
-use crate::picture::frame::{ForceState, Frame, Notice, Rates, Safety, Sample};
-use crate::replay::recording::{MAX_TICKS, Recording};
-use crate::servo::channels::TickRecord;
-use crate::servo::shared::Shared;
-use crate::simulation::SimulationStatus;
-use crate::threads::rate::RateReader;
+use crate::notice::Notice;
+use crate::picture::frame::{Frame, Rates, Safety, Sample};
+use crate::picture::simulation_status::SimulationStatus;
+use crate::replay::{MAX_TICKS, Recording};
+use crate::servo::{ForceState, Shared, TickRecord};
+use crate::threads::RateReader;
 
 /// Samples of the force plot per second, at most.
 const SAMPLES_PER_SECOND: u32 = 250;
@@ -57,7 +57,7 @@ pub struct FrameSources {
 
 /// The state of the picture thread.
 #[derive(Debug)]
-pub struct Picture {
+pub struct FrameCollector {
     sources: FrameSources,
     /// Every so many ticks one goes to the plot.
     thinning: u64,
@@ -73,7 +73,7 @@ pub struct Picture {
     failure_shown: bool,
 }
 
-impl Picture {
+impl FrameCollector {
     /// A picture of a servo at `rate_hz`, whose probe begins at `start` [mm].
     #[must_use]
     pub fn new(sources: FrameSources, rate_hz: u32, start: DVec3) -> Self {

@@ -6,9 +6,8 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::servo::channels::{HandTarget, TickRecord};
-use crate::servo::servo_state::TickInputs;
-use crate::simulation::tool_stroke::ToolStatus;
+use crate::scene::ToolStatus;
+use crate::servo::{HandTarget, TickInputs, TickRecord};
 
 /// Longest recording, in ticks: an hour at 1 kHz, some 1 GB.
 pub const MAX_TICKS: usize = 3_600_000;

@@ -1,7 +1,7 @@
 //! A drill that is driven straight into bone. Source of the scenario: thesis 5.28.3, figure 5.27.
 
 use palpate_tools::drill::DrillSettings;
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use palpate_haptics::needle::NeedleForces;
 use palpate_haptics::needle::events::NeedleEvent;
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

@@ -3,7 +3,7 @@
 //! Every press begins from tissue at rest. Design, section 6; issue of deformation, scenarios.
 
 use palpate_deform::material::MaterialLaw;
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -13,7 +13,7 @@ use super::drive::{Drive, Sample};
 use super::rig::Rig;
 use crate::error::SessionError;
 use crate::scene::Properties;
-use crate::touch::touch_feel::TouchFeel;
+use crate::touch::TouchFeel;
 
 /// A layer of the body.
 #[derive(Clone, Debug)]

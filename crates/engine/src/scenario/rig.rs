@@ -1,8 +1,7 @@
 //! Servo, simulation and model of deformation with a drive in place of a device, in lock-step.
 
-use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState};
@@ -11,20 +10,14 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::voxels::Voxels;
 
 use super::drive::Drive;
-use crate::deformable::deformation::Deformation;
-use crate::deformable::deformation_loop::DeformationLoop;
+use crate::deformable::{Deformation, DeformationLoop};
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
-use crate::picture::scene_updates::SceneUpdate;
-use crate::scene::Scene;
-use crate::scene::mask_fractions::MaskFractions;
-use crate::servo::channels::{Channels, DeviceSample, TickRecord};
-use crate::servo::mapping::Mapping;
-use crate::servo::shared::Shared;
-use crate::servo::{ServoLoop, ServoStart};
-use crate::simulation::{Simulation, SimulationStatus};
-use crate::touch::touch_feel::TouchFeels;
-use crate::touch::touchable::Touchable;
+use crate::notice::Notice;
+use crate::picture::{PictureEnds, SceneUpdate, SimulationStatus};
+use crate::scene::{MaskFractions, Scene};
+use crate::servo::{Channels, DeviceSample, Mapping, ServoLoop, ServoStart, Shared, TickRecord};
+use crate::simulation::{Simulation, SimulationParts};
+use crate::touch::{TouchFeels, Touchable};
 
 /// Ticks in a second.
 pub(super) const RATE_HZ: u32 = 1000;
@@ -88,11 +81,19 @@ impl Rig {
         Ok(Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                (scene, deformation, fractions),
+                SimulationParts {
+                    scene,
+                    deformation,
+                    fractions,
+                },
                 settings,
                 limits,
                 channels.simulation,
-                (status, notices, updates),
+                PictureEnds {
+                    status,
+                    notices,
+                    updates,
+                },
             ),
             deformation: deformation_loop,
             device: channels.device.samples,

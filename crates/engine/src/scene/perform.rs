@@ -7,7 +7,8 @@ use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;
 
-use super::{Properties, Scene, Step, ThresholdRange, TouchChange};
+use super::{Properties, Scene, Step, TouchChange};
+use crate::touch::ThresholdRange;
 
 impl Scene {
     /// Performs a step; gives its inverse and what touch must follow.

@@ -2,13 +2,14 @@
 
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
-use super::{Properties, ThresholdRange};
+use super::Properties;
+use crate::touch::ThresholdRange;
 
 /// A model of soft tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,28 +7,19 @@
 //! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use palpate_device::DeviceState;
-use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::force::LocalForce;
 use palpate_haptics::needle::tissues::Tissues;
-use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::bits::Bits;
-use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::material::LocalContact;
-use palpate_volume::matter::SegmentSet;
-use palpate_volume::shares::ShareBrick;
+use palpate_volume::segment_set::SegmentSet;
 use rtrb::{Consumer, Producer, RingBuffer};
-use serde::{Deserialize, Serialize};
 use triple_buffer::{Input, Output, triple_buffer};
 
-use crate::servo::servo_state::{ServoState, TickInputs};
-use crate::touch::moved_poses::CurrentPoses;
-use crate::touch::needle::NeedleStatus;
-use crate::touch::settings::Settings;
-use crate::touch::touch_feel::TouchFeel;
-use crate::touch::touch_occupancy::GARBAGE_PER_CHANGE;
-use crate::touch::touchable::{Touchable, union_brick};
-use crate::touch::union_fractions::{FractionalBits, union_fraction_brick};
+use crate::servo::inputs::{DeformableContact, DeviceSample, HandTarget, TickInputs};
+use crate::servo::servo_state::ServoState;
+use crate::touch::{
+    BrickChange, CurrentPoses, GARBAGE_PER_CHANGE, Garbage, MAX_HELD, NeedleStatus, Settings,
+    TouchFeel, Touchable,
+};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;
@@ -38,19 +29,6 @@ const GARBAGE: usize = 2 * GARBAGE_PER_CHANGE;
 const RECORDS: usize = 8192;
 /// States that may wait for a recording; it asks for one at a time.
 const SNAPSHOTS: usize = 4;
-
-/// Device → servo: where the device is.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct DeviceSample {
-    /// Number of the reading, from 1; 0 before the first.
-    pub number: u64,
-    /// When it was read [s].
-    pub time: f64,
-    /// What was read, in the device's frame.
-    pub state: DeviceState,
-    /// The force that was last sent, in the device's frame [N].
-    pub sent_in_device: DVec3,
-}
 
 /// Servo → device: what to send.
 #[derive(Clone, Copy, Debug)]
@@ -65,15 +43,6 @@ pub struct ForceCommand {
     pub hand_in_device: DVec3,
     /// Largest force [N].
     pub max_force: f64,
-}
-
-/// Person → servo: where the hand pulls the device to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HandTarget {
-    /// In the scene [mm].
-    pub point: DVec3,
-    /// Rises with each target, so that a placement can tell the ones before it.
-    pub number: u64,
 }
 
 /// Simulation → servo, executed in order.
@@ -115,15 +84,6 @@ pub enum ServoCommand {
     Mark,
 }
 
-/// The newest answer of a deformation model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct DeformableContact {
-    /// Deformable segments.
-    pub segments: SegmentSet,
-    /// How they push the tool; none where nothing is known of it.
-    pub contact: Option<LocalContact>,
-}
-
 /// Servo → simulation: where a recording begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot {
@@ -132,103 +92,6 @@ pub struct Snapshot {
     /// Whether changes were held back, which a recording cannot begin with.
     pub held: bool,
 }
-
-/// The bricks of one edit.
-#[derive(Debug)]
-pub struct BrickChange {
-    /// Number of the change.
-    pub sequence: u64,
-    /// Of the union: at most [`MAX_BRICKS`], by rising index, each once.
-    pub swaps: Vec<BrickSwap<BitBrick>>,
-    /// Of the segments that it changes, at most [`MAX_BRICKS`].
-    pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
-    /// What is known of the occupancy fractions of the union: at most [`MAX_FRACTIONS`], by rising
-    /// index.
-    pub fractions: Vec<BrickSwap<ShareBrick>>,
-    /// The same of the segments, at most [`MAX_BRICKS`], for whoever records.
-    pub part_fractions: Vec<FractionSwap>,
-}
-
-/// What is known of the shares in a brick of a segment.
-pub type FractionSwap = (SegmentId, BrickSwap<ShareBrick>);
-
-impl BrickChange {
-    /// Bricks of segments that hold them by now; what becomes of the union follows from all
-    /// segments that were not moved.
-    #[must_use]
-    pub fn new(
-        sequence: u64,
-        unmoved: &[FractionalBits<'_>],
-        changed: Vec<(SegmentId, BrickSwap<BitBrick>)>,
-        part_fractions: Vec<FractionSwap>,
-    ) -> Self {
-        let mut bricks: Vec<u32> = changed.iter().map(|(_, swap)| swap.index).collect();
-        bricks.sort_unstable();
-        bricks.dedup();
-        let bits: Vec<&Bits> = unmoved.iter().map(|part| part.bits).collect();
-        let swaps = bricks.iter().map(|&index| BrickSwap {
-            index,
-            brick: union_brick(&bits, index),
-        });
-        let swaps = swaps.collect();
-        Self {
-            sequence,
-            swaps,
-            parts: changed,
-            fractions: Self::union_fractions(unmoved, bricks, &part_fractions),
-            part_fractions,
-        }
-    }
-
-    /// What becomes of the occupancy fractions of the union where bits or occupancy fractions of
-    /// segments change.
-    fn union_fractions(
-        unmoved: &[FractionalBits<'_>],
-        mut bricks: Vec<u32>,
-        changed: &[FractionSwap],
-    ) -> Vec<BrickSwap<ShareBrick>> {
-        if unmoved.iter().all(|part| part.fractions.is_none()) {
-            return Vec::new();
-        }
-        if let [first, _, ..] = unmoved {
-            // where one segment goes on beside another there is no surface
-            let directory = first.bits.bricks();
-            let beside = |&index: &u32| directory.indices_beside(index);
-            let beside: Vec<u32> = bricks.iter().flat_map(beside).collect();
-            bricks.extend(beside);
-        }
-        bricks.extend(changed.iter().map(|(_, swap)| swap.index));
-        bricks.sort_unstable();
-        bricks.dedup();
-        let swap = |index| BrickSwap {
-            index,
-            brick: union_fraction_brick(unmoved, index),
-        };
-        bricks.into_iter().map(swap).collect()
-    }
-}
-
-/// Servo → simulation: what is to be freed there. The fields are only ever dropped.
-#[derive(Debug)]
-pub enum Garbage {
-    /// An occupancy that is no longer touched.
-    Root(Box<Touchable>),
-    /// Bricks that are no longer touched.
-    Bricks(BrickChange),
-    /// What a command told of a needle, once that is known.
-    Tissues(Box<Tissues>),
-    /// A brick that was never touched.
-    Brick(BrickSwap<BitBrick>),
-    /// The same of occupancy fractions.
-    Shares(BrickSwap<ShareBrick>),
-}
-
-/// Bricks of one edit, at most; larger edits go as a root.
-pub const MAX_BRICKS: usize = 256;
-/// Bricks of occupancy fractions that come with them, at most.
-pub const MAX_FRACTIONS: usize = 2 * MAX_BRICKS;
-/// Edits that are held back, at most; beyond, a root has to bring them all.
-pub const MAX_HELD: usize = 8;
 
 /// Servo → simulation: what touch has followed.
 #[derive(Clone, Copy, Debug, Default)]

@@ -11,12 +11,12 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
-use palpate_haptics::passivity::Passivity;
-use palpate_haptics::safety::{ForceLimits, ForceOff, Safety, SafetySettings};
+use palpate_haptics::force::{ForceLimits, ForceOff, Passivity, Safety, SafetySettings};
 
-use crate::picture::frame::ForceState;
-use crate::servo::channels::{DeviceChannels, DeviceSample, ForceCommand};
+use crate::servo::channels::{DeviceChannels, ForceCommand};
+use crate::servo::force_state::ForceState;
 use crate::servo::guarantee_watch::is_safe;
+use crate::servo::inputs::DeviceSample;
 use crate::servo::shared::Shared;
 
 /// A force older than this is not sent [s].

@@ -7,8 +7,8 @@
 //! Frame: scene; mm, N, s. Source: design, section 5, guarantees 1, 3, 5 and 6.
 
 use glam::DVec3;
-use palpate_haptics::proxy::Proxy;
-use palpate_haptics::safety::ForceLimits;
+use palpate_haptics::contact::Proxy;
+use palpate_haptics::force::ForceLimits;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::tick::TickOutput;
 use palpate_volume::occupancy::Occupancy;
@@ -56,7 +56,7 @@ pub fn is_safe(sent: DVec3, last: DVec3, limits: &ForceLimits, dt: f64) -> bool 
 #[cfg(test)]
 mod tests {
     use glam::{DMat3, IVec3, UVec3};
-    use palpate_haptics::coupling::Coupling;
+    use palpate_haptics::force::Coupling;
     use palpate_volume::grid::Grid;
     use palpate_volume::segment::Segment;
 

@@ -4,14 +4,14 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
-use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::force::LocalForce;
 use palpate_haptics::tick::TickOutput;
 
 use super::ServoLoop;
 use crate::servo::channels::{ForceCommand, ServoStatus, Snapshot, TickRecord};
+use crate::servo::inputs::TickInputs;
 use crate::servo::mapping::Mapping;
-use crate::servo::servo_state::TickInputs;
-use crate::touch::needle::NeedleStatus;
+use crate::touch::NeedleStatus;
 
 impl ServoLoop {
     pub(super) fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {

@@ -1,22 +1,20 @@
-//! What the servo carries from tick to tick, and what each tick is given from outside.
+//! What the servo carries from tick to tick.
 //!
-//! State, inputs, what is solid and the commands of the simulation decide what comes out of a
+//! State, inputs (`inputs.rs`), what is solid and the commands of the simulation decide what comes out of a
 //! tick, and nothing else does: that is what record and replay rest on. Whatever a tick is to
 //! remember stands in [`ServoState`], and is recorded by standing there.
 //!
 //! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use palpate_haptics::needle::Needle;
 use palpate_haptics::soft_contact::SoftContact;
 use palpate_haptics::tick::TickState;
 use serde::{Deserialize, Serialize};
 
-use crate::servo::channels::{DeformableContact, DeviceSample, HandTarget};
+use crate::servo::inputs::DeformableContact;
 use crate::servo::mapping::Mapping;
-use crate::touch::moved_poses::MovedPoses;
-use crate::touch::settings::Settings;
-use crate::touch::touch_feel::TouchFeels;
+use crate::touch::{MovedPoses, Settings, TouchFeels};
 
 /// All that changes from tick to tick, besides what is solid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,51 +57,4 @@ pub struct ServoState {
     pub command: u64,
     /// Number of the tick to come, from 0.
     pub tick: u64,
-}
-
-/// What a tick is given from outside, besides commands.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TickInputs {
-    /// Time of the tick [s].
-    pub time: f64,
-    /// Number of the device's newest reading, from 1; 0 before the first.
-    pub reading: u64,
-    /// When that was read [s].
-    pub read_at: f64,
-    /// Where the device was, in its own frame [mm].
-    pub position_in_device: DVec3,
-    /// Its velocity, in its own frame [mm/s].
-    pub velocity_in_device: DVec3,
-    /// `device_from_handle`.
-    pub orientation: DQuat,
-    /// Pressed buttons, one bit each.
-    pub buttons: u32,
-    /// Where the person last wanted the hand to be.
-    pub hand: HandTarget,
-    /// Whether what a tick replaces can be given back to be freed; else nothing is replaced.
-    pub has_room: bool,
-}
-
-impl TickInputs {
-    /// The inputs of a tick at `time` [s].
-    #[must_use]
-    pub fn new(time: f64, sample: &DeviceSample, hand: HandTarget, has_room: bool) -> Self {
-        Self {
-            time,
-            reading: sample.number,
-            read_at: sample.time,
-            position_in_device: sample.state.position,
-            velocity_in_device: sample.state.velocity,
-            orientation: sample.state.orientation,
-            buttons: sample.state.buttons,
-            hand,
-            has_room,
-        }
-    }
-
-    /// Whether the device was read at all.
-    #[must_use]
-    pub fn is_read(&self) -> bool {
-        self.reading > 0
-    }
 }

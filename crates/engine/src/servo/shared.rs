@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use palpate_haptics::safety::ForceOff;
+use palpate_haptics::force::ForceOff;
 
-use crate::picture::frame::ForceState;
+use crate::servo::force_state::ForceState;
 
 /// Interventions of the safety stage and violations of the guarantees since the start.
 #[derive(Debug, Default)]

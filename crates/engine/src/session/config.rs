@@ -2,15 +2,14 @@
 
 use glam::DVec3;
 use palpate_device::HapticDevice;
-use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::force::SafetySettings;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 
 use crate::error::SessionError;
 use crate::scene::Properties;
-use crate::simulation::check_radius;
-use crate::touch::settings::Settings;
+use crate::touch::{Settings, check_radius};
 
 /// Farthest point that a session takes [mm].
 const POINT_LIMIT: f64 = 1e6;
@@ -115,7 +114,7 @@ pub(crate) fn check(config: &SessionConfig) -> Result<(), SessionError> {
 }
 
 /// Refuses a point that is not finite or absurdly far away.
-pub(crate) fn check_point(name: &'static str, given: DVec3) -> Result<(), SessionError> {
+pub fn check_point(name: &'static str, given: DVec3) -> Result<(), SessionError> {
     // written so that NaN is refused
     if given.abs().cmple(DVec3::splat(POINT_LIMIT)).all() {
         return Ok(());

@@ -1,19 +1,19 @@
 //! Soft tissue under the probe.
 
 use palpate_deform::material::MaterialLaw;
-use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent, model_from_name};
-use palpate_deform::model_options::ModelOptions;
-use palpate_tools::journal_entry::Action;
+use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent};
+use palpate_deform::registry::{ModelOptions, model_from_name};
+use palpate_tools::journal::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformable::deformation::{DeformationStatus, ForceSource};
+use crate::deformable::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
-use crate::picture::scene_updates::SceneUpdate;
+use crate::notice::Notice;
+use crate::picture::SceneUpdate;
 use crate::scene::{ModelChoice, Step};
-use crate::servo::channels::{DeformableContact, ServoCommand};
+use crate::servo::{DeformableContact, ServoCommand};
 
 impl Simulation {
     /// Chooses the model of soft tissue and what it offers to choose, or none; an

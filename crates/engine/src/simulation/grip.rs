@@ -11,7 +11,7 @@
 //! pass; what is left of a way is gone in the next pass. Frames: scan and scene, mm.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, IVec3};
-use palpate_haptics::moving::PoseMotion;
+use palpate_haptics::admission::PoseMotion;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BRICK;
@@ -23,7 +23,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use rayon::prelude::*;
 
 use crate::scene::Scene;
-use crate::servo::channels::ServoStatus;
+use crate::servo::ServoStatus;
 
 /// Surface voxels that are looked up; of a larger surface every so many-th.
 pub const MOST_SAMPLES: usize = 40_000;

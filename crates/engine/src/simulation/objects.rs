@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_tools::journal_entry::Action;
+use palpate_tools::journal::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;
@@ -11,7 +11,7 @@ use super::Simulation;
 use crate::error::SessionError;
 use crate::scene::{Properties, Step, TouchChange};
 use crate::simulation::grip::Grip;
-use crate::touch::moved_poses::CurrentPoses;
+use crate::touch::CurrentPoses;
 
 impl Simulation {
     /// Moves a segment; touch goes there smoothly. One step of undo, with all that it was dragged

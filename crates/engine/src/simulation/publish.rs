@@ -1,9 +1,9 @@
 //! What the simulation tells: its status, sentences, and changes of the scene.
 
-use super::{Simulation, SimulationStatus};
-use crate::picture::frame::Notice;
-use crate::picture::scene_updates::SceneUpdate;
-use crate::replay::tape::MAX_TAPE_BYTES;
+use super::Simulation;
+use crate::notice::Notice;
+use crate::picture::{SceneUpdate, SimulationStatus};
+use crate::replay::MAX_TAPE_BYTES;
 
 impl Simulation {
     pub(super) fn report_held_changes(&mut self) {

@@ -7,19 +7,19 @@ use std::path::Path;
 
 use glam::DAffine3;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_tools::journal_entry::{Action, Entry, Facts, ScanHash};
-use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::{JournalReader, Recovery};
+use palpate_tools::journal::{
+    Action, Entry, Facts, JournalFile, JournalReader, Recovery, ScanHash,
+};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
+use crate::notice::Notice;
 use crate::scene::{Properties, Step, TouchChange};
-use crate::servo::channels::ServoCommand;
-use crate::touch::touch_feel::TouchFeel;
+use crate::servo::ServoCommand;
+use crate::touch::TouchFeel;
 
 /// What came back from a journal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

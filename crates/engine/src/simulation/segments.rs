@@ -1,20 +1,19 @@
 //! Segments of the simulation: added, changed, removed, and how they are touched and shown.
 
 use palpate_haptics::scene::ObjectPose;
-use palpate_tools::journal_entry::Action;
+use palpate_tools::journal::Action;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 use glam::DAffine3;
 
-use super::{Simulation, check_radius};
+use super::Simulation;
 use crate::error::SessionError;
-use crate::picture::scene_updates::SceneUpdate;
-use crate::scene::incremental_surface::SurfaceOptions;
-use crate::scene::{Properties, Step, ThresholdRange, TouchChange};
-use crate::servo::channels::ServoCommand;
-use crate::touch::touch_feel::TouchFeel;
+use crate::picture::SceneUpdate;
+use crate::scene::{Properties, Step, SurfaceOptions, TouchChange};
+use crate::servo::ServoCommand;
+use crate::touch::{ThresholdRange, TouchFeel, check_radius};
 
 impl Simulation {
     /// Adds a segment; an undoable one is taken away again by undo.

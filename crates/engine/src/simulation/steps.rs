@@ -1,12 +1,12 @@
 //! Steps of the simulation: performed, written down, taken back and done again.
 
-use palpate_tools::journal_entry::Action;
+use palpate_tools::journal::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::picture::scene_updates::SceneUpdate;
+use crate::picture::SceneUpdate;
 use crate::scene::Step;
 
 impl Simulation {

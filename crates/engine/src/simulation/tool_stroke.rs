@@ -8,15 +8,17 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3};
 use palpate_haptics::needle::tissues::Tissues;
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::stroke::Stroke;
-use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolReport, ToolSettings};
+use palpate_tools::tool::{Tool, ToolInput, ToolReport};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;
 
 use crate::error::SessionError;
-use crate::scene::{Scene, Step, ThresholdRange};
-use crate::servo::channels::ServoStatus;
+use crate::scene::{Scene, Step, ToolStatus};
+use crate::servo::ServoStatus;
+use crate::touch::ThresholdRange;
 
 /// The probe as the servo last told of it.
 #[derive(Clone, Copy, Debug)]
@@ -59,19 +61,6 @@ struct Pressed {
     segments: Vec<SegmentId>,
     /// Where the probe was in the last pass, and when.
     last: Option<(DVec3, f64)>,
-}
-
-/// The tool in the hand as the picture shows it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ToolStatus {
-    /// Which one; none where the hand is empty.
-    pub kind: Option<ToolKind>,
-    /// Radius of its ball [mm]; 0 where the hand is empty.
-    pub radius: f64,
-    /// Whether a stroke is on.
-    pub on: bool,
-    /// What it has done in the stroke that is on, or in the last one.
-    pub report: ToolReport,
 }
 
 /// The chosen tool and its stroke.

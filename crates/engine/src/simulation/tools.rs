@@ -1,18 +1,19 @@
 //! Tools in the hand of the simulation, and how much undo holds.
 
-use palpate_tools::journal_entry::Action;
-use palpate_tools::tool::{ToolReport, ToolSettings};
+use palpate_tools::factory::ToolSettings;
+use palpate_tools::journal::Action;
+use palpate_tools::tool::ToolReport;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
+use crate::notice::Notice;
 use crate::scene::Step;
-use crate::servo::channels::ServoCommand;
+use crate::servo::ServoCommand;
 use crate::simulation::tool_stroke::ProbeStatus;
-use crate::touch::needle::{NeedlePlace, NeedleReport};
+use crate::touch::{NeedlePlace, NeedleReport};
 
 /// Where a needle that is taken out stands before its entry [mm].
 const BEFORE_ENTRY: f64 = 2.0;

@@ -1,12 +1,9 @@
 //! The contact models by the names that users know.
 
 use glam::DVec3;
-use palpate_haptics::contact::{Contact, ContactModel, ForceInput};
-use palpate_haptics::exact::{Exact, ExactLimits};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, ExactLimits, ForceInput, Proxy};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_volume::occupancy::Occupancy;
 use serde::{Deserialize, Serialize};
 

@@ -10,12 +10,12 @@
 //! the scan to the scene [mm].
 
 use glam::DAffine3;
-use palpate_haptics::moving::{PoseMotion, PoseStep};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{PoseMotion, PoseStep};
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 

@@ -9,17 +9,19 @@
 //!
 //! Frame: grid. Nothing here allocates after it was made.
 
+use std::sync::Arc;
+
 use glam::{IVec3, UVec3};
-use palpate_haptics::smooth::shares::Limits;
+use palpate_haptics::smooth::occupancy_fractions::Limits;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
-use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::shares::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::{FractionBrick, OccupancyFractions, fraction_of};
+use palpate_volume::voxel_box::VoxelBox;
 
+use crate::touch::part::Part;
 use crate::touch::scan_values::ScanValues;
-use crate::touch::touchable::Part;
-use crate::touch::union_fractions::{FractionalBits, union_of_fractions};
 
 /// Most segments of thresholds in one body whose occupancy fractions are known; further ones are
 /// taken for masks, so that work stays bounded.
@@ -30,7 +32,7 @@ const MAX_OWNERS: usize = 8;
 pub struct BodyFractions {
     made: Option<Made>,
     /// Those of all masks together; none where the body has no masks.
-    worked_out: Option<Shares>,
+    worked_out: Option<OccupancyFractions>,
 }
 
 /// What thresholds made.
@@ -69,7 +71,7 @@ impl BodyFractions {
     }
 
     /// Exchanges a brick of what was worked out.
-    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<FractionBrick>) {
         if let Some(fractions) = &mut self.worked_out {
             fractions.swap(swap);
         }
@@ -84,14 +86,14 @@ impl BodyFractions {
         {
             return made.values.share(&made.limits, voxel, solid);
         }
-        self.worked_out.as_ref()?.share(voxel, solid)
+        self.worked_out.as_ref()?.fraction(voxel, solid)
     }
 
-    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    /// What those of some voxels are beyond their bits; see `Occupancy::fraction_changes`.
     #[inline]
-    pub fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    pub fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         match &self.made {
-            Some(made) => made.values.share_changes(&made.limits, voxels, changes),
+            Some(made) => made.values.fraction_changes(&made.limits, voxels, changes),
             None => changes.fill(0.0),
         }
         if self
@@ -108,7 +110,7 @@ impl BodyFractions {
                 .is_none_or(|made| !made.has(voxel, solid))
             {
                 let known = self.worked_out.as_ref();
-                let share = known.and_then(|fractions| fractions.share(voxel, solid));
+                let share = known.and_then(|fractions| fractions.fraction(voxel, solid));
                 *change = share.map_or(0.0, |share| share - f32::from(u8::from(solid)));
             }
         }
@@ -147,6 +149,129 @@ impl Made {
             .into_iter()
             .any(|axis| has(voxel - axis) || has(voxel + axis))
     }
+}
+
+// --- of several segments together ---------------------------------------------------------
+//
+// A solid voxel counts what is known of it in every segment that has it, the most that any of
+// them says; where one knows nothing of it, or another segment goes on beside it, it is no surface
+// of the body, and counts as its bit says. A free voxel counts the most that any segment says.
+
+/// Voxels of a segment, and what is known of their occupancy fractions.
+#[derive(Clone, Copy, Debug)]
+pub struct FractionalBits<'a> {
+    /// The voxels.
+    pub bits: &'a Bits,
+    /// Their occupancy fractions; none of a segment that a threshold made.
+    pub fractions: Option<&'a OccupancyFractions>,
+}
+
+impl<'a> From<&'a Part> for FractionalBits<'a> {
+    fn from(part: &'a Part) -> Self {
+        let fractions = part
+            .fractions
+            .as_deref()
+            .filter(|_| part.threshold.is_none());
+        Self {
+            bits: &part.bits,
+            fractions,
+        }
+    }
+}
+
+/// The occupancy fractions of segments of one grid together.
+#[must_use]
+pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> OccupancyFractions {
+    if let [
+        FractionalBits {
+            fractions: Some(fractions),
+            ..
+        },
+    ] = parts
+    {
+        return (*fractions).clone();
+    }
+    let mut union = OccupancyFractions::unknown(dimensions);
+    for index in 0..union.bricks().len() as u32 {
+        if let Some(brick) = union_fraction_brick(parts, index) {
+            let brick = Some(brick);
+            union.swap(&mut BrickSwap { index, brick });
+        }
+    }
+    union
+}
+
+/// One brick of the union.
+#[must_use]
+pub fn union_fraction_brick(
+    parts: &[FractionalBits<'_>],
+    index: u32,
+) -> Option<Arc<FractionBrick>> {
+    let brick = |part: &FractionalBits<'_>| part.fractions?.bricks().get(index).cloned();
+    if let [part] = parts {
+        return brick(part);
+    }
+    if !parts.iter().any(|part| brick(part).is_some()) {
+        return None;
+    }
+    let first = parts.first()?.bits.bricks().box_of(index).min;
+    // a brick and one voxel around it
+    let near = VoxelBox::new(first - 1, first + BRICK + 1);
+    let there: Vec<_> = parts
+        .iter()
+        .filter(|part| {
+            let bricks = part.bits.bricks();
+            let indices = bricks.indices_in(&near);
+            brick(part).is_some() || indices.into_iter().any(|index| bricks.get(index).is_some())
+        })
+        .collect();
+    if let [part] = there[..] {
+        return brick(part);
+    }
+    let mut union = FractionBrick::UNKNOWN;
+    for z in 0..BRICK {
+        for y in 0..BRICK {
+            for x in 0..BRICK {
+                let voxel = first + IVec3::new(x, y, z);
+                union.set(voxel, union_byte(&there, voxel));
+            }
+        }
+    }
+    (union != FractionBrick::UNKNOWN).then(|| Arc::new(union))
+}
+
+/// The byte of a voxel of the union.
+fn union_byte(parts: &[&FractionalBits<'_>], voxel: IVec3) -> u8 {
+    let byte =
+        |part: &FractionalBits<'_>| part.fractions.map_or(0, |fractions| fractions.byte(voxel));
+    let known = parts.iter().map(|part| byte(part)).max().unwrap_or(0);
+    if known == 0 {
+        return 0;
+    }
+    let mut owners = parts
+        .iter()
+        .filter(|part| part.bits.is_solid(voxel))
+        .peekable();
+    if owners.peek().is_none() {
+        return known;
+    }
+    let mut most = 0;
+    for owner in owners {
+        let own = byte(owner);
+        let goes_on = |beside: IVec3| {
+            let other = |part: &&&FractionalBits<'_>| part.bits.is_solid(beside);
+            !owner.bits.is_solid(beside) && parts.iter().any(|part| other(&part))
+        };
+        let beside = [IVec3::X, IVec3::Y, IVec3::Z].into_iter();
+        let is_inner = beside
+            .flat_map(|axis| [voxel - axis, voxel + axis])
+            .any(goes_on);
+        if fraction_of(own, true).is_none() || is_inner {
+            return 0;
+        }
+        most = most.max(own);
+    }
+    most
 }
 
 #[cfg(test)]
@@ -188,7 +313,7 @@ mod tests {
             let voxels = VoxelBox::of_dimensions(size).voxels();
             let voxels: Vec<_> = voxels.map(|voxel| (voxel, solid(voxel))).collect();
             let mut changes = vec![f32::NAN; voxels.len()];
-            fractions.share_changes(&voxels, &mut changes);
+            fractions.fraction_changes(&voxels, &mut changes);
             let one_by_one = voxels.iter().map(|(voxel, solid)| {
                 let bit = f32::from(u8::from(*solid));
                 fractions

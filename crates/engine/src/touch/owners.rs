@@ -6,8 +6,8 @@
 
 use std::cell::Cell;
 
+use palpate_haptics::force::MAX_HOLDERS;
 use palpate_haptics::scene::Solid;
-use palpate_haptics::surface::MAX_HOLDERS;
 use palpate_volume::edit::SegmentId;
 
 /// Voxels kept: what holds a probe back, and as many that did so before.

@@ -8,8 +8,7 @@
 //! Frame: the world's grid.
 
 use glam::DVec3;
-use palpate_haptics::contact::Contact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, Proxy};
 use palpate_haptics::scene::TouchScene;
 
 /// How deep the device must be behind the probe [smallest spacings].

@@ -2,7 +2,7 @@
 
 use glam::IVec3;
 use palpate_haptics::admission::{Admission, admit_scene};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;

@@ -10,21 +10,19 @@
 
 use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};
-use palpate_haptics::ball::Ball;
-use palpate_haptics::ball_probe::ProbeView;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::ball::{Ball, ProbeView};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{MAX_OBJECTS, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::first_solid::Traversal;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::segment_set::SegmentSet;
 
-use crate::touch::touchable::{Body, Part, Touchable, unmoved};
+use crate::touch::part::Part;
+use crate::touch::touchable::{Body, Touchable, unmoved};
 
 /// Where a tool was stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +31,19 @@ pub struct HardStop {
     pub tool: DVec3,
     /// What holds it; none where the work of a tick ended first.
     pub by: Option<SegmentId>,
+}
+
+/// What is touched, and what of it is soft.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidWorld<'a> {
+    /// What is touched.
+    pub touchable: &'a Touchable,
+    /// Changes with whatever is touched.
+    pub version: u64,
+    /// The grid of the scan.
+    pub grid: &'a Grid,
+    /// Segments that are soft where nothing rigid has their voxels too.
+    pub soft: SegmentSet,
 }
 
 /// The cells that hard voxels block for a ball, as far as they were asked for; they change no
@@ -58,11 +69,17 @@ impl RigidObstacles {
     /// touched; `visits` counts voxels that were read.
     pub fn stop(
         &mut self,
-        (touchable, version, grid): (&Touchable, u64, &Grid),
-        soft: SegmentSet,
-        (proxy, tool): (&Proxy, DVec3),
+        world: RigidWorld<'_>,
+        proxy: &Proxy,
+        tool: DVec3,
         visits: &mut u32,
     ) -> Option<HardStop> {
+        let RigidWorld {
+            touchable,
+            version,
+            grid,
+            soft,
+        } = world;
         let target = grid.grid_from_patient().transform_point3(tool);
         let voxels = HardVoxels {
             parts: &touchable.parts,

@@ -11,13 +11,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use glam::{IVec3, UVec3};
-use palpate_haptics::smooth::shares::{Around, Limits, Stored};
+use palpate_haptics::smooth::occupancy_fractions::{Around, Limits, Stored};
 use palpate_volume::brick_grid::{BRICK, BrickGrid, BrickSwap};
 use palpate_volume::intensities::Intensities;
 use palpate_volume::intensity_brick::IntensityBrick;
 use palpate_volume::overlay::Overlay;
 
-use crate::scene::ThresholdRange;
+/// Threshold that a segment is, in physical units: low and high, both included.
+pub type ThresholdRange = (f64, f64);
 
 /// Values of a scan. A clone shares them, and the marks.
 #[derive(Clone, Debug)]
@@ -128,21 +129,21 @@ impl ScanValues {
             Kept::All(scan) => Around::of(scan, voxel),
             Kept::Some(bricks) => Around::of_stored(self.stored_in_bricks(bricks, voxel)),
         };
-        limits.share(&around, solid)
+        limits.fraction(&around, solid)
     }
 
-    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    /// What those of some voxels are beyond their bits; see `Occupancy::fraction_changes`.
     #[inline]
-    pub fn share_changes(&self, limits: &Limits, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    pub fn fraction_changes(&self, limits: &Limits, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         if self.marks.wanted.load(Relaxed) {
             voxels.iter().for_each(|(voxel, _)| self.mark(*voxel));
         }
         match &self.kept {
             Kept::All(scan) => {
-                limits.share_changes(|voxel| Around::stored(scan, voxel), voxels, changes);
+                limits.fraction_changes(|voxel| Around::stored(scan, voxel), voxels, changes);
             }
             Kept::Some(bricks) => {
-                limits.share_changes(
+                limits.fraction_changes(
                     |voxel| self.stored_in_bricks(bricks, voxel),
                     voxels,
                     changes,
@@ -259,7 +260,7 @@ mod tests {
         let changes = |values: &ScanValues| {
             let mut changes = [[f32::NAN; 5]; 2];
             for (changes, solid) in changes.iter_mut().zip([true, false]) {
-                values.share_changes(&limits, &asked.map(|voxel| (voxel, solid)), changes);
+                values.fraction_changes(&limits, &asked.map(|voxel| (voxel, solid)), changes);
             }
             changes
         };

@@ -1,12 +1,13 @@
 //! What a person can set about touch.
 
 use palpate_device::DeviceLimits;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::safety::ForceLimits;
+use palpate_haptics::ball::{BallError, BallShape};
+use palpate_haptics::force::{Coupling, ForceLimits};
 pub use palpate_haptics::smooth::Smoothing;
+use palpate_volume::grid::Grid;
 use serde::{Deserialize, Serialize};
 
-use crate::picture::frame::Notice;
+use crate::notice::Notice;
 use crate::touch::contact_model::Model;
 
 /// How touch feels: the contact model, the spring, the probe and the largest force.
@@ -171,6 +172,17 @@ impl Settings {
             ..self
         }
     }
+}
+
+/// Refuses a ball that is too large for the voxels of a grid.
+///
+/// # Errors
+/// [`BallError`] says what fits.
+pub fn check_radius(radius: f64, grid: &Grid) -> Result<(), BallError> {
+    if radius > 0.0 {
+        BallShape::new(radius, grid.spacing())?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

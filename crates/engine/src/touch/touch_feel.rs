@@ -1,7 +1,7 @@
 //! How the surface of a segment feels, where it differs from the settings of touch.
 
 use palpate_deform::material::MaterialLaw;
-use palpate_haptics::friction::MAX_FRICTION;
+use palpate_haptics::force::MAX_FRICTION;
 use palpate_volume::edit::SegmentId;
 use serde::{Deserialize, Serialize};
 

@@ -8,11 +8,9 @@
 
 use arrayvec::ArrayVec;
 use glam::{DAffine3, IVec3};
-use palpate_haptics::admission::Admission;
-use palpate_haptics::ball::Ball;
-use palpate_haptics::ball_probe::{MAX_BODIES, ProbeView, admit_radius};
-use palpate_haptics::moving::PoseStep;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{Admission, PoseStep};
+use palpate_haptics::ball::{Ball, MAX_BODIES, ProbeView, admit_radius};
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
@@ -21,8 +19,8 @@ use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
-use crate::servo::channels::{BrickChange, Garbage, MAX_BRICKS, MAX_FRACTIONS, MAX_HELD};
 use crate::touch::moved_poses::MovedPoses;
+use crate::touch::occupancy_change::{BrickChange, Garbage, MAX_BRICKS, MAX_FRACTIONS, MAX_HELD};
 use crate::touch::patched::{Patched, place_of};
 use crate::touch::probe::Probe;
 use crate::touch::touchable::{Body, Touchable};
@@ -369,7 +367,7 @@ impl TouchOccupancy {
         for swap in &change.fractions {
             let mut newer = swap.clone();
             held.touchable.swap_fractions(&mut newer);
-            dispose(&mut self.garbage, Garbage::Shares(newer));
+            dispose(&mut self.garbage, Garbage::Fractions(newer));
         }
     }
 
@@ -397,7 +395,7 @@ impl TouchOccupancy {
                 if let Some(place) = place_of(&held.fractions, swap.index) {
                     let mut newer = swap.clone();
                     std::mem::swap(&mut held.fractions[place], &mut newer);
-                    dispose(&mut self.garbage, Garbage::Shares(newer));
+                    dispose(&mut self.garbage, Garbage::Fractions(newer));
                 }
             }
         }

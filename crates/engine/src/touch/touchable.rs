@@ -9,68 +9,25 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, IVec3, UVec3};
-use palpate_haptics::ball::BallError;
-use palpate_haptics::ball_limits::ball_limits;
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::ball_shape::BallShape;
-use palpate_haptics::exact::ExactLimits;
-use palpate_haptics::moving::{self, PoseStep};
-use palpate_haptics::proxy::Proxy;
+use glam::{IVec3, UVec3};
+use palpate_haptics::admission::{self, PoseStep};
+use palpate_haptics::ball::{BallError, BallShape, ProbeSolid, ball_limits};
+use palpate_haptics::contact::{ExactLimits, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::FractionBrick;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::touch::body::BodyVoxels;
 use crate::touch::occupancy_fractions::BodyFractions;
-use crate::touch::scan_values::Threshold;
+use crate::touch::part::{MovedPart, Part};
 
 /// Voxels of one body as the probe meets them.
 pub type Body = ProbeSolid<BodyVoxels>;
-
-/// A segment that can be touched.
-#[derive(Clone, Debug)]
-pub struct Part {
-    /// Which segment.
-    pub id: SegmentId,
-    /// Its voxels.
-    pub bits: Bits,
-    /// Where it was moved; none where it stands in the scan.
-    pub moved: Option<MovedPart>,
-    /// The threshold that made them, whatever edits did since; none where they come from
-    /// elsewhere.
-    pub threshold: Option<Threshold>,
-    /// How much of its voxels at the surface is solid, as far as that was worked out from them.
-    pub fractions: Option<Arc<Shares>>,
-    /// Whether a needle is in it: then it is no obstacle, unless it was moved.
-    pub punctured: bool,
-    /// Where it is rigid although it is deformable; none where it is deformable everywhere.
-    pub rigid: Option<Bits>,
-}
-
-/// Where a segment stands that was moved, or that has a grid of its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MovedPart {
-    /// The grid of its voxels, where it is not the scan's.
-    pub own_grid: Option<Grid>,
-    /// A box that holds its voxels.
-    pub bounds: VoxelBox,
-    /// From the scan to the scene [mm], a rigid motion that was checked.
-    pub pose: DAffine3,
-}
-
-impl MovedPart {
-    /// The grid of its voxels.
-    #[must_use]
-    pub fn grid<'a>(&'a self, scan: &'a Grid) -> &'a Grid {
-        self.own_grid.as_ref().unwrap_or(scan)
-    }
-}
 
 /// All that can be touched, ready for the servo.
 #[derive(Debug)]
@@ -189,7 +146,7 @@ impl Touchable {
         grid: &Grid,
         proxy: &mut Proxy,
     ) -> PoseStep {
-        let step = moving::step_pose(&self.scene(grid), place, new, proxy);
+        let step = admission::step_pose(&self.scene(grid), place, new, proxy);
         if step != PoseStep::Held
             && let Some(object) = self.objects.get_mut(place)
         {
@@ -254,7 +211,7 @@ impl Touchable {
     }
 
     /// Exchanges a brick of what is known of the occupancy fractions of the union.
-    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<FractionBrick>) {
         // what a ball can be in follows from bits alone
         self.world.change(&VoxelBox::EMPTY, |voxels| {
             if let Some(fractions) = &mut voxels.fractions {

@@ -1,7 +1,7 @@
 //! What the surface of a solid voxel feels like: that of the segment that owns it.
 
+use palpate_haptics::force::{Surface, Surfaces};
 use palpate_haptics::scene::Solid;
-use palpate_haptics::surface::{Surface, Surfaces};
 use palpate_volume::edit::SegmentId;
 
 use crate::touch::owners::Owners;

@@ -5,18 +5,16 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{self, Sender};
 
 use glam::DVec3;
-use palpate_engine::picture::frame::{Notice, NoticeLevel};
-use palpate_engine::picture::frame_collector::{FrameSources, Picture, RateReaders};
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::servo::shared::Shared;
-use palpate_engine::simulation::SimulationStatus;
-use palpate_engine::threads::rate::RateMeter;
+use palpate_engine::notice::{Notice, NoticeLevel};
+use palpate_engine::picture::{FrameCollector, FrameSources, RateReaders, SimulationStatus};
+use palpate_engine::servo::{Shared, TickRecord};
+use palpate_engine::threads::RateMeter;
 use rtrb::{Producer, RingBuffer};
 use triple_buffer::{Input, triple_buffer};
 
 /// A picture with bare ends.
 struct Bare {
-    picture: Picture,
+    picture: FrameCollector,
     records: Producer<TickRecord>,
     status: Input<SimulationStatus>,
     shared: Arc<Shared>,
@@ -44,7 +42,7 @@ impl Bare {
             shared: Arc::clone(&shared),
         };
         Self {
-            picture: Picture::new(sources, 1000, DVec3::ZERO),
+            picture: FrameCollector::new(sources, 1000, DVec3::ZERO),
             records,
             status,
             shared,

@@ -4,11 +4,11 @@ use crate::common::recorder::assert_equal;
 use crate::common::*;
 use glam::{DAffine3, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
-use palpate_engine::replay::run::replay;
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_engine::replay::replay;
+use palpate_engine::servo::TickRecord;
+use palpate_engine::session::{Reference, SessionConfig};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::painter::PaintSettings;
-use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
@@ -77,7 +77,7 @@ fn touch_is_the_same_to_the_bit_with_paint_and_without() {
             let of = |record: &TickRecord| (record.proxy, record.contact_point, record.force);
             assert_eq!(of(felt), of(expected), "tick {}", felt.tick);
         }
-        let waits = |notice: &palpate_engine::picture::frame::Notice| notice.text.contains("waits");
+        let waits = |notice: &palpate_engine::notice::Notice| notice.text.contains("waits");
         assert!(!rig.notices.try_iter().any(|notice| waits(&notice)));
 
         let [block, painted] = masks(&rig);

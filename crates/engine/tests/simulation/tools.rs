@@ -5,8 +5,8 @@ use glam::{DAffine3, DVec3, IVec3, UVec3};
 use palpate_device::DeviceState;
 use palpate_engine::error::SessionError;
 use palpate_engine::scene::Properties;
-use palpate_engine::servo::channels::{DeviceSample, TickRecord};
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_engine::servo::{DeviceSample, TickRecord};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::VoxelsError;
@@ -303,8 +303,7 @@ fn wrong_tools_are_refused_and_a_lost_segment_ends_the_stroke() {
     rig.simulation.stroke(true).unwrap();
     rig.simulation.remove_segment(BLOCK).unwrap();
     pass(&mut rig, DVec3::new(12.0, 20.0, 20.5), 0.0);
-    let stops =
-        |notice: &palpate_engine::picture::frame::Notice| notice.text.contains("The tool stops");
+    let stops = |notice: &palpate_engine::notice::Notice| notice.text.contains("The tool stops");
     assert_eq!(rig.notices.try_iter().filter(stops).count(), 1);
     pass(&mut rig, DVec3::new(12.0, 20.0, 20.5), 0.0);
     assert_eq!(rig.notices.try_iter().filter(stops).count(), 0);

@@ -1,6 +1,6 @@
 //! Bricks that the next windows will need, worked out before, one a tick.
 //!
-//! What a ball cannot get into is filled brick by brick (`ball_closing.rs`). A window that comes to
+//! What a ball cannot get into is filled brick by brick (`ball/closing.rs`). A window that comes to
 //! new bricks would need up to some twenty at once, all in one tick; in the ticks between there is
 //! time for them. Windows are taken to go on the way that they went along each axis. What is worked
 //! out here changes no answer, only when the work is done.
@@ -24,7 +24,7 @@ pub(super) struct Ahead {
     way: IVec3,
     /// Bricks of that window, by their places.
     inside: VoxelBox,
-    /// Those beside it along each axis, and which of them were looked at.
+    /// Slabs beside the window along each axis, and which of their bricks were looked at.
     beside: [Slab; 3],
 }
 

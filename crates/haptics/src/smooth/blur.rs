@@ -13,16 +13,16 @@
 //! Frame: grid.
 
 use super::aim::Aim;
+use super::binomial_filter::{Cells, ChangesOfRows, unit_of};
 use super::cache::Source;
+use super::cell_fractions::CellFractions;
 use super::cell_shape::{CELLS, CellShape};
-use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
-use super::tents::{Cells, ChangesOfRows, unit_of};
 use super::window::{Window, counts};
-use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::simd_dispatch;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::walk::voxel_of;
 
@@ -67,7 +67,7 @@ impl BlurField {
         occupancy: &impl Occupancy,
         aim: &Aim,
         spacing: DVec3,
-        known: Option<(Source, &mut CellShares)>,
+        known: Option<(Source, &mut CellFractions)>,
     ) {
         if self.spacing != spacing {
             self.spacing = spacing;
@@ -106,22 +106,22 @@ impl BlurField {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
-    /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
+    /// occupancy fractions of voxels at the surface, where they are to count. Where that voxel is solid,
     /// nothing can be told apart, and the field is that of nothing.
     pub(super) fn make_around[O: Occupancy](
         field: &mut BlurField,
         occupancy: &O,
         aim: &Aim,
         spacing: DVec3,
-        known: Option<(Source, &mut CellShares)>,
-    ) = BlurField::around_plainly
+        known: Option<(Source, &mut CellFractions)>,
+    ) = [avx2] BlurField::around_plainly
 }
 
-widest! {
+simd_dispatch! {
     /// Sets nodes to the cells, blurred and times a scale.
-    fn blur(cells: &Cells, scale: f32, nodes: &mut Nodes) = blur_plainly
+    fn blur(cells: &Cells, scale: f32, nodes: &mut Nodes) = [avx2] blur_plainly
 }
 
 #[inline(always)]
@@ -189,7 +189,7 @@ impl Field for BlurField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide::Noise;
+    use crate::noise::Noise;
 
     #[test]
     fn fields_for_wide_machines_are_those_for_plain_ones_to_the_bit() {
@@ -214,19 +214,19 @@ mod tests {
             };
             let source = Source {
                 epoch: 1,
-                shares: true,
+                fractions: true,
             };
             let [mut wide, mut plain] = [BlurField::empty(), BlurField::empty()];
-            let mut shares = CellShares::EMPTY;
+            let mut fractions = CellFractions::EMPTY;
             make_around(
                 &mut wide,
                 &world,
                 &aim,
                 spacing,
-                Some((source, &mut shares)),
+                Some((source, &mut fractions)),
             );
-            let mut shares = CellShares::EMPTY;
-            plain.around_plainly(&world, &aim, spacing, Some((source, &mut shares)));
+            let mut fractions = CellFractions::EMPTY;
+            plain.around_plainly(&world, &aim, spacing, Some((source, &mut fractions)));
             for _ in 0..50 {
                 let at = Vec3A::from_array([(); 3].map(|()| 7.0 * random.rand_float() as f32));
                 assert_eq!(wide.sample(at), plain.sample(at), "run {run} at {at}");

@@ -8,8 +8,8 @@
 //! Source: Unser, "Splines: a perfect fit for signal and image processing", IEEE Signal
 //! Processing Magazine 16 (1999).
 
+use super::binomial_filter::Blurred;
 use super::field::Level;
-use super::tents::Blurred;
 use glam::{Mat4, Vec3A, Vec4};
 
 /// Floats of one row.

@@ -7,8 +7,8 @@
 
 use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
 use super::window::{Window, of_layers};
-use crate::wide::widest;
 use glam::IVec3;
+use palpate_volume::simd_dispatch;
 
 /// Words of the largest layer of cells.
 const MAX_CELL_LAYER: usize = MAX_WORDS / CELLS as usize;
@@ -145,11 +145,11 @@ struct Surface {
     solid: u64,
 }
 
-widest! {
+simd_dispatch! {
     /// Finds the rows of cells of a window, y before z, eight of each, with voxels that are reached
     /// next to others, or solid ones next to those that are reached. One bit each in the answer.
     pub(super) fn find_surface(window: &Window, rows: &mut [SurfaceRow; 64]) -> u64
-        = Window::find_surface_plainly
+        = [avx2] Window::find_surface_plainly
 }
 
 impl Window {

@@ -9,10 +9,10 @@
 
 use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
 use super::rows::CellRows;
-use crate::flood::flood;
-use crate::wide::widest;
+use crate::contact::flood::flood;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::simd_dispatch;
 
 /// Calls a method with the logarithm of a row's bits and the words of a layer, as they are for a
 /// shape, so that both are known when it is compiled.
@@ -63,7 +63,7 @@ impl Window {
         self.first
     }
 
-    /// Whether it stands there.
+    /// Whether the window has this shape and stands at this voxel.
     #[inline]
     pub(crate) fn is_at(&self, shape: CellShape, first: IVec3) -> bool {
         self.first == first && self.shape == shape
@@ -140,7 +140,7 @@ impl Window {
         }
     }
 
-    /// The same where cells have `HEIGHT` voxels along y.
+    /// The counts of cells that have `HEIGHT` voxels along y.
     #[inline(always)]
     fn count<const LOG: u32, const HEIGHT: usize>(&self) -> [u64; 64] {
         let log_z = self.shape.log[2];
@@ -181,15 +181,15 @@ impl Window {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// Voxels of a window that are not reached in each cell: a word for each row of cells, a byte
     /// for each.
-    pub(super) fn counts(window: &Window) -> [u64; 64] = Window::counts_plainly
+    pub(super) fn counts(window: &Window) -> [u64; 64] = [avx2] Window::counts_plainly
 }
 
-widest! {
+simd_dispatch! {
     /// Grows what is reached of a layer, as far as it goes; whether that came to its end.
-    fn flood_from(window: &mut Window, layer: usize) -> bool = Window::flood_plainly
+    fn flood_from(window: &mut Window, layer: usize) -> bool = [avx2] Window::flood_plainly
 }
 
 /// Reads the free voxels; false where all are.
@@ -207,7 +207,7 @@ fn read_free(
     }
 }
 
-/// The same for windows that are so many blocks wide.
+/// Reads the free voxels of windows that are `BLOCKS` blocks wide.
 #[inline(always)]
 fn read_free_of<const BLOCKS: usize>(
     occupancy: &(impl Occupancy + ?Sized),

@@ -1,18 +1,14 @@
 //! Bodies to touch, random points, and an independent count of what is connected.
 
-#![allow(dead_code, reason = "each test binary uses its own part")]
+#![allow(dead_code, reason = "examples share it, each its own part")]
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::ball::{Ball, BallShape};
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::ball::{Ball, BallShape, ProbeSolid};
+use palpate_haptics::contact::{Contact, ContactModel, Exact, Proxy};
+use palpate_haptics::force::{Coupling, Surface, Uniform};
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::Smoothing;
-use palpate_haptics::smooth::shares::{Around, Limits};
-use palpate_haptics::surface::{Surface, Uniform};
+use palpate_haptics::smooth::occupancy_fractions::{Around, Limits};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
@@ -302,16 +298,16 @@ impl Occupancy for Thresholded<'_> {
         self.bits.block(min)
     }
 
-    fn knows_shares(&self) -> bool {
+    fn knows_fractions(&self) -> bool {
         true
     }
 
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.limits.share(&Around::of(self.scan, voxel), solid)
+    fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.limits.fraction(&Around::of(self.scan, voxel), solid)
     }
 
-    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         let stored = |voxel| Around::stored(self.scan, voxel);
-        self.limits.share_changes(stored, voxels, changes);
+        self.limits.fraction_changes(stored, voxels, changes);
     }
 }

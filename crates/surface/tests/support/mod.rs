@@ -1,7 +1,5 @@
 //! Bodies, random bits, and what is told of a mesh.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
-
 use std::collections::{HashMap, HashSet};
 
 use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};

@@ -1,9 +1,7 @@
 //! Journals that tests write and read.
 
 use glam::{IVec3, UVec3};
-use palpate_tools::journal_entry::{Entry, ScanHash};
-use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::{JournalReader, Recovery, recover};
+use palpate_tools::journal::{Entry, JournalFile, JournalReader, Recovery, ScanHash, recover};
 use palpate_volume::voxels::Voxels;
 
 use super::place::Place;

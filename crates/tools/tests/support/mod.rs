@@ -1,7 +1,5 @@
 //! Scans, random numbers and dense copies for the tests of all tools.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
-
 pub mod journal;
 pub mod place;
 pub mod session;
@@ -14,7 +12,6 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
-use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
 /// Seeded numbers.
@@ -142,11 +139,6 @@ pub fn free_move(from: DVec3, to: DVec3) -> ToolInput {
 /// Everything solid.
 pub fn everywhere(_: IVec3) -> bool {
     true
-}
-
-/// A box, for reading a corner of a scan.
-pub fn all_of(voxels: &Voxels) -> VoxelBox {
-    voxels.grid().bounds()
 }
 
 /// A rigid motion.

@@ -1,10 +1,10 @@
 //! A small session: voxels, tools, undo and a journal, as the engine has them.
 
 use glam::DVec3;
-use palpate_tools::journal_entry::Action;
-use palpate_tools::journal_file::JournalFile;
+use palpate_tools::factory::{ToolKind, ToolSettings};
+use palpate_tools::journal::{Action, JournalFile};
 use palpate_tools::stroke::{Stroke, bytes_of};
-use palpate_tools::tool::{ToolInput, ToolKind, ToolSettings};
+use palpate_tools::tool::ToolInput;
 use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;

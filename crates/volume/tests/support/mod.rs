@@ -1,7 +1,5 @@
 //! Random points, boxes and masks for property tests, and dense models to compare with.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
-
 use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::voxel_box::VoxelBox;
 

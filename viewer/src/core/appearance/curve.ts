@@ -2,7 +2,7 @@
  * A transfer function as people draw it: points of opacity and stops of colour over the values.
  * Opacity is that of 1 mm of tissue, so it does not depend on the ray's step.
  */
-import { hexFromSrgb, linearFromHex, srgbFromLinear } from "./colour";
+import { hexFromSrgb, linearFromHex, srgbFromLinear } from "../base/colour";
 import { sample, type ControlPoint, type TransferFunction } from "./transfer_function";
 
 export interface OpacityPoint {
@@ -98,7 +98,7 @@ export function moved<T extends { readonly value: number }>(row: readonly T[], i
   });
 }
 
-/** A row with one more entry; its place in it is told too. */
+/** A row with one more entry; with its place in it. */
 export function added<T extends { readonly value: number }>(row: readonly T[], point: T): { readonly row: T[]; readonly at: number } {
   const found = row.findIndex(({ value }) => value > point.value);
   const at = found === -1 ? row.length : found;

@@ -7,7 +7,7 @@
  * `volume-property-schema-v1.0.0.json`.
  */
 import type { Curve } from "./curve";
-import { hexFromSrgb } from "./colour";
+import { hexFromSrgb } from "../base/colour";
 
 export interface SlicerPreset {
   readonly name: string;

@@ -25,7 +25,7 @@ export interface Camera {
   readonly parallel: number | null;
   /**
    * One of two eyes: it stands so far to the right [share of the distance to the target] and looks straight
-   * ahead through the same window at the target (off-axis). 0 where nothing is told.
+   * ahead through the same window at the target (off-axis). 0 where it is left out.
    */
   readonly aside?: number;
 }

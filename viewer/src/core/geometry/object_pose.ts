@@ -1,6 +1,6 @@
 /**
  * Where a segment stands: poses as they are sent, row-major 4×4, from the scan to the scene [mm].
- * The numbers of a pose are told about the segment's middle, so that turning does not shift it.
+ * The numbers of a pose are those about the segment's middle, so that turning does not shift it.
  */
 import { transformPoint, transformVector } from "./affine";
 import type { Pose, Segment } from "../protocol";

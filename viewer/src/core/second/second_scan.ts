@@ -17,7 +17,7 @@ export type Fusion = (typeof fusions)[number];
 export const tints = ["warm", "cool", "grey"] as const;
 export type Tint = (typeof tints)[number];
 
-export interface SecondLook {
+export interface SecondAppearance {
   readonly inView: boolean;
   readonly inSlices: boolean;
   /** In the 3-D view. */

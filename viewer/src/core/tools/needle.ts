@@ -1,5 +1,5 @@
 /**
- * Needles: how thick they are, what each segment is to them, and how what happened is told.
+ * Needles: how thick they are, what each segment is to them, and how what happened is described.
  * Lengths [mm], forces [N].
  */
 import type { NeedleEvent, Segment, TissueName } from "../protocol";

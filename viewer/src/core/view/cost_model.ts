@@ -9,7 +9,7 @@
 import { add, addScaled, dot, scale, type Vec3 } from "../geometry/vector";
 
 /** What is counted of a picture; of costs, the time of each [ms]. */
-export interface Work {
+export interface Workload {
   /** How often the renderer was waited for. */
   readonly waits: number;
   /** Pixels times steps per voxel edge. */
@@ -33,19 +33,19 @@ export class CostModel {
   private covariance: readonly [Triple, Triple, Triple];
 
   /** @param guess of what is not known yet, off by as much as it is [ms each]. */
-  constructor(guess: Work) {
+  constructor(guess: Workload) {
     const [a, b, c] = (this.costs = listed(guess));
     this.least = scale(this.costs, 0.1);
     this.covariance = [[a * a, 0, 0], [0, b * b, 0], [0, 0, c * c]];
   }
 
   /** Expected time [ms]. */
-  expected(work: Partial<Work>): number {
+  expected(work: Partial<Workload>): number {
     return dot(this.costs, listed(work));
   }
 
   /** Learns that work took `milliseconds`. */
-  learn(work: Work, milliseconds: number): void {
+  learn(work: Workload, milliseconds: number): void {
     const counted = listed(work);
     const expected = dot(this.costs, counted);
     const [first, second, third] = this.covariance;
@@ -62,7 +62,7 @@ export class CostModel {
   }
 }
 
-function listed({ waits = 0, samples = 0, triangles = 0 }: Partial<Work>): Triple {
+function listed({ waits = 0, samples = 0, triangles = 0 }: Partial<Workload>): Triple {
   return [waits, samples, triangles];
 }
 

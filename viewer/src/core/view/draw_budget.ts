@@ -6,7 +6,7 @@
  * While the view moves, the picture is drawn as fine as the budget of one frame allows, by resolution, step
  * and detail of surfaces; at rest it is refined level by level, in strips of rows that each fit into that budget too.
  */
-import { CostModel, type Work } from "./cost_model";
+import { CostModel, type Workload } from "./cost_model";
 
 /** Which triangles of surfaces are drawn. */
 export type Detail = "all" | "few";
@@ -81,19 +81,19 @@ export class DrawBudget {
    */
   constructor(
     public frameBudget: number,
-    guess: Work,
+    guess: Workload,
   ) {
     this.moving = new CostModel(guess);
     this.resting = new CostModel(guess);
   }
 
   /** Learns from a picture that moved. */
-  learnMoving(work: Work, milliseconds: number): void {
+  learnMoving(work: Workload, milliseconds: number): void {
     this.moving.learn(work, milliseconds);
   }
 
   /** Learns from a whole picture at rest, which was waited for with each of its strips. */
-  learnResting(work: Work, milliseconds: number): void {
+  learnResting(work: Workload, milliseconds: number): void {
     this.resting.learn(work, milliseconds);
   }
 

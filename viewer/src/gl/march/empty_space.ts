@@ -1,6 +1,6 @@
 /**
  * Which bricks hold something drawn, and how far a ray may leap over the others: kept in step with
- * the scan's values, its labels and its look.
+ * the scan's values, its labels and its appearance.
  */
 import type * as THREE from "three";
 import { boundsOf, distanceToFilled, filledBricks, type BrickRanges } from "../../core/scan/bricks";

@@ -1,6 +1,6 @@
 /** Marks in the 3-D view: lines of constant width on the screen, and rings at their points. */
 import * as THREE from "three";
-import { srgbFromHex } from "../../core/appearance/colour";
+import { srgbFromHex } from "../../core/base/colour";
 import type { Vec3 } from "../../core/geometry/vector";
 import { GhostedQuads, strip } from "./ghosted_quads";
 import { shaders } from "../shaders/shaders";

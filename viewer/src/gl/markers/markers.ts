@@ -7,7 +7,7 @@
  * [CSS pixels].
  */
 import * as THREE from "three";
-import { srgbFromHex } from "../../core/appearance/colour";
+import { srgbFromHex } from "../../core/base/colour";
 import type { ModelParticles } from "../../core/tissue/particles";
 import type { PathTrail } from "../../core/touch/path_trail";
 import { addScaled, distance, length, normalize, subtract, type Vec3 } from "../../core/geometry/vector";

@@ -13,9 +13,9 @@ import type { RestingPicture } from "../../core/view/quality";
 import type { FieldFormat } from "../textures/field_texture";
 import type { GpuClock } from "../base/gpu_clock";
 import type { Tally } from "../surfaces/patch_mesh";
-import { PictureTarget } from "./picture_target";
+import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
-import { mostLayers } from "../surfaces/surface_layers";
+import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
 
 export interface RefinerOptions {
@@ -143,7 +143,7 @@ export class Refiner {
     this.restart();
   }
 
-  /** Camera, look or scan have changed. */
+  /** Camera, appearance or scan have changed. */
   restart(): void {
     this.stale = true;
     this.levels = [];

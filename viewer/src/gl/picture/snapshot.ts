@@ -13,9 +13,9 @@ import { eyesOf, type Stereo } from "../../core/view/stereo";
 import { Anaglyph } from "./anaglyph";
 import type { Compositor } from "./compositor";
 import { GpuClock } from "../base/gpu_clock";
-import { PictureTarget } from "./picture_target";
+import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
-import { mostLayers } from "../surfaces/surface_layers";
+import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
 
 export interface SnapshotWish {

@@ -3,9 +3,9 @@
  * for `palpate bench render`.
  */
 import * as THREE from "three";
-import { PictureTarget } from "./picture_target";
+import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
-import { mostLayers } from "../surfaces/surface_layers";
+import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
 
 export interface TimedWish {

@@ -12,7 +12,7 @@ import { Compositor, type Composition } from "./compositor";
 import type { ScreenPane } from "./upscaler";
 import { MarkStrokes } from "../markers/mark_strokes";
 import { markerMargin, Markers, type MarkerState } from "../markers/markers";
-import type { PictureTarget } from "./picture_target";
+import type { PictureTarget } from "../base/picture_target";
 import { ThreeCamera } from "./three_camera";
 
 /** A pixel of the coarsest picture fades this far into its background, and markers reach less far [CSS pixels]. */

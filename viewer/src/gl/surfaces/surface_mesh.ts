@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { columnMajor, linearColumnMajor, type Affine } from "../../core/geometry/affine";
 import { CoarseSurface } from "../../core/surfaces/coarse_surface";
-import { linearFromSrgb } from "../../core/appearance/colour";
+import { linearFromSrgb } from "../../core/base/colour";
 import type { Detail } from "../../core/view/draw_budget";
 import type { Segment } from "../../core/protocol";
 import type { ScanFrame } from "../../core/scan/scan_volume";
@@ -39,7 +39,7 @@ export class SurfaceMesh {
     bare: { value: 0 },
     ownRange: { value: new THREE.Vector2(1, 0) },
     ownLabel: { value: 0 },
-    gives: { value: 0 },
+    displaceable: { value: 0 },
     gridFromPosed: { value: new THREE.Matrix4() },
     posedFromGrid: { value: new THREE.Matrix4() },
     posedFromSurface: { value: new THREE.Matrix3() },
@@ -134,7 +134,7 @@ export class SurfaceMesh {
     own.ownLabel.value = segment.range === null && segment.grid === null ? segment.id : 0;
     const range = segment.range === null ? ([1, 0] as const) : biasedRange(segment.range[0], segment.range[1], frame.rescale);
     own.ownRange.value.set(...range);
-    own.gives.value = segment.pose === null && segment.grid === null ? 1 : 0;
+    own.displaceable.value = segment.pose === null && segment.grid === null ? 1 : 0;
     this.stand(segment.pose ?? nowhere, frame);
   }
 

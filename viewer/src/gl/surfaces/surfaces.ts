@@ -16,8 +16,8 @@ import type { SurfaceChange } from "../../core/surfaces/surface_patches";
 import { keyLight } from "../march/key_light";
 import type { Tally } from "./patch_mesh";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
-import type { PictureTarget } from "../picture/picture_target";
-import { layersWithin, SurfaceLayers } from "./surface_layers";
+import type { PictureTarget } from "../base/picture_target";
+import { layersWithin, SurfaceLayers } from "../textures/surface_layers";
 import { SurfaceMesh } from "./surface_mesh";
 
 export interface SurfaceDrawing {

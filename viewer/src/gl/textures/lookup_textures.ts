@@ -3,7 +3,7 @@
  * empty space reaches, and the segments' ids with their colours.
  */
 import * as THREE from "three";
-import { linearFromSrgb } from "../../core/appearance/colour";
+import { linearFromSrgb } from "../../core/base/colour";
 import type { Segment } from "../../core/protocol";
 import { bodyOpacity, drawnFromVoxels, shownByValue, surfaceInPlace, type InsideMode, type InsideModes } from "../../core/segments/shown_segments";
 import { bakeTransferFunction, integrateRow, type TransferFunction } from "../../core/appearance/transfer_function";

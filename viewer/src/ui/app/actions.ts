@@ -4,6 +4,7 @@
  */
 import { letters, sideName } from "../../core/geometry/anatomy";
 import { presets } from "../../core/appearance/curve_presets";
+import { blendNames, qualityNames, stereoNames } from "../../core/appearance/picture_names";
 import { blends } from "../../core/appearance/optics";
 import { qualities } from "../../core/view/quality";
 import { sliceNames, sliceTitle } from "../../core/slices/slice_plane";
@@ -12,14 +13,11 @@ import { toolChoices } from "../../core/tools/tools";
 import { larger, stiffer } from "../../core/touch/touch_settings";
 import type { Vec3 } from "../../core/geometry/vector";
 import { windowPresets } from "../../core/appearance/window_level";
-import { blendNames } from "../features/appearance/blend_names";
 import { formats, type Exporter } from "../features/scan/exporter.svelte";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import { anatomy } from "../features/appearance/appearance_control.svelte";
-import { qualityNames } from "../features/view/quality_names";
 import type { Session } from "../state/session.svelte";
-import type { Stage } from "./stage.svelte";
-import { stereoNames } from "../features/view/stereo_names";
+import type { Stage } from "./stage";
 import { themes, type ThemeControl } from "../theme/theme.svelte";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 import type { UndoControl } from "./undo_control";
@@ -35,7 +33,7 @@ export interface Action {
   readonly run: () => void;
   /** For an action that lasts as long as its key is held: ends it. Such a one is in no palette. */
   readonly end?: () => void;
-  /** Whether it means something now; always where nothing is told. */
+  /** Whether it means something now; always where it is left out. */
   readonly ready?: () => boolean;
 }
 
@@ -102,13 +100,13 @@ function look({ session, stage }: ActionTargets): readonly Action[] {
       group,
       name: `Draw as ${blendNames[blend].name}`,
       keys: [],
-      run: () => { stage.looks.choose("blend", blend); },
+      run: () => { stage.appearance.choose("blend", blend); },
     }) as const),
     ...[anatomy, ...presets.map(({ name }) => name)].map((name) => ({
       group,
       name: `Transfer function ${name}`,
       keys: [],
-      run: () => { stage.looks.usePreset(name); },
+      run: () => { stage.appearance.usePreset(name); },
     }) as const),
   ];
 }
@@ -116,17 +114,17 @@ function look({ session, stage }: ActionTargets): readonly Action[] {
 /** How the picture is made, cut and kept. */
 function picture({ stage, page }: ActionTargets): readonly Action[] {
   const group = "Look";
-  const { clips, images, looks } = stage;
+  const { appearance, clips, images } = stage;
   const drawable = (): boolean => stage.view.camera !== null && images.job === null;
-  const lit = (): boolean => looks.choice?.blend === "shaded";
+  const lit = (): boolean => appearance.choice?.blend === "shaded";
   return [
     { group, name: "Import a transfer function of 3D Slicer", keys: [], run: page.preset },
     {
       group,
       name: "Lighting on, off",
       keys: [],
-      ready: () => lit() || looks.choice?.blend === "composite",
-      run: () => { looks.choose("blend", lit() ? "composite" : "shaded"); },
+      ready: () => lit() || appearance.choice?.blend === "composite",
+      run: () => { appearance.choose("blend", lit() ? "composite" : "shaded"); },
     },
     ...qualities.map((quality) => ({
       group,

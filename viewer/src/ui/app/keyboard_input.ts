@@ -66,7 +66,7 @@ export class KeyboardInput {
     };
   }
 
-  /** Keys that are let go elsewhere are not told of. */
+  /** Keys that are let go elsewhere are not reported. */
   private liftAll(): void {
     this.held.clear();
     for (const key of [...this.begun.keys()]) {

@@ -9,7 +9,7 @@ import type { ShownEye } from "../../core/view/stereo";
 import { placeOnSlice, pointOnSlice } from "../../core/slices/slice_plane";
 import { add, addScaled } from "../../core/geometry/vector";
 import type { ShownSlice } from "../../gl/picture/slices";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 
 /** What an eye sees of the 3-D view: a dragged point goes to what is seen there, else stays as far away as it was. */
 export function viewPane(stage: Stage, { camera, viewport, rect, stretch }: ShownEye): Pane {

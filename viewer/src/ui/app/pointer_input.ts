@@ -13,7 +13,7 @@ import { addScaled } from "../../core/geometry/vector";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Reading } from "../features/picking/readout.svelte";
 import type { Session } from "../state/session.svelte";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 import { clickReach, wheelPixels } from "../widgets/mouse";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 
@@ -107,7 +107,7 @@ export class PointerInput {
       return;
     }
     if (this.drag === "look") {
-      this.stage.looks.drag(x, y);
+      this.stage.appearance.drag(x, y);
       return;
     }
     const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;

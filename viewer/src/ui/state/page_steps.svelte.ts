@@ -9,7 +9,7 @@ import { deepEqual } from "../../core/base/deep_equal";
 export interface StepOwner<T> {
   /** Has one hold in place of the other: what a step has changed, and nothing else. */
   hold(value: T, instead: T): void;
-  /** Whether anything of it still holds, for what others may change; all does where nothing is told. */
+  /** Whether anything of it still holds, for what others may change; all does where this is left out. */
   stands?(value: T): boolean;
 }
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { linearFromSrgb } from "../../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../../src/core/base/colour";
 import { drawnBy } from "../../../src/core/appearance/drawn_values";
 import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
 import { shadedOptics } from "../../../src/core/appearance/optics";
@@ -101,7 +101,7 @@ test("what is told of a range inside of the volume has the body that stands for 
 });
 
 test("bricks of what a body can stand for are never empty, so that it can come and go with each picture", () => {
-  const look: Appearance = {
+  const appearance: Appearance = {
     transferFunction: { points: [{ value: 0, colour: [1, 1, 1], extinction: 0 }] },
     ranges: shownRanges([{ ...segment, range: [500, 600], shown_as: "surface" }], rescale),
     edgeGradient: 40,
@@ -109,8 +109,8 @@ test("bricks of what a body can stand for are never empty, so that it can come a
     optics: shadedOptics,
   };
   const [bone, air] = [32768 + 550, 32768 - 900];
-  expect(drawnBy(look, rescale).any(bone, bone)).toBe(true);
-  expect(drawnBy(look, rescale).any(air, air)).toBe(false);
+  expect(drawnBy(appearance, rescale).any(bone, bone)).toBe(true);
+  expect(drawnBy(appearance, rescale).any(air, air)).toBe(false);
   // there voxels of segments are values like others
-  expect(drawnBy({ ...look, optics: { ...shadedOptics, blend: "emission" } }, rescale).any(bone, bone)).toBe(false);
+  expect(drawnBy({ ...appearance, optics: { ...shadedOptics, blend: "emission" } }, rescale).any(bone, bone)).toBe(false);
 });

@@ -20,7 +20,7 @@ test("a part is told once, keeps its place and can be left out again", () => {
   expect(withShared(changed, 2, null)).toEqual(withShared([], 3, "empty"));
 });
 
-test("regions are told in a line, and none where all gives way", () => {
+test("regions are described in a line, and none where all gives way", () => {
   const box: MatterRegion = { treatment: "rigid", shared_with: null, box: [[0, 0, 0], [1, 1, 1]] };
   expect(describeRegions([], nameOf)).toBeNull();
   expect(describeRegions(withWhole(withShared([box], 2, "deformable"), "rigid"), nameOf)).toBe("rigid, rigid in a box, gives way where Lesion is");

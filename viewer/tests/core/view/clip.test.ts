@@ -127,7 +127,7 @@ test("a handle that is dragged follows the mouse on the screen, or goes in depth
 
 test("what is cut away cannot be picked, the cut face can", () => {
   const volume = volumeOf(scanOf([40, 40, 40], [1, 1, 1]), () => 100);
-  const look = {
+  const appearance = {
     transferFunction: { points: [{ value: -500, colour: [1, 1, 1] as const, extinction: 50 }, { value: 500, colour: [1, 1, 1] as const, extinction: 50 }] },
     ranges: [],
     edgeGradient: 40,
@@ -136,7 +136,7 @@ test("what is cut away cannot be picked, the cut face can", () => {
   };
   const ray = { origin: [20, -50, 20] as const, direction: [0, 1, 0] as const };
   const crossings = [{ t: 55, id: 7, opacity: 1 }];
-  const pick = (clip: readonly Plane[]): ReturnType<typeof pickSurface> => pickSurface(volume, look, ray, { crossings, labelAt: () => null, clip });
+  const pick = (clip: readonly Plane[]): ReturnType<typeof pickSurface> => pickSurface(volume, appearance, ray, { crossings, labelAt: () => null, clip });
   const front: Plane = { normal: [0, -1, 0], offset: -15 };
   expect(pick([])?.point[1]).toBeLessThan(1);
   expect(pick([front])?.segment).toBeNull();

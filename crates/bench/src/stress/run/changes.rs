@@ -1,9 +1,8 @@
 //! What changes under the probe in a run: voxels that are set and cleared, objects that move.
 
 use glam::{DVec3, IVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::moving::{PoseMotion, PoseStep};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{PoseMotion, PoseStep};
+use palpate_haptics::contact::{ContactModel, Proxy};
 use palpate_haptics::scene::ObjectPose;
 use palpate_volume::voxel_box::VoxelBox;
 

@@ -19,7 +19,7 @@ export interface EditTimes {
   readonly way: number;
   /** Until the page got to it: a frame was drawn meanwhile. */
   readonly wait: number;
-  /** Until all of it was handed to the GPU. */
+  /** Until all of it was uploaded to the GPU. */
   readonly work: number;
 }
 
@@ -59,7 +59,7 @@ export class ShownEdits {
   private readonly surfaces = new SurfacePatches();
   /** Size of each surface that is there. */
   sizes = $state.raw<ReadonlyMap<number, SurfaceSize>>(this.surfaces.sizes);
-  /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
+  /** From the arrival of the last edit until all of it was uploaded to the GPU [ms]; null before the first. */
   lastMilliseconds: number | null = null;
   /** Of the last edits, the newest last. */
   readonly times: EditTimes[] = [];
@@ -127,7 +127,7 @@ export class ShownEdits {
     this.awaitsLabels = false;
   }
 
-  /** Hands all that is held to a new picture. */
+  /** Gives all that is held to a new picture. */
   showAll(picture: Picture): void {
     picture.setLabels(this.labels);
     picture.setDisplaced(this.displaced);

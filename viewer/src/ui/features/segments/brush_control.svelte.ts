@@ -29,7 +29,7 @@ export class BrushControl {
   /** The live wire, or a level: what is painted where no stroke is. */
   readonly outline: OutlineControl;
   private readonly session: Session;
-  /** Way that the engine was not told yet, its first point the last one told. */
+  /** Path that was not sent to the engine yet; its first point is the last one sent. */
   private way: Vec3[] = [];
   private normal: Vec3 = [0, 0, 1];
   private worked: number | null = null;

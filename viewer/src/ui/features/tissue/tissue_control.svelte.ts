@@ -17,7 +17,7 @@ export class TissueControl implements StepOwner<FromPage> {
   rate = $state.raw(0);
 
   private readonly answers = new AnswerRate();
-  /** Greeting of the engine that was told what was chosen at the last visit. */
+  /** Greeting of the engine that was sent what was chosen at the last visit. */
   private recalledAt = 0;
   private shownTo = 0;
   /** What the engine held when that was kept last; null until it has done what was recalled. */
@@ -100,7 +100,7 @@ export class TissueControl implements StepOwner<FromPage> {
       this.recalledAt = greetings;
       this.held = null;
       this.recall(state);
-      this.session.whenTold(() => {
+      this.session.whenAnswered(() => {
         if (this.recalledAt === greetings) {
           this.held ??= this.holds(this.session.latest ?? state).text;
         }
@@ -139,7 +139,7 @@ export class TissueControl implements StepOwner<FromPage> {
     return { memory, text: JSON.stringify(memory) };
   }
 
-  /** Asks for what was chosen at the last visit, unless the engine was already told otherwise. */
+  /** Asks for what was chosen at the last visit, unless the engine was already asked for something else. */
   private recall({ matter }: State): void {
     const { session } = this;
     if (matter.model !== null || session.segments.some(({ material }) => material !== null)) {

@@ -131,7 +131,7 @@ test("another scan forgets the surfaces of the one before, but no edit that wait
   expect([...edits.sizes.keys()]).toEqual([2]);
 });
 
-test("where matter stands is shown with its edit, kept, and gone with the scan or where all is in its voxels", () => {
+test("displacements of tissue are shown with their edit, kept, and gone with the scan or where all is in its voxels", () => {
   const { edits, picture, complaints, show } = setUp();
   const told: (readonly number[] | null)[] = [];
   Object.assign(picture, { setDisplaced: (displaced: { size: readonly number[] } | null) => told.push(displaced?.size ?? null) });

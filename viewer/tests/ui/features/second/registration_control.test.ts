@@ -20,7 +20,7 @@ beforeEach(() => {
   });
   sent = [];
   steps = new PageSteps(() => 0);
-  second = { told: { scan: { name: "mr" }, second_from_first: shifted, version: 0 } as unknown as SecondScan, only: null } as SecondControl;
+  second = { reported: { scan: { name: "mr" }, second_from_first: shifted, version: 0 } as unknown as SecondScan, only: null } as SecondControl;
 });
 
 afterEach(() => {

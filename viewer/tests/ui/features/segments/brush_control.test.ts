@@ -1,4 +1,4 @@
-/** The brush in a person's hand: what the engine is told of a stroke, and when. */
+/** The brush in a person's hand: what the engine is sent of a stroke, and when. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { brushRange, canBePainted, firstValues, fittingBrush, paintedName, resizedBrush } from "../../../../src/core/segments/brush";
 import type { FromPage, Outline, Scan } from "../../../../src/core/protocol";

@@ -13,7 +13,7 @@ const yields = { least: 0.005, most: 0.5 };
 const soft = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: null, friction: 0.2 };
 const liver = { preset: "liver", low: soft, high: soft };
 
-/** A page of a scan with one segment, an engine that does what it is told when asked to, and what the browser keeps. */
+/** A page of a scan with one segment, an engine that does what is asked of it when the test lets it, and what the browser keeps. */
 class Visit {
   readonly sent: FromPage[] = [];
   greetings = 1;
@@ -47,7 +47,7 @@ class Visit {
     this.sent.push(message);
   }
 
-  whenTold(told: () => void): void {
+  whenAnswered(told: () => void): void {
     this.told.push(told);
   }
 

@@ -1,4 +1,4 @@
-/** Painting by touch: which segments the engine is told, and that there is one to paint with first. */
+/** Painting by touch: which segments the engine is sent, and that there is one to paint with first. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { FromPage, Scan, Segment, State } from "../../../../src/core/protocol";
 import { BrushControl } from "../../../../src/ui/features/segments/brush_control.svelte";

@@ -1,0 +1,58 @@
+//! How stiff a contact was while the tool moved.
+
+use glam::DVec3;
+
+use crate::model::{ToolContact, ToolState};
+
+/// A tool that has moved by so much has measured its stiffness [spacings]; where that is less than this
+/// share of what was told, it counts.
+const MEASURED_WAY: f64 = 0.01;
+const MEASURED_SHARE: f64 = 0.7;
+/// Least fraction of the stiffness found that is reported.
+const LEAST_SHARE: f64 = 0.02;
+
+/// What the way of a tool since the last answer tells of its stiffness [N/mm].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Measured {
+    /// How much the force has grown along itself for the way that the tool has gone against it.
+    Stiffness(f64),
+    /// The tool stands still: the stiffness reported last holds [N/mm].
+    AsBefore(f64),
+    /// Nothing is known: there was no contact, or the tool has moved away.
+    Nothing,
+}
+
+impl Measured {
+    /// The stiffness to be told where the linear problem found this.
+    pub fn of(self, found: f64) -> f64 {
+        match self {
+            Self::Stiffness(seen) if seen < MEASURED_SHARE * found => seen.max(LEAST_SHARE * found),
+            Self::AsBefore(reported) => found.min(reported),
+            _ => found,
+        }
+    }
+}
+
+/// Measures the stiffness of a contact by its force [N, patient]. Where tissue of very different
+/// stiffness comes to rest slowly, the linear problem finds it too stiff.
+pub(super) fn measured(
+    reported: &[ToolContact],
+    tool: &ToolState,
+    force: DVec3,
+    spacing: f64,
+) -> Measured {
+    let last = reported.iter().find(|last| last.tool == tool.id);
+    let last = last.and_then(|last| last.contact);
+    let (Some(last), Some(normal)) = (last, force.try_normalize()) else {
+        return Measured::Nothing;
+    };
+    let gone = last.position - tool.position;
+    let way = gone.dot(normal);
+    if way > MEASURED_WAY * spacing {
+        Measured::Stiffness((force - last.force).dot(normal) / way)
+    } else if gone.length() <= MEASURED_WAY * spacing {
+        Measured::AsBefore(-normal.dot(last.stiffness * normal))
+    } else {
+        Measured::Nothing
+    }
+}

@@ -1,0 +1,7 @@
+//! Tests of `palpate-surface`, in one binary.
+
+mod closed;
+mod follows;
+mod spheres;
+mod support;
+mod voxelise;

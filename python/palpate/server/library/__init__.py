@@ -1,0 +1,1 @@
+"""Scans that pages find, upload and open: routes below ``/api/library``."""

@@ -1,0 +1,311 @@
+"""The list of segments as pages see it: what the engine has of each, and how it is shown.
+
+Names and colours are kept when a segment is removed, since undo may bring it back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from threading import Lock
+from typing import Any, NamedTuple
+
+import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from palpate import protocol
+from palpate.server.messages.soft_tissue import material_of, regions_of
+from palpate.server.voxel_data import labels_of
+from palpate.session.appearance import (
+    UNMOVED,
+    ShownAppearance,
+    appearance_of_number,
+    appearances_of,
+    colour_of_number,
+    keep_appearances,
+    restore_appearances,
+    scene_with_appearances,
+    with_colour_chosen,
+)
+from palpate.session.segment_state import Bounds, SegmentState
+from palpate.session.session import Session
+from palpate.volumes.anatomical_colour import colour_of_name, first_colour
+from palpate.volumes.appearance import Colour, SegmentAppearance, SurfaceSource
+from palpate.volumes.scene import Scene, new_appearance
+from palpate.volumes.segment import Segment
+
+__all__ = ["SegmentList"]
+
+
+class SegmentList:
+    """Segments of a session; every method may be called from any thread."""
+
+    def __init__(self, session: Session, keep: Callable[[bytes], None] | None = None) -> None:
+        """Takes appearances from the session's scene; ``keep`` is given them when they change."""
+        self._session = session
+        self._keep = keep
+        self._appearances = appearances_of(session)
+        self._lock = Lock()
+        self._seen: tuple[int, ...] | None = None
+        self._notices: list[str] = []
+        self._appearances_version = 0
+        self._labels_key: Any = None
+        self._labels = 0
+        self._made: dict[int, MadeSurface | None] = {}
+        self.message = self._make_message(0)
+
+    def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:
+        """Makes the list again if something changed; says whether it did.
+
+        Args:
+            segments_version: Rises with each change of voxels or of the list.
+            voxels_version: Rises where voxels change that ``picture_changes`` does not tell.
+            pending: How many changes touch does not follow yet.
+        """
+        with self._lock:
+            seen = (segments_version, self._appearances_version, pending)
+            if seen == self._seen:
+                return False
+            self._seen = seen
+        self.message = self._make_message(voxels_version)
+        return True
+
+    def change(self, wanted: protocol.SegmentProperties) -> None:
+        """Changes how a segment looks and whether it can be touched, and its voxels changed."""
+        self._session.set_touchable(wanted.id, touchable=wanted.touchable)
+        self._session.set_locked(wanted.id, locked=wanted.locked)
+        colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=wanted.colour)
+        look = replace(with_colour_chosen(wanted, chosen=chosen), colour=colour)
+        self._set_appearance(wanted.id, look)
+        self._show(wanted.id, look)
+        self.keep()
+
+    def threshold(self, wanted: protocol.Threshold) -> None:
+        """Makes a segment of a range of values, or changes one.
+
+        Raises:
+            PalpateError: The range selects nothing.
+        """
+        segment = self._session.scene.volume.threshold(wanted.low, wanted.high, name=wanted.name)
+        if wanted.id is None:
+            self.add(segment)
+            return
+        self._session.replace_segment(wanted.id, segment)
+        look = self._appearance_of(wanted.id)
+        colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=look.colour)
+        self._set_appearance(
+            wanted.id, replace(look, name=wanted.name, colour=colour, colour_chosen=chosen)
+        )
+        self.keep()
+
+    def add(self, segment: Segment, *, colour: Colour | None = None) -> None:
+        """Adds a segment under its name, in a colour of its own where none is given."""
+        segment_id = self._session.add_segment(segment)
+        own = self._own_colour(segment_id, segment.name)
+        chosen = colour is not None and colour != own
+        new = new_appearance(segment.name, colour or own)
+        self._set_appearance(segment_id, with_colour_chosen(new, chosen=chosen))
+        self.keep()
+
+    def add_empty(self, name: str) -> None:
+        """Adds a segment without voxels, which cannot be told by a range."""
+        volume = self._session.scene.volume
+        self.add(volume.segment(np.zeros(volume.shape, np.uint8), name=name))
+
+    def is_shown(self, segment_id: int) -> bool:
+        """Returns whether pages show a segment."""
+        return self._appearance_of(segment_id).visible
+
+    def name_of(self, segment_id: int) -> str:
+        """Returns what pages call a segment."""
+        return self._appearance_of(segment_id).name
+
+    def scene(self, values: NDArray[np.int16]) -> tuple[Scene, list[str]]:
+        """Returns the scan with such stored values and its segments as they are now, for files.
+
+        Also says what files cannot tell of them.
+
+        Raises:
+            OptionError: Segments came or went meanwhile.
+        """
+        return scene_with_appearances(self._session, values, self._appearance_of)
+
+    def keep(self) -> None:
+        """Has appearances written to the journal, with what can be touched and changed."""
+        if self._keep is not None:
+            self._keep(self.kept())
+
+    def kept(self) -> bytes:
+        """Returns appearances and what can be touched and changed, as ``restore`` takes them."""
+        return keep_appearances(self._session, self._appearance_of)
+
+    def restore(self, kept: bytes) -> None:
+        """Takes appearances that were kept.
+
+        Raises:
+            OptionError: The bytes are not what ``kept`` returns.
+        """
+        appearances = restore_appearances(self._session, kept)
+        there = {state["id"] for state in self._session.segments()}
+        for segment_id, look in appearances.items():
+            if segment_id in there:
+                self._set_appearance(segment_id, look)
+            else:
+                self._remember(segment_id, look)
+
+    def cut(self, segment_id: int, cut: Callable[[], int]) -> None:
+        """Cuts a segment in two; the part whose number ``cut`` returns gets a new colour.
+
+        Raises:
+            PalpateError: All of it is left on one side.
+        """
+        part = cut()
+        look = self._appearance_of(segment_id)
+        name = f"{look.name[:80]}, part {part}"
+        self._set_appearance(
+            part, replace(look, name=name, colour=colour_of_number(part), colour_chosen=False)
+        )
+        self.keep()
+
+    def take_notices(self) -> list[str]:
+        """Returns what pages should be told since the call before."""
+        with self._lock:
+            notices, self._notices = self._notices, []
+        return notices
+
+    def _show_moved_as_surface(self, state: SegmentState) -> None:
+        """Shows a moved segment as a surface, since voxels are drawn where the scan has them."""
+        segment_id, pose, has_own_grid = state["id"], state["pose"], state["grid"] is not None
+        look = self._appearance_of(segment_id)
+        stands_there = (pose is None or pose == UNMOVED) and not has_own_grid
+        if stands_there or look.shown_as == "surface":
+            return
+        look = replace(look, shown_as="surface")
+        self._show(segment_id, look)
+        with self._lock:
+            self._appearances[segment_id] = look
+            why = "has a grid of its own" if has_own_grid else "was moved"
+            self._notices.append(
+                f"{look.name} {why}: it is shown as a surface from now on, since voxels "
+                "are drawn where the scan has them."
+            )
+
+    def _show(self, segment_id: int, look: ShownAppearance) -> None:
+        """Has the engine make the surface that is shown, where it is not made yet."""
+        wanted = _surface_of(look)
+        with self._lock:
+            if wanted == self._made.get(segment_id):
+                return
+        if wanted is None:
+            self._session.hide_surface(segment_id)
+        else:
+            self._session.show_surface(segment_id, smoothing=wanted.smoothing, source=wanted.source)
+        with self._lock:
+            self._made[segment_id] = wanted
+
+    def labels(self) -> NDArray[np.uint8]:
+        """Returns the number of each voxel's segment, for visible segments without a range."""
+        masks = {
+            segment.id: self._session.segment(segment.id).mask()
+            for segment in self.message.segments
+            if _is_labelled(segment)
+        }
+        return labels_of(masks, self._session.scene.volume.shape)
+
+    def _set_appearance(self, segment_id: int, look: ShownAppearance) -> None:
+        """Shows a segment that is there in this way, with a surface where it has one."""
+        self._show(segment_id, look)
+        self._remember(segment_id, look)
+
+    def _remember(self, segment_id: int, look: ShownAppearance) -> None:
+        with self._lock:
+            self._appearances[segment_id] = look
+            self._appearances_version += 1
+
+    def _appearance_of(self, segment_id: int) -> ShownAppearance:
+        # a program beside the page may have added it
+        return self._appearances.get(segment_id, appearance_of_number(segment_id))
+
+    def _colour_after(self, segment_id: int, *, name: str, colour: Colour) -> tuple[Colour, bool]:
+        """Returns the colour of a segment that gets this name and colour, and if it is chosen.
+
+        One that nobody has chosen follows the name from and to those of the body.
+        """
+        before = self._appearance_of(segment_id)
+        if colour != before.colour:
+            # undo of a name gives its own colour back
+            return colour, colour != self._own_colour(segment_id, name)
+        anatomical = colour_of_name(name) is not None or colour_of_name(before.name) is not None
+        if name != before.name and not before.colour_chosen and anatomical:
+            return self._own_colour(segment_id, name), False
+        return colour, before.colour_chosen
+
+    def _own_colour(self, segment_id: int, name: str) -> Colour:
+        others = [look.name for other, look in self._appearances.items() if other != segment_id]
+        return first_colour(name, others, otherwise=colour_of_number(segment_id))
+
+    def _make_message(self, voxels_version: int) -> protocol.Segments:
+        states = self._session.segments()
+        for state in states:
+            self._show_moved_as_surface(state)
+            self._show(state["id"], self._appearance_of(state["id"]))
+        segments = [self._segment(state) for state in states]
+        labelled = [segment.id for segment in segments if _is_labelled(segment)]
+        # labels change with their voxels, and with which segments have them
+        key = (labelled, voxels_version if labelled else 0)
+        if key != self._labels_key:
+            # edits tell of these from now on, and before they are asked for
+            self._session.set_labelled(labelled)
+            self._labels_key = key
+            self._labels += 1
+        return protocol.Segments(segments=segments, labels=self._labels)
+
+    def _segment(self, state: SegmentState) -> protocol.Segment:
+        segment_id = state["id"]
+        look = self._appearance_of(segment_id)
+        return protocol.Segment(
+            **{name: getattr(look, name) for name in SegmentAppearance.__struct_fields__},
+            id=segment_id,
+            touchable=state["touchable"],
+            locked=state["locked"],
+            range=state["range"],
+            made_by=state["made_by"],
+            voxels=state["voxels"],
+            volume_ml=state["volume"] / 1000.0,
+            pending=state["pending"],
+            feel=protocol.Feel(**state["feel"]),
+            material=material_of(state),
+            regions=regions_of(self._session.regions(segment_id)),
+            pose=state["pose"],
+            bounds=_box_of(state["bounds"]),
+            grid=state["grid"],
+        )
+
+
+def _box_of(
+    bounds: Bounds | None,
+) -> tuple[protocol.GridPlace, protocol.GridPlace] | None:
+    """Returns the bounding box of a segment in the form of a message."""
+    if bounds is None:
+        return None
+    (x, y, z), (to_x, to_y, to_z) = bounds
+    return (x, y, z), (to_x, to_y, to_z)
+
+
+def _is_labelled(segment: protocol.Segment) -> bool:
+    """Says whether the picture shows a segment by the labels of the scan's voxels."""
+    return segment.visible and segment.range is None and segment.grid is None
+
+
+class MadeSurface(NamedTuple):
+    """How the engine makes a surface."""
+
+    smoothing: int
+    source: SurfaceSource
+
+
+def _surface_of(look: SegmentAppearance) -> MadeSurface | None:
+    """Returns how the surface of a segment is made; None where none is shown."""
+    if not look.visible or look.shown_as == "volume":
+        return None
+    return MadeSurface(look.smoothing, look.surface_from)

@@ -1,0 +1,250 @@
+"""Messages on segments whose work takes its time: thresholds, growing, changes of shape.
+
+It is done beside the event loop. Of thresholds that are dragged the latest goes first: while one is
+computed, newer ones for the same segment replace each other; so a drag of any speed costs at most
+one threshold at a time, and its last position always arrives. All other work is done in the order
+it was asked for, and can be stopped: what is not finished then changes nothing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from palpate import protocol
+from palpate.base.errors import OptionError, PalpateError
+from palpate.segmentation.operations import (
+    Growing,
+    changed_shape,
+    grown,
+    grown_from_seeds,
+    otsu,
+    smoothed_together,
+)
+from palpate.server.messages.segment_list import SegmentList
+from palpate.server.messages.table import MessageTable, Runs
+from palpate.session.session import Session
+from palpate.volumes.segment import Segment
+
+__all__ = ["SegmentWork", "ThresholdJobs", "Wanted"]
+
+Wanted = protocol.Otsu | protocol.GrowSegment | protocol.GrowSeeds | protocol.ChangeShape
+
+
+class ThresholdJobs:
+    """Waiting thresholds, at most one per segment and any number of new ones."""
+
+    def __init__(self, work: Callable[[protocol.Threshold], None]) -> None:
+        """Takes the function that makes a threshold, which may take its time."""
+        self._work = work
+        self._waiting: list[protocol.Threshold] = []
+        self._filled = asyncio.Event()
+
+    def add_to(self, table: MessageTable) -> None:
+        """Adds the row of thresholds."""
+        table.add(protocol.Threshold, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+
+    def ask(self, threshold: protocol.Threshold) -> None:
+        """Adds a threshold; it replaces one that waits for the same segment."""
+        if threshold.id is not None:
+            self._waiting = [other for other in self._waiting if other.id != threshold.id]
+        self._waiting.append(threshold)
+        self._filled.set()
+
+    async def run(self) -> None:
+        """Makes thresholds until it is cancelled."""
+        while True:
+            await self._filled.wait()
+            threshold = self._waiting.pop(0)
+            if not self._waiting:
+                self._filled.clear()
+            await asyncio.to_thread(self._work, threshold)
+
+
+class StoppedError(Exception):
+    """A person has stopped the work."""
+
+
+class SegmentWork:
+    """Pieces of work that wait, and the one that is done."""
+
+    def __init__(
+        self,
+        session: Session,
+        segments: SegmentList,
+        tell: Callable[[protocol.ToPage], None],
+    ) -> None:
+        """Takes where messages go, which may come from any thread."""
+        self._session = session
+        self._segments = segments
+        self._tell = tell
+        self._waiting: deque[Wanted] = deque()
+        self._filled = asyncio.Event()
+        self._stops = 0
+
+    def add_to(self, table: MessageTable) -> None:
+        """Adds the rows of the work."""
+        table.add(protocol.Otsu, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.GrowSegment, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.GrowSeeds, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.ChangeShape, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        table.add(protocol.StopSegmentWork, lambda _message, _: self.stop(), runs=Runs.ON_LOOP)
+
+    def ask(self, wanted: Wanted) -> None:
+        """Adds a piece of work; it is done after those that wait."""
+        self._waiting.append(wanted)
+        self._filled.set()
+
+    def stop(self) -> None:
+        """Stops what is done as soon as it can be, and forgets what waits."""
+        self._waiting.clear()
+        self._stops += 1
+
+    async def run(self) -> None:
+        """Works until it is cancelled."""
+        while True:
+            await self._filled.wait()
+            self._filled.clear()
+            while self._waiting:
+                await asyncio.to_thread(self._work, self._waiting.popleft(), self._stops)
+
+    def _work(self, wanted: Wanted, stops: int) -> None:
+        """Does a piece of work, unless there are more ``stops`` meanwhile."""
+
+        def progress(what: str, share: float | None) -> None:
+            if self._stops != stops:
+                raise StoppedError
+            told = what if share is None else f"{what}, {share:.0%}"
+            self._tell(protocol.SegmentWork(told[:1].upper() + told[1:]))
+
+        try:
+            match wanted:
+                case protocol.Otsu(classes):
+                    progress("parting values", None)
+                    made = otsu(self._session.scene.volume, classes=classes)
+                    progress("adding segments", None)
+                    for segment in made:
+                        self._segments.add(segment)
+                case protocol.GrowSegment():
+                    self._grow(wanted, progress)
+                case protocol.GrowSeeds():
+                    self._grow_seeds(wanted, progress)
+                case protocol.ChangeShape():
+                    self._change(wanted, progress)
+        except StoppedError:
+            self._tell(protocol.Notice(level="info", text="Stopped: nothing was changed."))
+        except (PalpateError, RuntimeError, MemoryError) as error:
+            self._tell(protocol.Notice(level="error", text=str(error) or "not enough memory"))
+        finally:
+            self._tell(protocol.SegmentWork(None))
+
+    def _grow(
+        self, wanted: protocol.GrowSegment, progress: Callable[[str, float | None], None]
+    ) -> None:
+        growing = Growing(spread=wanted.spread, passage=wanted.passage, most_ml=wanted.most_ml)
+        number = 1 + sum(1 for state in self._session.segments())
+        segment = grown(
+            self._session.scene.volume,
+            [wanted.seed],
+            name=f"Region {number}",
+            growing=growing,
+            progress=progress,
+        )
+        progress("adding the segment", None)
+        self._segments.add(segment)
+
+    def _grow_seeds(
+        self, wanted: protocol.GrowSeeds, progress: Callable[[str, float | None], None]
+    ) -> None:
+        first = wanted.ids[0]
+        for other in wanted.ids[1:]:
+            self._check_unmoved(first, other)
+        seeds = [self._now(segment_id) for segment_id in wanted.ids]
+        made = grown_from_seeds(
+            self._session.scene.volume, seeds, smoothing=wanted.smoothing, progress=progress
+        )
+        progress("adding segments", None)
+        for segment in made:
+            self._segments.add(segment)
+
+    def _change(
+        self, wanted: protocol.ChangeShape, progress: Callable[[str, float | None], None]
+    ) -> None:
+        before = self._now(wanted.id)
+        progress(f"changing the shape of {before.name}", None)
+        if wanted.kind == "joint":
+            self._smooth_together(wanted, progress)
+            return
+        other = None if wanted.other is None else self._now(wanted.other)
+        if other is not None and wanted.other is not None:
+            self._check_unmoved(wanted.id, wanted.other)
+        after = changed_shape(before, wanted.kind, amount=wanted.amount, other=other)
+        progress(f"changing the shape of {before.name}", None)
+        old = before.mask()
+        if np.array_equal(old, after.mask()):
+            self._tell(
+                protocol.Notice(level="info", text=f"Nothing of {before.name} changes by that.")
+            )
+        elif after.voxel_count == 0:
+            raise OptionError(f"nothing would be left of {before.name}; allowed: a smaller change")
+        elif not np.array_equal(old, self._now(wanted.id).mask()):
+            raise OptionError(f"{before.name} was changed meanwhile; allowed: to try again")
+        else:
+            self._session.replace_segment(wanted.id, after)
+
+    def _smooth_together(
+        self, wanted: protocol.ChangeShape, progress: Callable[[str, float | None], None]
+    ) -> None:
+        """Smooths a segment together with all that are shown and stand with it."""
+        ids = [wanted.id, *self._shown_beside(wanted.id)]
+        locked = {state["id"] for state in self._session.segments() if state["locked"]}
+        for segment_id in locked.intersection(ids):
+            raise OptionError(
+                f"{self._segments.name_of(segment_id)} is locked; allowed: to unlock it, or to "
+                "hide it meanwhile"
+            )
+        before = [self._now(segment_id) for segment_id in ids]
+        progress(f"smoothing {len(ids)} segments together", None)
+        after = smoothed_together(before, deviation=wanted.amount)
+        progress(f"smoothing {len(ids)} segments together", None)
+        for old, new in zip(before, after, strict=True):
+            if new.voxel_count == 0:
+                raise OptionError(
+                    f"nothing would be left of {old.name}; allowed: a smaller deviation, or to "
+                    "hide it meanwhile"
+                )
+        for segment_id, old in zip(ids, before, strict=True):
+            if not np.array_equal(old.mask(), self._now(segment_id).mask()):
+                raise OptionError(f"{old.name} was changed meanwhile; allowed: to try again")
+        for segment_id, new in zip(ids, after, strict=True):
+            self._session.replace_segment(segment_id, new)
+        if len(ids) > 1:
+            text = f"{len(ids)} segments were smoothed: undo takes them back one by one."
+            self._tell(protocol.Notice(level="info", text=text))
+
+    def _shown_beside(self, segment_id: int) -> list[int]:
+        states = {state["id"]: state for state in self._session.segments()}
+        own = states.pop(segment_id, None)
+        return [
+            other
+            for other, state in states.items()
+            if own is not None
+            and state["voxels"] > 0
+            and self._segments.is_shown(other)
+            and (state["pose"], state["grid"]) == (own["pose"], own["grid"])
+        ]
+
+    def _now(self, segment_id: int) -> Segment:
+        return self._session.segment(segment_id, name=self._segments.name_of(segment_id))
+
+    def _check_unmoved(self, first: int, second: int) -> None:
+        """Refuses to join voxels that stand elsewhere than their grids have them."""
+        poses = {state["id"]: state["pose"] for state in self._session.segments()}
+        if poses.get(first) != poses.get(second):
+            raise OptionError(
+                f"{self._segments.name_of(first)} and {self._segments.name_of(second)} were moved "
+                "apart; allowed: segments that stand together as in the scan"
+            )

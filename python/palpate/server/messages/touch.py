@@ -1,0 +1,112 @@
+"""Messages on touch: the hand, the view, the tool, its needle, and the settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import msgspec
+
+from palpate import protocol
+from palpate.server.messages.outbox import Outbox
+from palpate.server.messages.table import MessageTable, Runs
+from palpate.session.needle import TISSUES
+from palpate.session.session import Session
+from palpate.session.touch_settings import TouchSettings
+
+__all__ = ["PublishedNeedle", "TouchMessages"]
+
+MOST_EVENTS = 100
+"""Newest events of the needle that are published."""
+
+
+class TouchMessages:
+    """Does what pages ask of the device and its tool."""
+
+    def __init__(
+        self,
+        session: Session,
+        settings: protocol.Settings,
+        publish: Callable[[protocol.ToPage], None],
+    ) -> None:
+        """Takes the settings that hold, and what publishes to all pages from any thread."""
+        self.settings = settings
+        """Those that hold."""
+        self._session = session
+        self._publish = publish
+        self._pressed_by: Outbox | None = None
+
+    def add_to(self, table: MessageTable) -> None:
+        """Adds the rows of touch."""
+        # the most frequent message, and wait-free
+        table.add(protocol.Hand, self._hand, runs=Runs.ON_LOOP)
+        table.add(protocol.Place, self._place, runs=Runs.IN_ORDER)
+        table.add(protocol.View, self._view, runs=Runs.IN_ORDER)
+        table.add(protocol.Clutch, self._clutch, runs=Runs.IN_ORDER)
+        table.add(protocol.Tool, self._set_tool, runs=Runs.IN_ORDER)
+        table.add(protocol.WithdrawNeedle, self._withdraw_needle, runs=Runs.IN_ORDER)
+        table.add(protocol.Stroke, self._stroke, runs=Runs.IN_ORDER)
+        table.add(protocol.ChangeSettings, self._change_settings, runs=Runs.IN_ORDER)
+
+    def leave(self, page: Outbox) -> None:
+        """Releases the tool where a page that has gone pressed it."""
+        if self._pressed_by is page:
+            self._pressed_by = None
+            with suppress(RuntimeError):
+                self._session.stroke(on=False)
+
+    def _hand(self, message: protocol.Hand, _: Outbox) -> None:
+        self._session.hand(message.target)
+
+    def _place(self, message: protocol.Place, _: Outbox) -> None:
+        self._session.place(message.point)
+
+    def _view(self, message: protocol.View, _: Outbox) -> None:
+        self._session.view(right=message.right, up=message.up)
+
+    def _clutch(self, message: protocol.Clutch, _: Outbox) -> None:
+        self._session.clutch(on=message.on)
+
+    def _set_tool(self, wanted: protocol.Tool, _: Outbox) -> None:
+        self._session.set_tool(
+            None if wanted.kind == "none" else wanted.kind,
+            radius=wanted.radius,
+            segment_ids=wanted.segments,
+            tissues=[TISSUES[name].met_by(2.0 * wanted.radius) for name in wanted.tissues],
+            depth=wanted.depth,
+            overlaps=wanted.overlaps,
+        )
+
+    def _withdraw_needle(self, _message: protocol.WithdrawNeedle, _: Outbox) -> None:
+        self._session.withdraw_needle()
+
+    def _stroke(self, message: protocol.Stroke, page: Outbox) -> None:
+        self._session.stroke(on=message.on)
+        self._pressed_by = page if message.on else None
+
+    def _change_settings(self, message: protocol.ChangeSettings, _: Outbox) -> None:
+        try:
+            wanted = TouchSettings(**msgspec.structs.asdict(message.settings))
+            self.settings = protocol.Settings(**self._session.settings(wanted))
+        finally:
+            # a page shows what it asked for at once: refused, it must learn what holds
+            self._publish(protocol.SettingsChanged(self.settings))
+
+
+class PublishedNeedle:
+    """The events of a session's needle, and how many of them pages know."""
+
+    def __init__(self, session: Session) -> None:
+        """Begins with no event published."""
+        self._session = session
+        self._known = 0
+
+    def message(self, count: int) -> protocol.NeedleEvents | None:
+        """Returns the newest events where the session has had ``count``; None without news."""
+        if count == self._known:
+            return None
+        self._known = count
+        events = self._session.needle_events()[-MOST_EVENTS:]
+        return protocol.NeedleEvents(
+            msgspec.convert(events, list[protocol.NeedleEvent], from_attributes=True)
+        )

@@ -1,0 +1,64 @@
+"""Messages on touch: the hand, the force and the settings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+
+def test_the_hand_presses_the_probe_against_the_ball(server: Any) -> None:
+    with server.page() as page:
+        # above the ball: free, with the device there
+        page.send({"type": "place", "point": [20.0, 20.0, 34.0]})
+        page.receive("state", until=lambda m: abs(m["proxy"][2] - 34.0) < 0.5)
+        page.send({"type": "hand", "target": [20.0, 20.0, 24.0]})
+        state = page.receive("state", until=lambda m: m["touched"] == 1 and m["force"][2] > 0.5)
+
+        # on the ball's top step or the next, never in it; the spring pushes up
+        assert state["contact"]
+        assert state["depth"] > 0.5
+        assert state["proxy"][2] == pytest.approx(28.0, abs=0.51)
+        assert not server.session.segment(1).contains(state["proxy"])[0]
+
+        # away again: no force
+        page.send({"type": "hand", "target": [20.0, 20.0, 34.0]})
+        state = page.receive("state", until=lambda m: not m["contact"])
+        state = page.receive("state", until=lambda m: m["force"] == [0.0, 0.0, 0.0])
+        assert state["safety"]["violations"] == 0
+
+
+def test_samples_of_the_force_are_told_once_and_in_order(shared_server: Any) -> None:
+    times: list[float] = []
+    with shared_server.page() as page:
+        page.receive("state")
+        while len(times) < 100:
+            times += [sample[0] for sample in page.receive("state")["samples"]]
+    steps = np.diff(times)
+    # by the servo's clock, which runs on where a thread is late: no sample told twice or out of
+    # order. That none is left out is tested in lock-step (crates/engine/tests/session/offline.rs)
+    assert steps.min() > 0.0
+
+
+def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
+    wanted = {
+        "model": "exact",
+        "stiffness": 0.5,
+        "damping": 0.0,
+        "friction_static": 0.3,
+        "friction_kinetic": 0.2,
+        "smoothing": "off",
+        "probe_radius": 1.5,
+        "force_limit": 2.0,
+        "gain": 2.0,
+    }
+    with server.page() as page:
+        page.send({"type": "change_settings", "settings": wanted})
+        assert page.receive("settings_changed")["settings"] == wanted
+        # there is room for the ball where the probe is
+        page.receive("state", until=lambda m: m["probe_radius"] == 1.5)
+        # where the servo is late the force is off for a moment, and comes back
+        page.receive("state", until=lambda m: m["safety"]["off"] in {None, "waiting"})
+    with server.page() as page:
+        assert page.receive("hello")["settings"] == wanted
