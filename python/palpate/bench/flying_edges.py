@@ -83,7 +83,7 @@ class FlyingEdges:
 
     def shape(self) -> tuple[float, float]:
         """Returns area [mm²] and volume [mm³]."""
-        told = self._vtk.vtkMassProperties()
-        told.SetInputData(self._filters[FLYING[0]].GetOutput())
-        told.Update()
-        return float(told.GetSurfaceArea()), float(told.GetVolume())
+        properties = self._vtk.vtkMassProperties()
+        properties.SetInputData(self._filters[FLYING[0]].GetOutput())
+        properties.Update()
+        return float(properties.GetSurfaceArea()), float(properties.GetVolume())

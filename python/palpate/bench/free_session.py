@@ -121,4 +121,4 @@ LOADS: dict[str, Callable[[], Segment]] = {
     "LIDC bone": lambda: read(data_file(LIDC)).offered_bone(),
     "phantom 520×512×512": lambda: phantom(TORSO_SIZE).volume.offered_bone(),  # noqa: PLW0108
 }
-assert tuple(LOADS) == tuple(SESSION_GROUNDS)  # noqa: S101  # rows are told in this order
+assert tuple(LOADS) == tuple(SESSION_GROUNDS)  # noqa: S101  # the order of the rows

@@ -276,16 +276,16 @@ def tried(sample: Sample, seed: int, *, limits: Limits, context: ForkServerConte
         # the end of the process then ends the pipe
         theirs.close()
         try:
-            told = str(mine.recv()) if mine.poll(limits.wall) else None
-            if told is None:
+            result = str(mine.recv()) if mine.poll(limits.wall) else None
+            if result is None:
                 process.kill()
         except EOFError:
-            told = ""
+            result = ""
         process.join()
         mine.close()
-    if told:
-        return told
-    if told is None or process.exitcode == -signal.SIGXCPU:
+    if result:
+        return result
+    if result is None or process.exitcode == -signal.SIGXCPU:
         return f"hang: more than {limits.processor} s of work, or {limits.wall:g} s of waiting"
     return f"crash: the process ended with code {process.exitcode}"
 
@@ -305,7 +305,7 @@ def _laid(sample: Sample, seed: int, folder: Path) -> Path:
     return folder if sample.kind == "series" else place
 
 
-def _child(laid: tuple[Sample, Path], limits: Limits, told: Connection) -> None:
+def _child(laid: tuple[Sample, Path], limits: Limits, results: Connection) -> None:
     """Reads a file in a process of its own, within limits; reports the result."""
     import resource
 
@@ -319,11 +319,11 @@ def _child(laid: tuple[Sample, Path], limits: Limits, told: Connection) -> None:
     try:
         _read(*laid)
     except (PalpateError, OSError, MemoryError) as error:
-        told.send(f"refused: {error}")
+        results.send(f"refused: {error}")
     except BaseException:  # noqa: BLE001  # that is what is looked for
-        told.send(f"uncaught: {traceback.format_exc()}")
+        results.send(f"uncaught: {traceback.format_exc()}")
     else:
-        told.send("read")
+        results.send("read")
 
 
 def _address_space() -> int:

@@ -164,8 +164,8 @@ def measure_ground(
         beside = reports.get(TouchCase(case.work, IMPROVED, case.radius))
         if beside is not None:
             report[RATIO] = report["per_second"] / beside["per_second"]
-    told = {f"{name}{SEPARATOR}{case.name}": report for case, report in reports.items()}
-    return [row_of(goal, told[goal.case]) for goal in haptics_rows(name)]
+    by_case = {f"{name}{SEPARATOR}{case.name}": report for case, report in reports.items()}
+    return [row_of(goal, by_case[goal.case]) for goal in haptics_rows(name)]
 
 
 def measure_embedded(
@@ -238,15 +238,15 @@ def print_tables(rows: Iterable[Row]) -> None:
     console = Console()
     console.width = max(console.width, WIDTH)
     for ground, cases in grounds.items():
-        metrics = list(dict.fromkeys(row.metric for told in cases.values() for row in told))
+        metrics = list(dict.fromkeys(row.metric for rows in cases.values() for row in rows))
         table = Table(title=ground, title_justify="left", box=None, padding=(0, 1))
         table.add_column("", no_wrap=True)
-        units = {row.metric: row.unit for told in cases.values() for row in told}
+        units = {row.metric: row.unit for rows in cases.values() for row in rows}
         for metric in metrics:
             head = metric.replace("ratio to ", "ratio to\n")
             table.add_column(f"{head}\n{units[metric]}", justify="right")
-        for case, told in cases.items():
-            figures = {row.metric: _figure(row) for row in told}
+        for case, of_case in cases.items():
+            figures = {row.metric: _figure(row) for row in of_case}
             table.add_row(case, *(figures.get(metric, "") for metric in metrics))
         console.print(table)
         console.print()
@@ -254,9 +254,9 @@ def print_tables(rows: Iterable[Row]) -> None:
 
 
 def _figure(row: Row) -> str:
-    told = f"{row.value:.3g}"
+    text = f"{row.value:.3g}"
     if row.goal is None:
-        return told
+        return text
     sign = "≥" if row.better == "higher" else "≤"
-    told = f"{told} ({sign} {row.goal:g})"
-    return f"[red]{told}[/red]" if row.met is False else told
+    text = f"{text} ({sign} {row.goal:g})"
+    return f"[red]{text}[/red]" if row.met is False else text

@@ -25,7 +25,7 @@ from palpate.bench.first_picture import used_until_picture
 from palpate.bench.goals.opening import OPEN_CASE, OPEN_ROWS
 from palpate.bench.haptics_data import LIDC, data_file
 from palpate.bench.page import chromium, opened, served
-from palpate.bench.report import Row, rows_told
+from palpate.bench.report import Row, rows_in
 from palpate.io.reading import read
 from palpate.volumes.volume import Volume
 
@@ -70,7 +70,7 @@ def rows_of(times: Mapping[str, list[float]], memory: int) -> list[Row]:
     report = {name: median(taken) for name, taken in times.items()}
     report["ratio"] = report["itk"] / report["read"]
     report["bytes"] = float(memory)
-    return rows_told(OPEN_ROWS, {OPEN_CASE: report})
+    return rows_in(OPEN_ROWS, {OPEN_CASE: report})
 
 
 def _pictures(folder: Path) -> dict[str, float]:

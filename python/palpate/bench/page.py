@@ -131,6 +131,7 @@ class Page:
         self._socket.close()
 
     def _ask(self, method: str, **parameters: object) -> dict[str, Any]:
+        # what a method of the browser returns is the browser's to say
         self._number += 1
         asked = {"id": self._number, "method": method, "params": parameters}
         self._socket.send(json.dumps(asked))
@@ -187,15 +188,15 @@ def served(scan: Path) -> Iterator[str]:
 
 @contextmanager
 def _running(
-    command: list[str], told: str, environment: dict[str, str] | None = None
+    command: list[str], stream: str, environment: dict[str, str] | None = None
 ) -> Iterator[tuple[subprocess.Popen[str], IO[str]]]:
     """Runs a program with its output connected, and ends it in any case."""
     streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT}
-    streams |= {told: subprocess.PIPE}
+    streams |= {stream: subprocess.PIPE}
     process = subprocess.Popen(command, env=environment, text=True, **streams)  # type: ignore[call-overload]  # noqa: S603
     with process:
         try:
-            yield process, getattr(process, told)
+            yield process, getattr(process, stream)
         finally:
             process.kill()
 

@@ -104,5 +104,5 @@ def print_table(rows: Iterable[Row]) -> None:
 
 
 def _figure(row: Row) -> str:
-    told = f"{row.value:.3g}"
-    return f"[red]{told}[/red]" if row.met is False else told
+    text = f"{row.value:.3g}"
+    return f"[red]{text}[/red]" if row.met is False else text

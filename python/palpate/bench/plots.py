@@ -42,6 +42,7 @@ BLUE, SKY, VERMILION, ORANGE, GREEN, GREY = (
     "#595959",
 )
 
+# arguments of matplotlib, which has no types for them
 STYLE: dict[str, dict[str, Any]] = {
     "exact": {"color": BLUE, "marker": "o"},
     "exact, intensities": {"color": GREEN, "marker": "D"},
@@ -114,10 +115,10 @@ def plot_haptics(rows: Iterable[Row], path: Path) -> None:
         style = {"color": colour, "marker": marker, "markersize": 5, "linestyle": "none"}
         drawn = [(place, table[ground].get(case, {})) for place, case in enumerate(cases)]
         for panel, metric in ((left, "rate"), (right, "p99.9")):
-            told = [(place, row[metric]) for place, row in drawn if metric in row]
-            values = [max(LEAST, row.value) for _, row in told]
-            panel.plot(values, [place for place, _ in told], label=ground, **style)
-            for place, row in told:
+            plotted = [(place, row[metric]) for place, row in drawn if metric in row]
+            values = [max(LEAST, row.value) for _, row in plotted]
+            panel.plot(values, [place for place, _ in plotted], label=ground, **style)
+            for place, row in plotted:
                 if row.goal is not None:
                     panel.plot([row.goal] * 2, [place - 0.4, place + 0.4], color=GREY, linewidth=2)
     places = range(len(cases), len(cases) + len(others))

@@ -25,17 +25,17 @@ def spent(browser: int) -> dict[str, float]:
     if not PROC.is_dir():
         return {}
     running = (int(path.name) for path in PROC.iterdir() if path.name.isdecimal())
-    told = {number: stat for number in running if (stat := _stat(number)) is not None}
+    stats = {number: stat for number in running if (stat := _stat(number)) is not None}
     times: dict[str, float] = {"page": 0.0, "graphics": 0.0, "rest": 0.0}
-    for number, (_, seconds) in told.items():
-        if _is_below(number, browser, told):
+    for number, (_, seconds) in stats.items():
+        if _is_below(number, browser, stats):
             times[_share(number)] += seconds
     return times
 
 
-def _is_below(number: int, browser: int, told: dict[int, tuple[int, float]]) -> bool:
-    while number in told and number != browser:
-        number = told[number][0]
+def _is_below(number: int, browser: int, stats: dict[int, tuple[int, float]]) -> bool:
+    while number in stats and number != browser:
+        number = stats[number][0]
     return number == browser
 
 

@@ -132,10 +132,10 @@ def _elastix(files: list[Path], points: Points) -> Points:
         itk.transformix_pointset(
             moving, transform, fixed_point_set_file_name=str(given), output_directory=made
         )
-        told = (Path(made) / "outputpoints.txt").read_text(encoding="utf-8")
-    return np.array([_output(line) for line in told.splitlines() if line.strip()])
+        text = (Path(made) / "outputpoints.txt").read_text(encoding="utf-8")
+    return np.array([_output(line) for line in text.splitlines() if line.strip()])
 
 
 def _output(line: str) -> list[float]:
-    told = line.partition("OutputPoint = [")[2].partition("]")[0]
-    return [float(word) for word in told.split()]
+    point = line.partition("OutputPoint = [")[2].partition("]")[0]
+    return [float(word) for word in point.split()]

@@ -42,7 +42,7 @@ from palpate.bench.goals.render import (
 )
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
-from palpate.bench.report import Row, rows_told
+from palpate.bench.report import Row, rows_in
 
 __all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
 
@@ -110,6 +110,7 @@ def measure(
     effort = effort or Effort()
     path = data_file(CTHEAD) if scan is None else scan
     report: Report = {}
+    # JSON of the page
     support: dict[str, Any] = {"software": True, "renderer": "nothing"}
     with served(path) as url:
         progress("counting what edits send", 0.0)
@@ -135,7 +136,7 @@ def measure(
 
 def rows_of(report: Report, *, on_gpu: bool) -> list[Row]:
     """Returns the rows of all measured cases; some goals are for a GPU."""
-    rows = rows_told(RENDER_ROWS, report)
+    rows = rows_in(RENDER_ROWS, report)
     if on_gpu:
         return rows
     return [replace(row, goal=None) if row.metric == RESTING else row for row in rows]

@@ -23,14 +23,14 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import BUSY, GIVING, GOALS, LOADS, RATES, servo_case
+from palpate.bench.goals import BUSY, DEFORMING, GOALS, LOADS, RATES, servo_case
 from palpate.bench.report import Row, row_of
 from palpate.session.frame_state import ThreadLateness
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.phantom import Phantom, phantom
 from palpate.volumes.scene import Scene
 
-__all__ = ["Lateness", "measure", "rows_of", "told"]
+__all__ = ["Lateness", "histogram", "measure", "rows_of"]
 
 LEAST_SECONDS = 0.1
 MOST_SECONDS = 3600.0
@@ -84,7 +84,7 @@ class Lateness:
 
 
 @dataclass(frozen=True)
-class Way:
+class HandCircle:
     """A circle of the hand, patient frame LPS [mm]."""
 
     centre: NDArray[np.float64]
@@ -124,15 +124,15 @@ def measure(seconds: float, progress: Progress = silent) -> list[Lateness]:
 
 def _watch(made: Phantom, rate: int, load: str, *, seconds: float) -> Lateness:
     scene = Scene(made.volume)
-    scene.add(made.part("liver") if load == GIVING else made.volume.offered_bone())
-    way = _into_liver(made) if load == GIVING else _through_bone(made)
+    scene.add(made.part("liver") if load == DEFORMING else made.volume.offered_bone())
+    circle = _into_liver(made) if load == DEFORMING else _through_bone(made)
     with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
-        if load == GIVING:
+        if load == DEFORMING:
             session.set_material(1, "liver")
             session.set_deformation("lattice")
         begins, step = time.monotonic(), 0
         while (passed := time.monotonic() - begins) < seconds:
-            session.hand(way.at(step * math.tau / 80.0))
+            session.hand(circle.at(step * math.tau / 80.0))
             time.sleep(1.0 / HAND_RATE)
             step += 1
         servo, frame = session.lateness()["servo"], session.frame()
@@ -144,25 +144,25 @@ def _watch(made: Phantom, rate: int, load: str, *, seconds: float) -> Lateness:
     )
 
 
-def _through_bone(made: Phantom) -> Way:
+def _through_bone(made: Phantom) -> HandCircle:
     half = [count / 2.0 for count in made.volume.dimensions]
-    return _way(made, half, 40.0, across=(1.0, 0.0, 0.0))
+    return _circle(made, half, 40.0, across=(1.0, 0.0, 0.0))
 
 
-def _into_liver(made: Phantom) -> Way:
+def _into_liver(made: Phantom) -> HandCircle:
     """Returns a circle half inside the liver and half in front of it."""
     liver = np.argwhere(made.labels == made.names["liver"])
     z, _, x = np.round(liver.mean(axis=0)).astype(int).tolist()
     front = liver[(liver[:, 0] == z) & (liver[:, 2] == x), 1].min()
-    return _way(made, [x + 0.5, float(front), z + 0.5], 5.0, across=(0.0, 1.0, 0.0))
+    return _circle(made, [x + 0.5, float(front), z + 0.5], 5.0, across=(0.0, 1.0, 0.0))
 
 
-def _way(
+def _circle(
     made: Phantom, middle: list[float], radius: float, *, across: tuple[float, float, float]
-) -> Way:
+) -> HandCircle:
     """Returns an upright circle around a place of the grid [voxels], with a radius in mm."""
     centre = (made.volume.patient_from_grid @ [*middle, 1.0])[:3]
-    return Way(centre, (radius * np.array(across), radius * np.array([0.0, 0.0, 1.0])))
+    return HandCircle(centre, (radius * np.array(across), radius * np.array([0.0, 0.0, 1.0])))
 
 
 def _lateness(case: str, servo: ThreadLateness, *, real_time: bool, answers_hz: float) -> Lateness:
@@ -207,7 +207,7 @@ def rows_of(found: Sequence[Lateness]) -> list[Row]:
     return rows
 
 
-def told(one: Lateness) -> str:
+def histogram(one: Lateness) -> str:
     """Returns the histogram of a case as text."""
     priority = "with" if one.real_time else "without"
     names = [f"≤ {end / 1000:g} ms" for end in one.ends_us]

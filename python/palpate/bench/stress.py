@@ -53,13 +53,13 @@ class Plan:
             OptionError: The file is not such a case.
         """
         try:
-            told = json.loads(path.read_text(encoding="utf-8"))
-            data = told["data"]
+            content = json.loads(path.read_text(encoding="utf-8"))
+            data = content["data"]
             return cls(
-                seed=int(told["seed"]),
-                model=str(told["model"]),
+                seed=int(content["seed"]),
+                model=str(content["model"]),
                 data=None if data is None else str(data),
-                run=int(told["run"]),
+                run=int(content["run"]),
             )
         except (KeyError, TypeError, ValueError) as error:
             raise OptionError(
@@ -81,7 +81,7 @@ class Found:
     seconds: float = 0.0
     violation: StressViolation | None = None
 
-    def told(self) -> str:
+    def message(self) -> str:
         """Says what was violated."""
         if self.violation is None:
             return "no guarantee violated"
@@ -185,5 +185,5 @@ def rows_of(found: Found) -> list[Row]:
 
 def write_case(found: Found, path: Path) -> None:
     """Writes a violation so that its run can be repeated."""
-    told = {"bench": "stress", **asdict(found.plan), **(found.violation or {})}
-    path.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+    content = {"bench": "stress", **asdict(found.plan), **(found.violation or {})}
+    path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")

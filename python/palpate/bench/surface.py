@@ -163,7 +163,7 @@ LOADS: dict[str, Callable[[], Bone]] = {
     CHEST: lambda: bone_of(read(data_file(LIDC)).offered_bone()),
     TRUNK_512: _phantom,
 }
-assert tuple(LOADS) == SURFACES  # noqa: S101  # rows are told in this order
+assert tuple(LOADS) == SURFACES  # noqa: S101  # the order of the rows
 
 
 def _cores() -> int:

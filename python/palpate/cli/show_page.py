@@ -105,7 +105,7 @@ def show(
                 display(what, share)
 
             made = make(both)
-        for sentence in made.told:
+        for sentence in made.messages:
             warn(sentence)
         opened = OpenScan.begin(
             made.scene,

@@ -31,7 +31,9 @@ Values = NDArray[np.float32]
 
 TIFFS = (".tif", ".tiff")
 IMAGES = tuple(ending for _, endings in FORMATS.values() for ending in endings)
-TOLD = re.compile(r"(?i)(?:^|[^a-z])(?:proj(?:ection)?s?|sino(?:gram)?s?|radiographs?)(?:[^a-z]|$)")
+NAMED = re.compile(
+    r"(?i)(?:^|[^a-z])(?:proj(?:ection)?s?|sino(?:gram)?s?|radiographs?)(?:[^a-z]|$)"
+)
 """Words in names of files that contain projections."""
 ENDING = re.compile(r"(?i)(\.nii|\.nrrd|\.nhdr|\.mha|\.mhd|\.tiff?)(\.gz)?$")
 LEAST_IMAGES = 8
@@ -69,10 +71,10 @@ def are_projections(path: Path) -> bool:
     """Returns whether a path is projections, by its name or that of its TIFFs."""
     tiffs = _tiffs(path)
     if tiffs:
-        told = TOLD.search(path.name) or TOLD.search(tiffs[0].name)
-        return told is not None and len(tiffs) >= LEAST_IMAGES
+        found = NAMED.search(path.name) or NAMED.search(tiffs[0].name)
+        return found is not None and len(tiffs) >= LEAST_IMAGES
     named = _file(path)
-    if named is None or TOLD.search(named.name) is None:
+    if named is None or NAMED.search(named.name) is None:
         return False
     if named.suffix.lower() in TIFFS:
         return _shape_of(_opened([named]), 1)[0] >= LEAST_IMAGES

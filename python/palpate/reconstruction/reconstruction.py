@@ -35,7 +35,7 @@ __all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"
 
 WATER = 0.0206
 """Attenuation of water at 60 keV [1/mm] (NIST, Hubbell and Seltzer)."""
-TOLD = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
+NOT_INSTALLED = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
 FAR = 1e6
 """Distance of the source from which on beams count as parallel [mm]."""
 AT_ONCE = 8
@@ -46,7 +46,7 @@ Values = NDArray[np.float32]
 
 def missing_library(beam: Beam = "cone") -> str | None:
     """Returns how to install RTK; None where it is installed, or not needed for these beams."""
-    return None if beam == "parallel" or _has_rtk() else TOLD
+    return None if beam == "parallel" or _has_rtk() else NOT_INSTALLED
 
 
 def _has_rtk() -> bool:
@@ -159,7 +159,7 @@ class _Rtk:
             OptionError: It is not installed.
         """
         if not _has_rtk():
-            raise OptionError(TOLD)
+            raise OptionError(NOT_INSTALLED)
         self._itk = import_module("itk")
         self._rtk = self._itk.RTK
         self._kind = self._itk.Image[self._itk.F, 3]

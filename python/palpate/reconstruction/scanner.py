@@ -75,9 +75,9 @@ class Scanner:
         if arc is None or not np.isclose(arc, 360.0, rtol=1e-3):
             half = arc is not None and bool(np.isclose(arc, 180.0, rtol=1e-3))
             if not (self.beam == "parallel" and half and self.offset[0] == 0.0):
-                told = "uneven angles" if arc is None else f"an arc of {arc:g} degrees"
+                arcs = "uneven angles" if arc is None else f"an arc of {arc:g} degrees"
                 raise OptionError(
-                    f"{told} given; allowed: even ones over 360 degrees, or with parallel beams on "
+                    f"{arcs} given; allowed: even ones over 360 degrees, or with parallel beams on "
                     "a detector whose middle the central ray meets, over 180"
                 )
         near, far = self.source_to_axis, self.source_to_detector

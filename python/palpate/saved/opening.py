@@ -22,7 +22,7 @@ class Opening:
     scene: Scene
     saved: SavedScene | None
     """The file of a saved scene."""
-    told: tuple[str, ...]
+    messages: tuple[str, ...]
     """Messages on the reading for the user."""
 
 
@@ -42,15 +42,15 @@ def opening(
     """
     if is_scene(path):
         saved = open_scene(path, progress=progress)
-        return Opening(saved.scene(), saved, saved.told)
+        return Opening(saved.scene(), saved, saved.messages)
     return opening_of(read(path, series=series, raw=raw, voxel_size=voxel_size, progress=progress))
 
 
 def opening_of(volume: Volume) -> Opening:
     """Returns a scan as an opening."""
     scene = Scene(volume)
-    told = offer_bone(scene)
-    return Opening(scene, None, () if told is None else (told,))
+    message = offer_bone(scene)
+    return Opening(scene, None, () if message is None else (message,))
 
 
 def is_scene(path: Path) -> bool:

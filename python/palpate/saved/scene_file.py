@@ -35,7 +35,7 @@ from palpate.saved.scene_scan import (
     linked_scan,
     saved_scan,
 )
-from palpate.saved.scene_soft_tissue import SavedMatter, restore_matter, saved_matter
+from palpate.saved.scene_soft_tissue import SavedSoftTissue, restore_soft_tissue, saved_soft_tissue
 from palpate.saved.second_scan_note import SavedSecond, saved_second
 from palpate.session.session import Session
 from palpate.volumes.scan_hash import scan_hash
@@ -55,12 +55,13 @@ MOST_SEGMENTS_BYTES = 1 << 31
 ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
 
 
-class _About(SavedMatter, frozen=True, kw_only=True):
+class _About(SavedSoftTissue, frozen=True, kw_only=True):
     format: str
     version: str
     scan: SavedScan
     looks: msgspec.Raw
     view: dict[str, Any] | None
+    """JSON of the page, which alone knows what is in it."""
     second: SavedSecond | None = None
     locked: tuple[int, ...] = ()
     """Numbers of locked segments."""
@@ -87,7 +88,7 @@ class SavedScene:
         return self.about.scan
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def messages(self) -> tuple[str, ...]:
         """Messages on the reading for the user."""
         return (*self.volume.warnings, *(() if self.missing is None else (self.missing,)))
 
@@ -107,7 +108,7 @@ class SavedScene:
             journal = Path(folder) / SEGMENTS
             with opened(self.path) as archive:
                 journal.write_bytes(member(self.path, archive, SEGMENTS))
-            # else nobody would be told of the scan's own edits
+            # without this the scan's own edits are not reported
             session.picture_changes()
             try:
                 _, lost, _ = session.recover_journal(journal, scan_hash(self.volume))
@@ -116,7 +117,7 @@ class SavedScene:
             session.end_journal()
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
-        restore_matter(session, self.about)
+        restore_soft_tissue(session, self.about)
         for each in self.about.locked:
             session.set_locked(each, locked=True)
 
@@ -157,7 +158,7 @@ def save_scene(
         view=None if view is None else dict(view),
         second=None if second is None else saved_second(second, path, copied=second_copied),
         locked=tuple(each["id"] for each in session.segments() if each["locked"]),
-        **saved_matter(session),
+        **msgspec.structs.asdict(saved_soft_tissue(session)),
     )
     with TemporaryDirectory(prefix="palpate-") as folder:
         journal = Path(folder) / SEGMENTS

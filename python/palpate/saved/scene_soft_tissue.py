@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 import numpy as np
 
@@ -12,7 +10,7 @@ from palpate.session.segment_state import SegmentState
 from palpate.session.session import Session
 from palpate.volumes.material import ForceSource, LinearMaterial, Material, Region, Treatment
 
-__all__ = ["SavedMatter", "restore_matter", "saved_matter"]
+__all__ = ["SavedSoftTissue", "restore_soft_tissue", "saved_soft_tissue"]
 
 
 _Constants = list[float | None]
@@ -36,7 +34,7 @@ class _Region(msgspec.Struct, frozen=True):
     shared_with: int | None
 
 
-class SavedMatter(msgspec.Struct, frozen=True, kw_only=True):
+class SavedSoftTissue(msgspec.Struct, frozen=True, kw_only=True):
     """Fields of ``scene.json`` about soft tissue."""
 
     materials: list[_Material]
@@ -49,8 +47,8 @@ class SavedMatter(msgspec.Struct, frozen=True, kw_only=True):
     force_source: ForceSource = "matter"
 
 
-def saved_matter(session: Session) -> dict[str, Any]:
-    """Returns the current values of the fields of ``SavedMatter``."""
+def saved_soft_tissue(session: Session) -> SavedSoftTissue:
+    """Returns the soft tissue of a session."""
     segments, model = session.segments(), session.deformation()
     ids = [each["id"] for each in segments]
     regions = [
@@ -59,16 +57,16 @@ def saved_matter(session: Session) -> dict[str, Any]:
         for each in session.regions(segment_id)
         if each.shared_with is None or each.shared_with in ids
     ]
-    return {
-        "materials": [made for each in segments if (made := _material_of(each)) is not None],
-        "model": model["model"],
-        "options": model["options"],
-        "regions": regions,
-        "force_source": model["force_source"],
-    }
+    return SavedSoftTissue(
+        materials=[made for each in segments if (made := _material_of(each)) is not None],
+        model=model["model"],
+        options=model["options"],
+        regions=regions,
+        force_source=model["force_source"],
+    )
 
 
-def restore_matter(session: Session, saved: SavedMatter) -> None:
+def restore_soft_tissue(session: Session, saved: SavedSoftTissue) -> None:
     """Restores soft tissue into a session that has the segments.
 
     Raises:

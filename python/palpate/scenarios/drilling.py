@@ -35,7 +35,7 @@ def drive_drill(
         OptionError: An argument is not allowed.
     """
     try:
-        told = _core.drive_drill(
+        run = _core.drive_drill(
             volume._internal,  # noqa: SLF001
             bone._internal,  # noqa: SLF001
             drive.given(),
@@ -51,8 +51,8 @@ def drive_drill(
         layers=(bone.name,),
         radius=float(radius),
         over="time",
-        phase=tuple(told["phase"]),
-        samples=samples_of(told),
+        phase=tuple(run["phase"]),
+        samples=samples_of(run),
         events=tuple(
             ScenarioEvent(
                 kind="contact" if is_contact else "free",
@@ -61,7 +61,7 @@ def drive_drill(
                 depth=travel,
                 force=force,
             )
-            for is_contact, time, travel, force in told["events"]
+            for is_contact, time, travel, force in run["events"]
         ),
-        violations=told["violations"],
+        violations=run["violations"],
     )

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.volumes.volume import Volume
 
-__all__ = ["Way", "before_body", "line_into", "line_through"]
+__all__ = ["ToolPath", "before_body", "line_into", "line_through"]
 
 Mask = NDArray[np.bool_]
 
-Way = tuple[NDArray[np.float64], NDArray[np.float64]]
+ToolPath = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Start and target."""
 
 BEYOND = 25.0
@@ -27,7 +27,7 @@ BEYOND = 25.0
 
 def line_through(
     volume: Volume, first: Mask, then: Mask, *, margin: float = 8.0, longest: float = 300.0
-) -> Way:
+) -> ToolPath:
     """Returns a path that meets one mask and then another one.
 
     Of the paths whose neighbours also meet both, the one with the longest part in ``first`` before
@@ -53,10 +53,10 @@ def line_through(
     z, x = _place_of(length)
     entry = int((first | then)[z, :, x].argmax())
     spacing = volume.spacing[1]
-    return _way(volume, (z, x), (entry - margin / spacing, end[z, x] + BEYOND / spacing))
+    return _path(volume, (z, x), (entry - margin / spacing, end[z, x] + BEYOND / spacing))
 
 
-def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> Way:
+def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> ToolPath:
     """Returns a path into the thickest and flattest part of the front of a mask.
 
     Args:
@@ -82,7 +82,7 @@ def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> Way
     if not np.isfinite(score).any():
         raise OptionError("nothing to drill from the front given; allowed: bone that is met there")
     z, x = _place_of(score)
-    return _way(
+    return _path(
         volume,
         (z, x),
         (entry[z, x] - margin / spacing, entry[z, x] + depth / spacing),
@@ -126,7 +126,7 @@ def _place_of(score: NDArray[Any]) -> tuple[int, int]:
     return int(z), int(x)
 
 
-def _way(volume: Volume, column: tuple[int, int], ends: tuple[float, float]) -> Way:
+def _path(volume: Volume, column: tuple[int, int], ends: tuple[float, float]) -> ToolPath:
     start, target = (_point(volume, column, y) for y in ends)
     return start, target
 

@@ -43,7 +43,7 @@ def drive_needle(
     ]
     names = tuple(segment.name for segment, _ in layers)
     try:
-        told = _core.drive_needle(volume._internal, given, drive.given())  # noqa: SLF001
+        run = _core.drive_needle(volume._internal, given, drive.given())  # noqa: SLF001
     except ValueError as error:
         raise OptionError(str(error)) from None
     return ScenarioRun(
@@ -52,8 +52,8 @@ def drive_needle(
         layers=names,
         radius=0.0,
         over="travel",
-        phase=tuple(told["phase"]),
-        samples=samples_of(told),
+        phase=tuple(run["phase"]),
+        samples=samples_of(run),
         events=tuple(
             ScenarioEvent(
                 kind=kind,
@@ -62,8 +62,8 @@ def drive_needle(
                 depth=depth,
                 force=force,
             )
-            for kind, number, time, depth, force in told["events"]
+            for kind, number, time, depth, force in run["events"]
         ),
-        wall_at=told["wall_at"],
-        violations=told["violations"],
+        wall_at=run["wall_at"],
+        violations=run["violations"],
     )

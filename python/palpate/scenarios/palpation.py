@@ -86,7 +86,7 @@ def palpate_line(
             stiffness=stiffness,
         )
         try:
-            told = _core.press(
+            run = _core.press(
                 volume._internal,  # noqa: SLF001
                 given,
                 drive.given(),
@@ -96,10 +96,10 @@ def palpate_line(
             )
         except ValueError as error:
             raise OptionError(str(error)) from None
-        samples = samples_of(told)
+        samples = samples_of(run)
         # the ball's centre stands its radius before its face
         below = samples["tip"] - margin
-        inward = np.array(told["phase"]) == "in"
+        inward = np.array(run["phase"]) == "in"
         felt = _felt(below[inward], samples["force"][inward], depth)
         x, y, z = surface.tolist()
         presses.append(Press(place=(x, y, z), along=along, thickness=thickness, **felt))
@@ -108,8 +108,8 @@ def palpate_line(
         events += _contacts(samples, names)
         begins = float(samples["time"][-1]) + PAUSE
         columns.append(samples)
-        phases += told["phase"]
-        violations += told["violations"]
+        phases += run["phase"]
+        violations += run["violations"]
     return ScenarioRun(
         scenario="palpation",
         scan=volume.name,

@@ -152,9 +152,9 @@ def _best(
     """Returns the line with the largest difference, and that difference; None without a line."""
     soft, bone = masks
     deep, wide = view.spacing(view.inward), view.spacing(view.along)
-    hard = _first(view.of(bone))
+    bone_at = _first(view.of(bone))
     skin = _first(view.of(soft | bone))
-    thickness = np.where(hard >= 0, (hard - skin) * deep, DEEP)
+    thickness = np.where(bone_at >= 0, (bone_at - skin) * deep, DEEP)
     offsets = np.rint(np.linspace(-0.5, 0.5, count) * length / wide).astype(int)
     if (np.diff(offsets) == 0).any():
         return None
@@ -167,7 +167,7 @@ def _best(
     middle = over[:, :, count // 2]
     ends = np.minimum(over[:, :, 0], over[:, :, -1])
     good = fits.all(axis=1)[None] & (there >= 0).all(axis=2) & (slope.max(axis=2) < STEEP)
-    # some soft matter over the bone everywhere, as much as a finger presses in
+    # some soft tissue over the bone everywhere, as much as a finger presses in
     good &= (over.min(axis=2) >= NEAR[0]) & (middle <= NEAR[1]) & (ends >= middle + DEEPER)
     score = np.where(good, ends - middle - slope.mean(axis=2), -np.inf)
     score[:2] = score[-2:] = -np.inf
@@ -182,8 +182,8 @@ def _best(
         direction=inward / np.linalg.norm(inward),
         along=tuple(float(np.linalg.norm(point - points[0])) for point in points),
         thickness=tuple(
-            float((hard[across, column] - skin[across, column]) * deep)
-            if hard[across, column] >= 0
+            float((bone_at[across, column] - skin[across, column]) * deep)
+            if bone_at[across, column] >= 0
             else None
             for column in columns
         ),

@@ -179,10 +179,10 @@ class ScenarioRun:
         }
 
 
-def samples_of(told: EngineRun) -> dict[str, NDArray[np.float64]]:
+def samples_of(run: EngineRun) -> dict[str, NDArray[np.float64]]:
     """Returns the columns of a run of the engine, with ``tool`` split into its coordinates."""
-    x, y, z = np.asarray(told["tool"], dtype=float).T
-    columns: dict[str, object] = {**told, "x": x, "y": y, "z": z}
+    x, y, z = np.asarray(run["tool"], dtype=float).T
+    columns: dict[str, object] = {**run, "x": x, "y": y, "z": z}
     return {name: np.asarray(columns[name], float) for name in UNITS if name in columns}
 
 
@@ -192,15 +192,15 @@ def write_run(run: ScenarioRun, path: Path) -> None:
     Of long runs only every second tick, or third, and so on is written: at most ``MOST_ROWS``.
     """
     rows = slice(None, None, -(-len(run.phase) // MOST_ROWS))
-    told = {field.name: getattr(run, field.name) for field in fields(run)}
-    told["phase"] = run.phase[rows]
-    told["samples"] = {
+    content = {field.name: getattr(run, field.name) for field in fields(run)}
+    content["phase"] = run.phase[rows]
+    content["samples"] = {
         name: np.round(column[rows], 6).tolist() for name, column in run.samples.items()
     }
-    told["events"] = [asdict(event) for event in run.events]
-    told["presses"] = [asdict(press) for press in run.presses]
-    told = {"format": FORMAT, "figures": run.figures(), **told}
-    path.write_text(json.dumps(told) + "\n", encoding="utf-8")
+    content["events"] = [asdict(event) for event in run.events]
+    content["presses"] = [asdict(press) for press in run.presses]
+    content = {"format": FORMAT, "figures": run.figures(), **content}
+    path.write_text(json.dumps(content) + "\n", encoding="utf-8")
 
 
 def read_run(path: Path) -> ScenarioRun:
@@ -210,23 +210,25 @@ def read_run(path: Path) -> ScenarioRun:
         OptionError: The file is not a run.
     """
     try:
-        told: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        if told["format"] != FORMAT:
-            raise OptionError(f"{path}: format {told['format']!r} given; allowed: {FORMAT!r}")
-        samples = {name: np.asarray(column, float) for name, column in told["samples"].items()}
-        if {len(column) for column in samples.values()} != {len(told["phase"])}:
+        # JSON of any version; what it holds is checked below
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if content["format"] != FORMAT:
+            raise OptionError(f"{path}: format {content['format']!r} given; allowed: {FORMAT!r}")
+        samples = {name: np.asarray(column, float) for name, column in content["samples"].items()}
+        if {len(column) for column in samples.values()} != {len(content["phase"])}:
             raise OptionError(f"{path}: columns of unequal lengths given; allowed: one per tick")
         known = {field.name for field in fields(ScenarioRun)}
-        given = {name: value for name, value in told.items() if name in known}
+        given = {name: value for name, value in content.items() if name in known}
         return ScenarioRun(
             **{
                 **given,
-                "layers": tuple(told["layers"]),
-                "phase": tuple(told["phase"]),
+                "layers": tuple(content["layers"]),
+                "phase": tuple(content["phase"]),
                 "samples": samples,
-                "events": tuple(ScenarioEvent(**event) for event in told["events"]),
+                "events": tuple(ScenarioEvent(**event) for event in content["events"]),
                 "presses": tuple(
-                    Press(**{**press, "place": tuple(press["place"])}) for press in told["presses"]
+                    Press(**{**press, "place": tuple(press["place"])})
+                    for press in content["presses"]
                 ),
             }
         )

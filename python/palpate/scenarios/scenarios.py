@@ -114,16 +114,16 @@ def body_of_scan(
     """
     values = volume.slope * volume.array.astype(np.float32) + volume.intercept
     shift = RAW_SHIFT if volume.unit != "HU" and volume.range[0] >= 0.0 else 0.0
-    hard = values > (volume.anchors.bone if bone is None else bone)
+    solid = values > (volume.anchors.bone if bone is None else bone)
     body = values > AIR_END + shift
     soft = {}
     if labels is not None:
         soft["liver"] = _label(volume, labels, liver)
-        hard &= ~soft["liver"]
+        solid &= ~soft["liver"]
         body &= ~soft["liver"]
-    if not hard.any():
+    if not solid.any():
         raise EmptySegmentError("the scan has no bone; allowed: --bone with a lower value")
-    return Body(volume=volume, soft={"soft tissue": body & ~hard, **soft}, bone=hard)
+    return Body(volume=volume, soft={"soft tissue": body & ~solid, **soft}, bone=solid)
 
 
 def scene_of_body(body: Body) -> Scene:

@@ -161,13 +161,13 @@ def _read(path: Path, file: BinaryIO) -> tuple[TickColumns, TapeColumns | None, 
         about = _about(path, _column(archive, "about", ("|u1", 0)))
 
         has_tape = not names.isdisjoint(TAPE)
-        told = [name for name in TICKS if about.version >= 3 or name not in SINCE_3]
+        stored = [name for name in TICKS if about.version >= 3 or name not in SINCE_3]
         taped = [name for name in TAPE if about.version >= 4 or name not in SINCE_4]
-        missing = (set(told) | (set(taped) if has_tape else set())) - names
+        missing = (set(stored) | (set(taped) if has_tape else set())) - names
         if missing:
             raise _refused(path, f"lacks {', '.join(sorted(missing))}")
-        ticks: Columns = {name: _column(archive, name, TICKS[name]) for name in told}
-        for name in set(TICKS) - set(told):
+        ticks: Columns = {name: _column(archive, name, TICKS[name]) for name in stored}
+        for name in set(TICKS) - set(stored):
             ticks[name] = np.zeros(len(ticks["tick"]))
         tape: Columns = (
             {name: _column(archive, name, TAPE[name]) for name in taped} if has_tape else {}

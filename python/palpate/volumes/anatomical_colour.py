@@ -45,7 +45,7 @@ def first_colour(name: str, others: Iterable[str], *, otherwise: Colour) -> Colo
     """Returns the colour of a segment for which nobody has chosen one.
 
     It is the usual colour of its name; ``otherwise`` where the name is not known, or where one of
-    the ``others`` has the same usual colour, so that the two can be told apart.
+    the ``others`` has the same usual colour, so that the two can be distinguished.
     """
     if any(other.casefold() == name.casefold() for other in others):
         return otherwise

@@ -96,9 +96,9 @@ def require_hounsfield(material: Material | LinearMaterial | str | None, *, unit
     by_name = [preset.name for preset in material_presets() if preset.needs_hounsfield]
     if unit == "HU" or not (isinstance(material, LinearMaterial) or material in by_name):
         return
-    told = f'"{material}"' if isinstance(material, str) else "LinearMaterial"
+    name = f'"{material}"' if isinstance(material, str) else "LinearMaterial"
     raise OptionError(
-        f"material {told}, which follows HU, given for a scan whose values are not known to be HU; "
+        f"material {name}, which follows HU, given for a scan whose values are not known to be HU; "
         f"allowed: a Material, or one of {', '.join(constant)}; where they are HU, read the scan "
         'with unit="HU" (--unit HU)'
     )

@@ -94,9 +94,9 @@ def read_mesh(path: Path, *, frame: Frame | None = None, unit: Unit | None = Non
         in_patient = np.linalg.inv(GLTF_FROM_PATIENT)[:3, :3]
         vertices = vertices @ in_patient.T
     else:
-        told = _told_by(path)
-        turned = FRAMES[_frame_of(path, told.get("SPACE"), frame)]
-        vertices = vertices * turned * UNITS[_unit_of(path, told.get("UNIT"), (unit, vertices))]
+        header = _header_of(path)
+        turned = FRAMES[_frame_of(path, header.get("SPACE"), frame)]
+        vertices = vertices * turned * UNITS[_unit_of(path, header.get("UNIT"), (unit, vertices))]
     return _repaired(path, vertices, triangles)
 
 
@@ -208,7 +208,7 @@ def _check_size(path: Path) -> None:
     count = int.from_bytes(head[80:84], "little") if len(head) == STL_HEADER else -1
     if length != STL_HEADER + STL_TRIANGLE * count:
         raise MeshFormatError(
-            f"{path.name!r} tells of {max(count, 0)} triangles and has {length} bytes; allowed: "
+            f"{path.name!r} declares {max(count, 0)} triangles and has {length} bytes; allowed: "
             f"{STL_HEADER} bytes and {STL_TRIANGLE} for each triangle"
         )
 
@@ -241,19 +241,21 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return joined, numbers.reshape(triangles.shape)
 
 
-def _told_by(path: Path) -> dict[str, str]:
+def _header_of(path: Path) -> dict[str, str]:
     """Returns the NAME=VALUE pairs of the header."""
     with path.open("rb") as file:
         head = file.read(STL_HEADER - 4 if path.suffix.lower() == ".stl" else HEAD_BYTES)
     return dict(re.findall(r"\b(SPACE|UNIT)=(\w+)", head.decode("latin-1")))
 
 
-def _frame_of(path: Path, told: str | None, given: Frame | None) -> str:
-    if told is not None and told not in FRAMES:
-        raise MeshFormatError(f"{path.name!r} says SPACE={told}; allowed: {', '.join(FRAMES)}")
-    if told is not None and given is not None and told != given:
-        raise OptionError(f"frame {given} given, and {path.name!r} says {told}; allowed: {told}")
-    frame = told or given
+def _frame_of(path: Path, stated: str | None, given: Frame | None) -> str:
+    if stated is not None and stated not in FRAMES:
+        raise MeshFormatError(f"{path.name!r} says SPACE={stated}; allowed: {', '.join(FRAMES)}")
+    if stated is not None and given is not None and stated != given:
+        raise OptionError(
+            f"frame {given} given, and {path.name!r} says {stated}; allowed: {stated}"
+        )
+    frame = stated or given
     if frame is None:
         raise OptionError(
             f"{path.name!r} does not say in which frame it is; allowed: --frame LPS or --frame RAS"
@@ -261,20 +263,20 @@ def _frame_of(path: Path, told: str | None, given: Frame | None) -> str:
     return frame
 
 
-def _unit_of(path: Path, told: str | None, given: tuple[Unit | None, NDArray[np.float64]]) -> str:
+def _unit_of(path: Path, stated: str | None, given: tuple[Unit | None, NDArray[np.float64]]) -> str:
     unit, vertices = given
-    if told is not None and told not in UNITS:
-        raise MeshFormatError(f"{path.name!r} says UNIT={told}; allowed: {', '.join(UNITS)}")
-    if told is not None and unit is not None and told != unit:
-        raise OptionError(f"unit {unit} given, and {path.name!r} says {told}; allowed: {told}")
-    if told is None and unit is None:
+    if stated is not None and stated not in UNITS:
+        raise MeshFormatError(f"{path.name!r} says UNIT={stated}; allowed: {', '.join(UNITS)}")
+    if stated is not None and unit is not None and stated != unit:
+        raise OptionError(f"unit {unit} given, and {path.name!r} says {stated}; allowed: {stated}")
+    if stated is None and unit is None:
         extent = float(np.ptp(vertices, axis=0).max())
         if extent < SMALLEST_MM:
             raise OptionError(
                 f"{path.name!r} is {extent:.3g} long, which is little for mm; allowed: --unit m or "
                 "--unit mm"
             )
-    return told or unit or "mm"
+    return stated or unit or "mm"
 
 
 # --- repairs -------------------------------------------------------------------------------

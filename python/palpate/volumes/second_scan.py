@@ -29,18 +29,20 @@ class SecondScan:
 
     volume: Volume
     second_from_first: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
-    unbent: Volume | None = None
+    before_resampling: Volume | None = None
     """The scan before it was resampled by a deformable transform; None where it was not."""
 
     @property
     def as_read(self) -> Volume:
         """The scan before any transform."""
-        return self.volume if self.unbent is None else self.unbent
+        return self.volume if self.before_resampling is None else self.before_resampling
 
     @property
     def is_moved(self) -> bool:
         """Whether a transform places it elsewhere than its own geometry does."""
-        return self.unbent is not None or not np.array_equal(self.second_from_first, np.eye(4))
+        return self.before_resampling is not None or not np.array_equal(
+            self.second_from_first, np.eye(4)
+        )
 
 
 def placed(first: Volume, second: Volume, transform: Transform | None = None) -> SecondScan:
@@ -64,7 +66,7 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
         raise OptionError(f"a transform of {dimension} dimensions given; allowed: of 3")
     if transform.IsLinear():
         return SecondScan(second, _matrix_of(transform))
-    return SecondScan(_resampled(first, second, transform), unbent=second)
+    return SecondScan(_resampled(first, second, transform), before_resampling=second)
 
 
 def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:

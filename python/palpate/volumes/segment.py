@@ -45,7 +45,7 @@ class Segment:
         self.range = range
         self.made_by = made_by or range
         self.terminology: Terminology | None = None
-        """What it is, in standard codes; None where no file told."""
+        """What it is, in standard codes; None where no file states it."""
 
     def __repr__(self) -> str:
         return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_ml:.1f} ml>"

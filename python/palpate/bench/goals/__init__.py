@@ -313,8 +313,8 @@ def _quality(
 RATES = (1000, 2000, 4000)
 """Rates of the servo [Hz]."""
 BUSY = "all cores busy"
-GIVING = "matter gives way"
-LOADS = ("at rest", BUSY, GIVING)
+DEFORMING = "matter gives way"
+LOADS = ("at rest", BUSY, DEFORMING)
 """Load of the machine."""
 
 
@@ -334,7 +334,7 @@ def _servo(rate: int, load: str) -> tuple[Goal, ...]:
         Goal(case, "more than 2 ms late", "late_share", 100.0, "%", late, "lower"),
         Goal(case, "fell out", "missed_share", 100.0, "%", None, "lower"),
     )
-    if load != GIVING:
+    if load != DEFORMING:
         return rows
     return (*rows, Goal(case, "answers of the model", "answers_hz", 1.0, "1/s", None, "higher"))
 

@@ -127,7 +127,7 @@ Rates = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Told:
+class ThesisRates:
     """Rates in the thesis for one scan and one model."""
 
     servo: Rates
@@ -146,24 +146,28 @@ class Told:
         }
         return {
             f"thesis, {name}, {which}": (figure, unit)
-            for name, (told, unit) in rates.items()
-            for which, figure in zip(WHICH, told or (), strict=told is not None)
+            for name, (figures, unit) in rates.items()
+            for which, figure in zip(WHICH, figures or (), strict=figures is not None)
         }
 
 
 WHICH = ("average", "least second", "most")
 
 THESIS = {
-    ("Head small", NO_MODEL): Told((66.0, 61.0, 77.0)),
-    ("Head small", "fcc-lj"): Told((68.0, 56.0, 74.0), (60.0, 48.0, 92.0), (60.0, 48.0, 92.0)),
-    ("Head small", "cuboid-lj"): Told(
+    ("Head small", NO_MODEL): ThesisRates((66.0, 61.0, 77.0)),
+    ("Head small", "fcc-lj"): ThesisRates(
+        (68.0, 56.0, 74.0), (60.0, 48.0, 92.0), (60.0, 48.0, 92.0)
+    ),
+    ("Head small", "cuboid-lj"): ThesisRates(
         (64.0, 57.0, 77.0), (30.0, 29.0, 45.0), (120.0, 116.0, 180.0)
     ),
-    ("Head small", "global-lj"): Told((120.0, 109.0, 129.0)),
-    ("Torso", NO_MODEL): Told((57.0, 47.0, 65.0)),
-    ("Torso", "fcc-lj"): Told((63.0, 59.0, 67.0), (51.0, 49.0, 54.0), (51.0, 49.0, 54.0)),
-    ("Torso", "cuboid-lj"): Told((68.0, 65.0, 71.0), (28.0, 26.0, 30.0), (112.0, 104.0, 120.0)),
-    ("Torso", "global-lj"): Told((96.0, 49.0, 140.0)),
+    ("Head small", "global-lj"): ThesisRates((120.0, 109.0, 129.0)),
+    ("Torso", NO_MODEL): ThesisRates((57.0, 47.0, 65.0)),
+    ("Torso", "fcc-lj"): ThesisRates((63.0, 59.0, 67.0), (51.0, 49.0, 54.0), (51.0, 49.0, 54.0)),
+    ("Torso", "cuboid-lj"): ThesisRates(
+        (68.0, 65.0, 71.0), (28.0, 26.0, 30.0), (112.0, 104.0, 120.0)
+    ),
+    ("Torso", "global-lj"): ThesisRates((96.0, 49.0, 140.0)),
 }
 """Tables 5.1 to 5.4 of the thesis, on 4 × AMD FX-4100 (section 5.27); there is no deformation rate
 of the global model."""
@@ -171,8 +175,8 @@ of the global model."""
 
 def thesis_figures(ground: str, model: str) -> dict[str, tuple[float, str]]:
     """Returns the thesis' figures with their units, by key; empty where it has none."""
-    told = THESIS.get((SESSION_GROUNDS[ground] or "", model))
-    return {} if told is None else told.figures()
+    rates = THESIS.get((SESSION_GROUNDS[ground] or "", model))
+    return {} if rates is None else rates.figures()
 
 
 def session_case(ground: str, model: str) -> str:

@@ -277,7 +277,7 @@ class Library:
                 note_scene(read.saved.scan, place.path, passing=place.upload is not None)
             return opened
 
-        for sentence in read.told:
+        for sentence in read.messages:
             self._workbench.tell(sentence)
         volume = read.scene.volume
         warnings = volume.traits.warnings
