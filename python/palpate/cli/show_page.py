@@ -98,15 +98,7 @@ def show(
         workbench.notify(sentence)
 
     def begin(progress: Progress) -> OpenScan:
-        with Display() as display:
-
-            def both(what: str, share: float | None, /) -> None:
-                progress(what, share)
-                display(what, share)
-
-            made = make(both)
-        for sentence in made.told:
-            warn(sentence)
+        made = _made(make, progress)
         opened = OpenScan.begin(
             made.scene,
             rate=rate,
@@ -116,15 +108,7 @@ def show(
             saved=made.saved,
             notify=notify,
         )
-        # pages ask by themselves
-        if opened.journal is not None and (offer := opened.journal.offer) is not None:
-            warn(
-                f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: "
-                "the page asks whether to bring them back; --recover and --no-recover answer before"
-            )
-        note_recent(made.scene.volume, None if made.saved is None else made.saved.path)
-        if made.saved is not None:
-            note_scene(made.saved.scan, made.saved.path)
+        _note_opened(opened, made)
         return opened
 
     loading = LoadingScan(name, begin)
@@ -132,6 +116,33 @@ def show(
     show_workbench(workbench, listener, browser=browser)
     if loading.failure is not None:
         raise loading.failure
+
+
+def _made(make: Callable[[Progress], Opening], progress: Progress) -> Opening:
+    """Makes a scene, with its progress and its warnings in the terminal too."""
+    with Display() as display:
+
+        def both(what: str, share: float | None, /) -> None:
+            progress(what, share)
+            display(what, share)
+
+        made = make(both)
+    for sentence in made.told:
+        warn(sentence)
+    return made
+
+
+def _note_opened(opened: OpenScan, made: Opening) -> None:
+    """Notes what was opened as recent, and warns of changes that can be brought back."""
+    # pages ask by themselves
+    if opened.journal is not None and (offer := opened.journal.offer) is not None:
+        warn(
+            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: "
+            "the page asks whether to bring them back; --recover and --no-recover answer before"
+        )
+    note_recent(made.scene.volume, None if made.saved is None else made.saved.path)
+    if made.saved is not None:
+        note_scene(made.saved.scan, made.saved.path)
 
 
 def choose_on_page(listener: socket.socket, *, rate: int, browser: bool, journalled: bool) -> None:
