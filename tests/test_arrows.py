@@ -162,8 +162,8 @@ def python_arrows(folder: Path, module: str, line: str) -> str:
         ),
         (
             "recipes/run.py",
-            "from palpate.cli.surface_run import export_surface",
-            "palpate.recipes.run -> palpate.cli.surface_run",
+            "from palpate.cli.surface import surface",
+            "palpate.recipes.run -> palpate.cli.surface",
         ),
         (
             "segmentation/operations.py",
@@ -176,9 +176,9 @@ def python_arrows(folder: Path, module: str, line: str) -> str:
             "palpate.protocol.segments -> palpate.session.session",
         ),
         (
-            "cli/export_run.py",
+            "cli/export.py",
             "from palpate.server.messages.segment_list import SegmentList",
-            "palpate.cli.export_run -> palpate.server.messages.segment_list",
+            "palpate.cli.export -> palpate.server.messages.segment_list",
         ),
         (
             "io/reading.py",

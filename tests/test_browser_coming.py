@@ -12,7 +12,7 @@ from browser import ROOT, browser
 from palpate.base.progress import Progress
 from palpate.saved.opening import opening
 from palpate.server.app import bind, make_app, make_server
-from palpate.server.loading_scan import Coming
+from palpate.server.loading_scan import LoadingScan
 from palpate.server.open_scan import OpenScan
 from palpate.server.security import Access
 from palpate.server.workbench import Workbench
@@ -30,9 +30,9 @@ def reading(path: Path, go: Event) -> Iterator[str]:
     def begin(progress: Progress) -> OpenScan:
         progress(f"reading {path.name}", 0.4)
         assert go.wait(PATIENCE)
-        return OpenScan.begin(opening(path, progress=progress).scene, tell=lambda _: None)
+        return OpenScan.begin(opening(path, progress=progress).scene, notify=lambda _: None)
 
-    workbench = Workbench(coming=Coming(path.name, begin))
+    workbench = Workbench(loading=LoadingScan(path.name, begin))
     workbench.page_seconds = PATIENCE
     with bind(0) as listener:
         listener.listen()

@@ -13,6 +13,7 @@ from palpate.cli.options import Plot
 __all__ = [
     "bench_deform",
     "bench_edit",
+    "bench_fuzz_import",
     "bench_open",
     "bench_register",
     "bench_render",
@@ -20,7 +21,6 @@ __all__ = [
     "bench_session",
     "bench_surface",
     "bench_truth_cube",
-    "stress_in_matter",
 ]
 
 Json = Annotated[
@@ -225,24 +225,38 @@ def bench_surface(*, json_file: Json = None) -> None:
         write_rows("surface", rows, json_file)
 
 
-def stress_in_matter(
-    models: list[str], *, moves: int, seed: int, threads: int | None, json_file: Path | None
+def bench_fuzz_import(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(help="Files to damage; by default the data sets.", metavar="FOLDER"),
+    ] = None,
+    *,
+    minutes: Annotated[
+        float | None, typer.Option(help="Duration in minutes; by default one.")
+    ] = None,
+    cases: Annotated[
+        int | None, typer.Option(min=1, help="Number of cases, instead of a duration.")
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Random seed of the first case; each further case adds one.")
+    ] = 1,
 ) -> int:
-    """Works in matter that gives way, with each model, until there are so many ticks."""
-    from palpate.bench.report import print_rows, write_rows
-    from palpate.bench.soft_tissue_stress import checked_models, rows_of, work
+    """Fuzz the readers with damaged real files, each in its own process."""
+    from palpate.base.errors import OptionError
+    from palpate.bench.fuzz_import import measure
+    from palpate.bench.haptics_data import folder as data_folder
 
-    chosen = checked_models(models)
+    if minutes is not None and cases is not None:
+        raise OptionError("minutes and cases given; allowed: one of both")
+    place = folder or data_folder()
+    if not place.is_dir():
+        raise OptionError(f"{place} is no folder; allowed: a folder with scans, or PALPATE_DATA")
+    seconds = None if cases is not None else 60.0 * (minutes or 1.0)
     with Display() as display:
-        found = [
-            work(model, moves=moves, seed=seed, threads=threads, progress=display)
-            for model in chosen
-        ]
-    rows = rows_of(found)
-    print_rows("stress in matter that gives way", rows)
-    if json_file is not None:
-        write_rows("stress-deform", rows, json_file)
-    broken = [f"{one.model}: {one.violation}" for one in found if one.violation is not None]
-    for sentence in broken:
-        typer.echo(sentence)
-    return 1 if broken else 0
+        found = measure(place, seed=seed, cases=cases, seconds=seconds, progress=display)
+    for case, sample, outcome in found.violations:
+        typer.echo(f"seed {case}, {sample}: {outcome}")
+        typer.echo(f"again: palpate bench fuzz-import {folder or ''} --cases 1 --seed {case}\n")
+    told = ", ".join(f"{number} {kind}" for kind, number in sorted(found.outcomes.items()))
+    typer.echo(f"{found.cases} damaged files from seed {seed} on: {told}")
+    return 1 if found.violations else 0

@@ -18,6 +18,7 @@ from palpate.base.errors import PalpateError
 from palpate.cli.bench import (
     bench_deform,
     bench_edit,
+    bench_fuzz_import,
     bench_open,
     bench_register,
     bench_render,
@@ -26,7 +27,6 @@ from palpate.cli.bench import (
     bench_surface,
     bench_truth_cube,
 )
-from palpate.cli.bench_fuzz import bench_fuzz_import
 from palpate.cli.bench_touch import (
     bench_haptics,
     bench_passivity,
@@ -43,9 +43,10 @@ from palpate.cli.recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli.recipe import run_file
 from palpate.cli.reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
 from palpate.cli.reconstruct import reconstruct
-from palpate.cli.record import record, replay
+from palpate.cli.record import record
 from palpate.cli.register import EXAMPLES as REGISTER_EXAMPLES
 from palpate.cli.register import register
+from palpate.cli.replay import replay
 from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
 from palpate.cli.series import series

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import Resample, Segments
 from palpate.cli.reading_options import Reading, with_reading
+
+if TYPE_CHECKING:
+    from palpate.base.progress import Progress
+    from palpate.export.export import Kind
+    from palpate.volumes.scene import Scene
 
 __all__ = ["export"]
 
@@ -79,7 +84,6 @@ def export(
     """Writes what was asked for and says what it is."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.export_run import check_target, saved_scene, tell_export
     from palpate.cli.scenes import wanted_scene
     from palpate.export.export import export_scene
     from palpate.saved.opening import is_scene
@@ -89,10 +93,10 @@ def export(
     if saved and (reading != Reading() or segments is not None or bounds is not None):
         raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
     has_segments = saved or segments is not None or bounds is not None
-    known = check_target(out, kind, has_segments=has_segments, keep_identity=keep_identity)
+    known = _check_target(out, kind, has_segments=has_segments, keep_identity=keep_identity)
     with quiet_libraries(), Display() as display:
         if saved:
-            scene = saved_scene(path, display)
+            scene = _saved_scene(path, display)
         else:
             volume = reading.read(path, display)
             for warning in volume.warnings:
@@ -100,10 +104,51 @@ def export(
             scene = wanted_scene(
                 volume, bounds=bounds, label_map=segments, resample=resample, progress=display
             )
-        told = export_scene(
+        notes = export_scene(
             scene, out, kind=known, only=only, keep_identity=keep_identity, progress=display
         )
-    tell_export(scene, out, told)
+    _print_result(scene, out, notes)
 
 
 export.__doc__ = EXAMPLES
+
+
+def _check_target(out: Path, kind: str | None, *, has_segments: bool, keep_identity: bool) -> Kind:
+    """Returns what is to be written; refuses what could not be, before a scan is read.
+
+    Raises:
+        OptionError: The kind is not known, or does not fit the name.
+    """
+    from palpate.base.errors import OptionError
+    from palpate.export.export import KINDS, check_export, kind_of
+
+    if kind is not None and kind not in KINDS:
+        raise OptionError(f"--as {kind} given; allowed: {', '.join(KINDS)}")
+    known = kind_of(out, has_segments=has_segments) if kind is None else kind
+    check_export(out, known, keep_identity=keep_identity)
+    return known
+
+
+def _saved_scene(path: Path, progress: Progress) -> Scene:
+    """Returns the scan of a scene that was saved, with its edits and segments.
+
+    Raises:
+        SceneFormatError: It cannot be opened.
+    """
+    from palpate.saved.edited_scene import edited_scene
+    from palpate.saved.scene_file import open_scene
+
+    saved = open_scene(path, progress=progress)
+    scene, notes = edited_scene(saved)
+    for note in (*saved.volume.warnings, *notes):
+        warn(note)
+    return scene
+
+
+def _print_result(scene: Scene, out: Path, notes: list[str]) -> None:
+    """Says what was written."""
+    for note in notes:
+        warn(note)
+    files = sum(1 for file in out.rglob("*") if file.is_file()) if out.is_dir() else 1
+    what = f"{files} files" if files > 1 else f"{out.stat().st_size / 2**20:.1f} MiB"
+    typer.echo(f"{out}: {what}, of {len(scene)} segments in {scene.volume.name}")

@@ -216,7 +216,7 @@ def _tell_list(
 
 
 def _tell_scan(volume: Volume, files: list[dict[str, Any]], *, as_json: bool) -> None:
-    from palpate.cli.scan_info import describe, print_table
+    from palpate.cli.info import describe, print_table
 
     if as_json:
         _print_json(describe(volume) | {"written": files})

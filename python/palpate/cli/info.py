@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -10,7 +10,10 @@ from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import Scan
 from palpate.cli.reading_options import Reading, with_reading
 
-__all__ = ["info"]
+if TYPE_CHECKING:
+    from palpate.volumes.volume import Volume
+
+__all__ = ["describe", "info", "print_table"]
 
 
 @with_reading
@@ -21,8 +24,6 @@ def info(
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
 ) -> None:
     """Print the properties of a scan."""
-    from palpate.cli.scan_info import describe, print_table
-
     with quiet_libraries(), Display() as display:
         volume = reading.read(path, display)
     if as_json:
@@ -31,3 +32,57 @@ def info(
         typer.echo(json.dumps(describe(volume), indent=2))
     else:
         print_table(volume)
+
+
+def describe(volume: Volume) -> dict[str, Any]:
+    """Returns what is known of a scan, ready for JSON; lengths in mm, points in LPS."""
+    return {
+        "name": volume.name,
+        "modality": volume.modality,
+        "unit": volume.unit,
+        "dimensions": list(volume.dimensions),
+        "spacing_mm": list(volume.spacing),
+        "origin_mm": list(volume.origin),
+        "direction": volume.direction.tolist(),
+        "orientation": volume.orientation,
+        "range": list(volume.range),
+        "slope": volume.slope,
+        "intercept": volume.intercept,
+        "bone_threshold": volume.anchors.bone,
+        "soft_tissue": volume.anchors.soft_tissue,
+        "memory_bytes": volume.memory_bytes,
+        "series": volume.traits.series,
+        "warnings": list(volume.warnings),
+    }
+
+
+def _rows(volume: Volume) -> list[tuple[str, str]]:
+    """Returns what is known of a scan as lines of a table."""
+    low, high = volume.range
+    unit = f" {volume.unit}" if volume.unit else ""
+    size = [step * count for step, count in zip(volume.spacing, volume.dimensions, strict=True)]
+    return [
+        ("name", volume.name),
+        ("modality", volume.modality or "unknown"),
+        ("dimensions", " x ".join(map(str, volume.dimensions))),
+        ("spacing", " x ".join(f"{step:.4g}" for step in volume.spacing) + " mm"),
+        ("size", " x ".join(f"{length:.0f}" for length in size) + " mm"),
+        ("orientation", volume.orientation),
+        ("values", f"{low:g} to {high:g}{unit or ' (unit unknown)'}"),
+        ("bone from", f"{volume.anchors.bone:.0f}{unit}"),
+        ("memory", f"{volume.memory_bytes / 2**20:.1f} MiB"),
+        *([("series", volume.traits.series)] if volume.traits.series else []),
+        *(("warning", warning) for warning in volume.warnings),
+    ]
+
+
+def print_table(volume: Volume) -> None:
+    """Prints what is known of a scan for a person."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    for name, value in _rows(volume):
+        table.add_row(Text(name, style="bold"), Text(value))
+    Console().print(table)

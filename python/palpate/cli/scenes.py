@@ -1,11 +1,13 @@
-"""Scans with the segments and the second scan that options ask for, and scenes that were saved."""
+"""Scenes that options ask for: a scan with segments, a mesh and a second scan, or a saved scene."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import typer
+
 from palpate.base.console import warn
-from palpate.base.errors import OptionError, SceneFormatError
+from palpate.base.errors import MeshFormatError, OptionError, SceneFormatError
 from palpate.base.progress import Progress
 from palpate.base.typed_numbers import Bounds
 from palpate.io.reading import read
@@ -13,11 +15,28 @@ from palpate.labels.labels import read_labels
 from palpate.saved.autosave import with_autosave
 from palpate.saved.opening import Opening, offer_bone
 from palpate.saved.scene_file import open_scene
+from palpate.volumes.mesh_read import (
+    Frame,
+    MeshFile,
+    Unit,
+    closed,
+    object_of_mesh,
+    read_mesh,
+    suitable_spacing,
+)
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import placed, read_transform
 from palpate.volumes.volume import Volume
 
-__all__ = ["add_labels", "add_second", "saved_scene", "scene_of", "wanted_scene"]
+__all__ = [
+    "add_labels",
+    "add_mesh",
+    "add_second",
+    "mesh_file",
+    "saved_scene",
+    "scene_of",
+    "wanted_scene",
+]
 
 
 def wanted_scene(
@@ -107,3 +126,52 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
         return Opening(saved.scene(), saved, saved.messages)
     except SceneFormatError as error:
         raise with_autosave(error, path) from None
+
+
+def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -> MeshFile:
+    """Reads a mesh and tells what was repaired.
+
+    Raises:
+        OptionError: The frame or the unit is not known.
+    """
+    frames: dict[str | None, Frame | None] = {None: None, "LPS": "LPS", "RAS": "RAS"}
+    units: dict[str | None, Unit | None] = {None: None, "mm": "mm", "m": "m"}
+    if frame not in frames:
+        raise OptionError(f"frame {frame!r} given; allowed: LPS, RAS")
+    if unit not in units:
+        raise OptionError(f"unit {unit!r} given; allowed: mm, m")
+    file = read_mesh(path, frame=frames[frame], unit=units[unit])
+    if close:
+        file = closed(file)
+    for note in file.notes:
+        warn(f"{file.name}: {note}")
+    return file
+
+
+def add_mesh(
+    scene: Scene, path: Path, *, frame: str | None, unit: str | None, spacing: float | None
+) -> None:
+    """Adds a closed mesh as an object with voxels of its own [mm], shown as a surface.
+
+    Raises:
+        OptionError: Its frame or its unit is not known, or the spacing is not allowed.
+        MeshFormatError: It holds no mesh, or is open.
+        EmptySegmentError: It is thinner than a voxel everywhere.
+    """
+    try:
+        file = mesh_file(path, frame=frame, unit=unit, close=False)
+    except OptionError as error:
+        # here the options of a mesh are called otherwise than in `palpate surface`
+        said = str(error).replace("--frame", "--mesh-frame").replace("--unit", "--mesh-unit")
+        raise OptionError(said) from None
+    if file.holes:
+        raise MeshFormatError(
+            f"{file.name!r} has {file.holes} hole{'s' if file.holes > 1 else ''}, so no inside; "
+            "allowed: a closed mesh (`palpate surface voxels --close` makes a label map of it)"
+        )
+    edge = suitable_spacing(file.mesh, scene.volume) if spacing is None else spacing
+    segment = object_of_mesh(file, edge)
+    scene.add(segment, shown_as="surface")
+    typer.echo(
+        f"{file.name}: {segment.voxel_count} voxels of {edge:.3g} mm, {segment.volume_ml:.2f} ml"
+    )

@@ -19,7 +19,7 @@ from palpate.saved.autosave import note_scene
 from palpate.saved.opening import Opening
 from palpate.saved.recent import note_recent
 from palpate.server.app import PAGE, serve
-from palpate.server.loading_scan import Coming
+from palpate.server.loading_scan import LoadingScan
 from palpate.server.open_scan import OpenScan
 from palpate.server.resume import kept_key
 from palpate.server.security import Access
@@ -93,20 +93,12 @@ def show(
         PalpateError: What ``make`` raises.
     """
 
-    def tell(sentence: str) -> None:
+    def notify(sentence: str) -> None:
         warn(sentence)
-        workbench.tell(sentence)
+        workbench.notify(sentence)
 
     def begin(progress: Progress) -> OpenScan:
-        with Display() as display:
-
-            def both(what: str, share: float | None, /) -> None:
-                progress(what, share)
-                display(what, share)
-
-            made = make(both)
-        for sentence in made.messages:
-            warn(sentence)
+        made = _made(make, progress)
         opened = OpenScan.begin(
             made.scene,
             rate=rate,
@@ -114,24 +106,43 @@ def show(
             recover=recover,
             run=run,
             saved=made.saved,
-            tell=tell,
+            notify=notify,
         )
-        # pages ask by themselves
-        if opened.journal is not None and (offer := opened.journal.offer) is not None:
-            warn(
-                f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: "
-                "the page asks whether to bring them back; --recover and --no-recover answer before"
-            )
-        note_recent(made.scene.volume, None if made.saved is None else made.saved.path)
-        if made.saved is not None:
-            note_scene(made.saved.scan, made.saved.path)
+        _note_opened(opened, made)
         return opened
 
-    coming = Coming(name, begin)
-    workbench = Workbench(coming=coming, rate=rate, journalled=journalled is not False)
+    loading = LoadingScan(name, begin)
+    workbench = Workbench(loading=loading, rate=rate, journalled=journalled is not False)
     show_workbench(workbench, listener, browser=browser)
-    if coming.failure is not None:
-        raise coming.failure
+    if loading.failure is not None:
+        raise loading.failure
+
+
+def _made(make: Callable[[Progress], Opening], progress: Progress) -> Opening:
+    """Makes a scene, with its progress and its warnings in the terminal too."""
+    with Display() as display:
+
+        def both(what: str, share: float | None, /) -> None:
+            progress(what, share)
+            display(what, share)
+
+        made = make(both)
+    for sentence in made.messages:
+        warn(sentence)
+    return made
+
+
+def _note_opened(opened: OpenScan, made: Opening) -> None:
+    """Notes what was opened as recent, and warns of changes that can be brought back."""
+    # pages ask by themselves
+    if opened.journal is not None and (offer := opened.journal.offer) is not None:
+        warn(
+            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: "
+            "the page asks whether to bring them back; --recover and --no-recover answer before"
+        )
+    note_recent(made.scene.volume, None if made.saved is None else made.saved.path)
+    if made.saved is not None:
+        note_scene(made.saved.scan, made.saved.path)
 
 
 def choose_on_page(listener: socket.socket, *, rate: int, browser: bool, journalled: bool) -> None:
@@ -159,12 +170,12 @@ def serve_page(
     port = listener.getsockname()[1]
     access = Access(port=port, key=kept_key(port))
 
-    coming, opened = workbench.coming, workbench.opened
-    shown = opened if coming is None else coming
+    loading, opened = workbench.loading, workbench.opened
+    shown = opened if loading is None else loading
     name = "a scan once one is chosen" if shown is None else shown.name
 
     def announce() -> None:
-        if coming is not None and not coming.recognised():
+        if loading is not None and not loading.recognised():
             return
         typer.echo(f"Palpate shows {name} at\n{access.url}\nCtrl-C stops it.")
         sys.stdout.flush()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -11,7 +11,15 @@ from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import Scan, Segments, Threshold
 from palpate.cli.reading_options import Reading, with_reading
 
+if TYPE_CHECKING:
+    from palpate.volumes.mesh_read import MeshFile
+    from palpate.volumes.segment import Segment
+    from palpate.volumes.surface import Source
+    from palpate.volumes.volume import Volume
+
 __all__ = ["surface"]
+
+MASK_SUFFIXES = (".nrrd", ".nii", ".nii.gz", ".mha")
 
 surface = typer.Typer(
     help="Convert segments to meshes and meshes to label maps.", no_args_is_help=True
@@ -48,7 +56,6 @@ def surface_export(
     from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target
     from palpate.cli.scenes import scene_of
-    from palpate.cli.surface_run import export_surface
     from palpate.volumes.mesh_write import SUFFIXES
     from palpate.volumes.scene import choose_segment
 
@@ -60,7 +67,7 @@ def surface_export(
     for warning in volume.warnings:
         warn(warning)
     chosen = choose_segment(scene, segment)
-    export_surface(chosen, file, step=step, smoothing=smoothing, source=source)
+    _export(chosen, file, step=step, smoothing=smoothing, source=source)
 
 
 @surface.command("voxels")
@@ -84,7 +91,7 @@ def surface_voxels(
     """Make a label map of the inside of a mesh."""
     from palpate.base.errors import OptionError
     from palpate.base.whole_file import check_target
-    from palpate.cli.surface_run import MASK_SUFFIXES, mesh_file, write_voxels
+    from palpate.cli.scenes import mesh_file
     from palpate.io.reading import read
 
     check_target(file, MASK_SUFFIXES)
@@ -94,4 +101,34 @@ def surface_voxels(
         given = mesh_file(mesh, frame=frame, unit=unit, close=close)
         grid = spacing if like is None else read(like, progress=display)
     assert grid is not None  # noqa: S101  # one of both is given
-    write_voxels(given, file, grid=grid, shell=shell)
+    _write_voxels(given, file, grid=grid, shell=shell)
+
+
+def _export(
+    segment: Segment, path: Path, *, step: int | None, smoothing: int | None, source: str
+) -> None:
+    """Writes the surface of a segment and tells what it is.
+
+    Raises:
+        OptionError: A setting is not allowed.
+    """
+    from palpate.volumes.mesh_write import write_mesh
+    from palpate.volumes.surface import Surface
+
+    surface = Surface(segment, step=step, smoothing=smoothing, source=cast("Source", source))
+    write_mesh(surface.mesh(), path)
+    typer.echo(
+        f"{path}: {surface.triangle_count} triangles, {surface.area / 100.0:.1f} cm², "
+        f"{surface.volume / 1000.0:.1f} ml, LPS, {'m' if path.suffix == '.glb' else 'mm'}"
+    )
+
+
+def _write_voxels(file: MeshFile, path: Path, *, grid: Volume | float, shell: bool) -> None:
+    """Writes the voxels of a mesh as a label map, on the grid of a scan or of cubes [mm]."""
+    from palpate.export.image import write_image
+    from palpate.volumes.mesh_read import grid_around, segment_of_mesh
+
+    volume = grid_around([file.mesh], grid) if isinstance(grid, float) else grid
+    segment = segment_of_mesh(file, volume, as_shell=shell)
+    write_image(segment.mask(), volume, path)
+    typer.echo(f"{path}: {segment.voxel_count} voxels, {segment.volume_ml:.1f} ml")

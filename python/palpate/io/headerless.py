@@ -37,7 +37,7 @@ from palpate.io.raw_voxels import (
     raw_slice,
 )
 
-__all__ = ["Bare", "bare_pictures", "bare_raw", "laid_out"]
+__all__ = ["Headerless", "headerless_pictures", "headerless_raw", "laid_out"]
 
 Size = tuple[int, int, int]
 Lengths = tuple[float, float, float]
@@ -73,7 +73,7 @@ LENGTHS = re.compile(r"(\d*\.?\d+)([x×_])(\d*\.?\d+)\2(\d*\.?\d+)\s*mm")
 
 
 @dataclass(frozen=True)
-class Bare:
+class Headerless:
     """Files whose layout, or the size of whose voxels, is to be told."""
 
     path: Path
@@ -93,7 +93,7 @@ class Bare:
     """Along x, y, z [mm], as far as files or their names tell."""
 
 
-def bare_pictures(path: Path) -> Bare | None:
+def headerless_pictures(path: Path) -> Headerless | None:
     """Returns what is told of a stack of pictures; None where there is none.
 
     Raises:
@@ -107,10 +107,10 @@ def bare_pictures(path: Path) -> Bare | None:
         return None
     across, down = pixel or (None, None)
     told = _voxel_named(path.name) or (across, down, None)
-    return _bare(path, files, layout=None, size=size, voxel=told)
+    return _headerless(path, files, layout=None, size=size, voxel=told)
 
 
-def bare_raw(path: Path) -> Bare | None:
+def headerless_raw(path: Path) -> Headerless | None:
     """Returns what is told and likely of raw voxels; None where something else is there."""
     try:
         files = raw_files(path)
@@ -121,7 +121,7 @@ def bare_raw(path: Path) -> Bare | None:
     if not all(_is_raw(file) for file in files):
         return None
     voxel = _voxel_named(path.name) or (None, None, None)
-    return _bare(path, files, layout=_likely(path, files), size=None, voxel=voxel)
+    return _headerless(path, files, layout=_likely(path, files), size=None, voxel=voxel)
 
 
 def laid_out(
@@ -144,15 +144,15 @@ def laid_out(
     return size, picture_at(path, size[2] // 2)
 
 
-def _bare(
+def _headerless(
     path: Path,
     files: Sequence[Path],
     *,
     layout: RawLayout | None,
     size: Size | None,
     voxel: tuple[float | None, float | None, float | None],
-) -> Bare:
-    return Bare(
+) -> Headerless:
+    return Headerless(
         path=path,
         name=path.name if path.is_dir() else path.stem,
         begins=_beginning([file.stem for file in files]),

@@ -12,7 +12,7 @@ from starlette.types import ASGIApp
 
 from palpate.base.errors import OptionError, PalpateError
 
-__all__ = ["answered", "as_json", "body_of"]
+__all__ = ["errors_as_text", "json_body", "json_response"]
 
 MOST_BODY_BYTES = 1 << 24
 """Of a list of files that will come: 50 000 names."""
@@ -20,7 +20,7 @@ MOST_BODY_BYTES = 1 << 24
 Wanted = TypeVar("Wanted")
 
 
-async def body_of(request: Request, kind: type[Wanted]) -> Wanted:
+async def json_body(request: Request, kind: type[Wanted]) -> Wanted:
     """Returns what a page asks.
 
     Raises:
@@ -37,12 +37,12 @@ async def body_of(request: Request, kind: type[Wanted]) -> Wanted:
         raise OptionError(f"this is not understood: {error}") from None
 
 
-def as_json(content: object) -> Response:
+def json_response(content: object) -> Response:
     """Returns an answer."""
     return Response(msgspec.json.encode(content), media_type="application/json")
 
 
-def answered(handle: Callable[[Request], Any]) -> Callable[[Request], Any]:
+def errors_as_text(handle: Callable[[Request], Any]) -> Callable[[Request], Any]:
     """Tells as a sentence what cannot be done."""
 
     async def wrapped(request: Request) -> ASGIApp:

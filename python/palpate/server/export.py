@@ -31,7 +31,7 @@ ENDINGS: dict[Kind, str] = {
 """Of names; those of several files, which come as an archive, have none."""
 
 
-class WantedExport(msgspec.Struct, frozen=True):
+class ExportRequest(msgspec.Struct, frozen=True):
     """What a page asks for."""
 
     kind: Kind
@@ -41,14 +41,14 @@ class WantedExport(msgspec.Struct, frozen=True):
 def export_response(segments: SegmentList, values: NDArray[np.int16], body: bytes) -> Response:
     """Writes what a page asks for and answers with the file, or with why it was not written."""
 
-    def write(wanted: WantedExport, folder: Path) -> tuple[Path, list[str]]:
+    def write(wanted: ExportRequest, folder: Path) -> tuple[Path, list[str]]:
         return _write(segments, values, wanted, folder=folder)
 
-    return file_response(body, WantedExport, write, most_bytes=MOST_EXPORT_BYTES, called="export")
+    return file_response(body, ExportRequest, write, most_bytes=MOST_EXPORT_BYTES, called="export")
 
 
 def _write(
-    segments: SegmentList, values: NDArray[np.int16], wanted: WantedExport, *, folder: Path
+    segments: SegmentList, values: NDArray[np.int16], wanted: ExportRequest, *, folder: Path
 ) -> tuple[Path, list[str]]:
     scene, notes = segments.scene(values)
     shared = wanted.kind == "dicom" and not wanted.keep_identity

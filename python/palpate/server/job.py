@@ -18,12 +18,12 @@ from starlette.types import Receive, Scope, Send
 from palpate.base.errors import PalpateError
 from palpate.base.progress import Progress
 
-__all__ = ["CancelledWorkError", "Job", "Tell"]
+__all__ = ["CancelledWorkError", "Emit", "Job"]
 
-Tell = Callable[[dict[str, Any]], None]
+Emit = Callable[[dict[str, Any]], None]
 """Takes a line for the page."""
 
-Work = Callable[[Progress, Tell], None]
+Work = Callable[[Progress, Emit], None]
 
 
 class CancelledWorkError(Exception):
@@ -44,7 +44,7 @@ class Job:
         loop = asyncio.get_running_loop()
         lines: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
 
-        def tell(line: dict[str, Any] | None) -> None:
+        def emit(line: dict[str, Any] | None) -> None:
             loop.call_soon_threadsafe(lines.put_nowait, line)
 
         await send(
@@ -55,7 +55,7 @@ class Job:
             }
         )
         watch = asyncio.create_task(self._watch(receive))
-        work = asyncio.create_task(run_in_threadpool(self._run, tell))
+        work = asyncio.create_task(run_in_threadpool(self._run, emit))
         try:
             while (line := await lines.get()) is not None:
                 body = msgspec.json.encode(line) + b"\n"
@@ -71,7 +71,7 @@ class Job:
             pass
         self._cancelled.set()
 
-    def _run(self, tell: Callable[[dict[str, Any] | None], None]) -> None:
+    def _run(self, emit: Callable[[dict[str, Any] | None], None]) -> None:
         last: tuple[str, int | None] = ("", None)
 
         def progress(what: str, share: float | None, /) -> None:
@@ -81,20 +81,20 @@ class Job:
             percent = None if share is None else int(100 * share)
             if (what, percent) != last:
                 last = (what, percent)
-                tell({"kind": "progress", "what": what, "share": share})
+                emit({"kind": "progress", "what": what, "share": share})
 
         try:
-            self._work(progress, tell)
-            tell({"kind": "done"})
+            self._work(progress, emit)
+            emit({"kind": "done"})
         except CancelledWorkError:
-            tell({"kind": "failed", "reason": "it was cancelled"})
+            emit({"kind": "failed", "reason": "it was cancelled"})
         except MemoryError:
             reason = "not enough memory for this; allowed: a smaller scan, or a bigger machine"
-            tell({"kind": "failed", "reason": reason})
+            emit({"kind": "failed", "reason": reason})
         except (PalpateError, OSError, RuntimeError) as error:
-            tell({"kind": "failed", "reason": _said(error)})
+            emit({"kind": "failed", "reason": _said(error)})
         finally:
-            tell(None)
+            emit(None)
 
 
 def _said(error: Exception) -> str:

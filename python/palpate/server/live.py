@@ -26,7 +26,7 @@ from palpate.server.messages.picture import (
     change_messages,
     label_messages,
 )
-from palpate.server.messages.registration import Registering
+from palpate.server.messages.registration import RegistrationMessages
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
 from palpate.server.messages.segments import GapWatch, SegmentMessages
@@ -94,7 +94,7 @@ class Live:
         self._parts = ModelParts(session)
         self._gaps = GapWatch(session, publish)
         self._touch = TouchMessages(session, hello.settings, publish)
-        self.registering = Registering(session, show=self.show_second, tell=publish)
+        self.registration = RegistrationMessages(session, show=self.show_second, publish=publish)
         self.table = MessageTable(
             self._touch,
             self._thresholds,
@@ -113,7 +113,7 @@ class Live:
                 publish=publish,
                 flush=self._publish_from_threads,
             ),
-            self.registering,
+            self.registration,
         )
         """Who handles what pages ask."""
         self.table.check()
@@ -130,7 +130,7 @@ class Live:
         finally:
             worker.cancel()
             self._segment_work.stop()
-            self.registering.stop()
+            self.registration.stop()
             segment_worker.cancel()
             gaps.cancel()
             changes.cancel()
@@ -140,19 +140,19 @@ class Live:
         await websocket.accept()
         # it knows no surface yet; the voxels it asks for
         outbox = Outbox(missed=Missed())
-        outbox.tell(
+        outbox.put(
             msgspec.structs.replace(
                 self._hello,
                 segments=self.segments.message.segments,
                 settings=self._touch.settings,
             )
         )
-        outbox.tell(self.segments.message)
+        outbox.put(self.segments.message)
         if self._second.scan is not None:
-            outbox.tell(self._second)
-            outbox.tell(self.registering.message)
+            outbox.put(self._second)
+            outbox.put(self.registration.message)
         for message in self._recovery.messages():
-            outbox.tell(message)
+            outbox.put(message)
         self._outboxes.add(outbox)
         self._sockets.add(websocket)
         sender = asyncio.create_task(self._send(websocket, outbox))
@@ -193,7 +193,7 @@ class Live:
         if self.journal is not None:
             self.journal.note_second(second)
         self._from_threads.put(self._second)
-        self.registering.follow(second)
+        self.registration.follow(second)
 
     async def send_away(self) -> None:
         """Has all pages load themselves anew: another scan takes the place of this one."""
@@ -205,7 +205,7 @@ class Live:
 
     def _publish(self, message: protocol.ToPage) -> None:
         for outbox in self._outboxes:
-            outbox.tell(message)
+            outbox.put(message)
 
     def _publish_from_threads(self) -> None:
         while not self._from_threads.empty():
@@ -297,9 +297,9 @@ class Live:
         try:
             await self.table.handle(protocol.decode_from_page(packed), outbox)
         except msgspec.DecodeError as error:
-            outbox.tell(protocol.Notice(level="error", text=f"message not understood: {error}"))
+            outbox.put(protocol.Notice(level="error", text=f"message not understood: {error}"))
         except (PalpateError, OSError, RuntimeError) as error:
-            outbox.tell(protocol.Notice(level="error", text=str(error)))
+            outbox.put(protocol.Notice(level="error", text=str(error)))
 
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:

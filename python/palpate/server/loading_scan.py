@@ -12,7 +12,7 @@ from palpate.server.job import CancelledWorkError
 if TYPE_CHECKING:
     from palpate.server.open_scan import OpenScan
 
-__all__ = ["Coming"]
+__all__ = ["LoadingScan"]
 
 SURE = ("reading", "making")
 """How work on values begins to be told: what is no scan at all has failed before."""
@@ -21,7 +21,7 @@ LOOK_SECONDS = 0.1
 """How often a page that waits is told how far it is."""
 
 
-class Coming:
+class LoadingScan:
     """Read in one thread, followed by others."""
 
     def __init__(self, name: str, begin: Callable[[Progress], OpenScan]) -> None:
@@ -34,7 +34,7 @@ class Coming:
         self._recognised = Event()
         self._ended = Event()
         self._cancelled = Event()
-        self._failure_told = Event()
+        self._failure_shown = Event()
 
     def read(self) -> OpenScan | None:
         """Reads the scan; None where that failed or was cancelled."""
@@ -58,9 +58,9 @@ class Coming:
         self._recognised.wait()
         return self.failure is None and not self._cancelled.is_set()
 
-    def failure_told(self, seconds: float) -> None:
+    def wait_until_failure_shown(self, seconds: float) -> None:
         """Waits for a page that is told of the failure, for so long at most."""
-        self._failure_told.wait(seconds)
+        self._failure_shown.wait(seconds)
 
     def follow(self, progress: Progress) -> None:
         """Reports how far it is until it has ended.
@@ -71,7 +71,7 @@ class Coming:
         while not self._ended.wait(LOOK_SECONDS):
             progress(*self._now)
         if self.failure is not None:
-            self._failure_told.set()
+            self._failure_shown.set()
             raise self.failure
 
     def _report(self, what: str, share: float | None, /) -> None:

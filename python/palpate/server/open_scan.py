@@ -37,7 +37,7 @@ from palpate.volumes.second_scan import SecondScan
 
 __all__ = ["OpenScan"]
 
-Tell = Callable[[str], None]
+Notify = Callable[[str], None]
 """Takes a sentence for the person."""
 
 
@@ -52,7 +52,7 @@ class OpenScan:
         journal: Journal | None = None,
         run: Path | None = None,
         saved: SavedScene | None = None,
-        tell: Tell = print,
+        notify: Notify = print,
     ) -> None:
         """Takes a session that runs.
 
@@ -65,7 +65,7 @@ class OpenScan:
         self.files: TemporaryDirectory[str] | None = None
         """Where its files were put for as long as it is open; None where they stay."""
         self._second_files: TemporaryDirectory[str] | None = None
-        self._tell = tell
+        self._notify = notify
         looks = None if saved is None else saved.looks
         self.live = Live(session, hello_of(session), self.recorder, journal=journal, looks=looks)
         self._pump: asyncio.Task[None] | None = None
@@ -86,7 +86,7 @@ class OpenScan:
         recover: bool | None = None,
         run: Path | None = None,
         saved: SavedScene | None = None,
-        tell: Tell = print,
+        notify: Notify = print,
     ) -> Self:
         """Starts a session of a scene.
 
@@ -102,11 +102,11 @@ class OpenScan:
             session.picture_changes()
             if saved is not None:
                 saved.restore(session)
-            journal = Journal(session, tell=tell) if journalled else None
+            journal = Journal(session, tell=notify) if journalled else None
             if journal is not None:
                 journal.start(recover=recover)
                 scene.second = journal.second or scene.second
-            return cls(session, journal=journal, run=run, saved=saved, tell=tell)
+            return cls(session, journal=journal, run=run, saved=saved, notify=notify)
         except BaseException:
             session.stop()
             raise
@@ -154,7 +154,7 @@ class OpenScan:
         """Keeps a recording that still runs, stops the session and closes what was kept of it."""
         try:
             if self.recorder.is_running:
-                _keep_unfinished(self.recorder, self._tell)
+                _keep_unfinished(self.recorder, self._notify)
         finally:
             self.recorder.close()
             self.session.stop()
@@ -172,13 +172,13 @@ class OpenScan:
         await self.live.serve(websocket)
 
 
-def _keep_unfinished(recorder: Recorder, tell: Tell) -> None:
+def _keep_unfinished(recorder: Recorder, notify: Notify) -> None:
     """Writes a recording that nobody has ended where the program was started."""
     said = recorder.stop()
     moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
     target = Path.cwd() / f"{moment}-{recorder.file_name}"
     recorder.keep(target)
-    tell(f"the recording that ran is in {target}: {said}")
+    notify(f"the recording that ran is in {target}: {said}")
 
 
 # --- what pages fetch beside the messages -------------------------------------------------
@@ -239,7 +239,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
 def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
     async def registration(request: Request) -> Response:
         body = await request.body()
-        return await run_in_threadpool(live.registering.saved, body)
+        return await run_in_threadpool(live.registration.file_response, body)
 
     return registration
 

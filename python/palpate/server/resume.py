@@ -26,7 +26,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from palpate.base.state_folder import keep, kept, state_folder
-from palpate.server.answers import answered, as_json, body_of
+from palpate.server.answers import errors_as_text, json_body, json_response
 from palpate.server.security import RESUME, Access
 
 __all__ = ["Resuming", "kept_key", "kept_port", "note_port"]
@@ -37,7 +37,7 @@ MOST_WAITING = 16
 MOST_PORTS = 64
 
 
-class WantedResume(msgspec.Struct, frozen=True):
+class ResumeRequest(msgspec.Struct, frozen=True):
     """What a page asks that was let in before."""
 
     nonce: str
@@ -59,20 +59,20 @@ class Resuming:
     def routes(self) -> list[Route]:
         """The way in, which needs no token, and the key, which does."""
         return [
-            Route(RESUME, answered(self._resume), methods=["POST"]),
-            Route(f"{RESUME}/key", answered(self._key), methods=["GET"]),
+            Route(RESUME, errors_as_text(self._resume), methods=["POST"]),
+            Route(f"{RESUME}/key", errors_as_text(self._key), methods=["GET"]),
         ]
 
     async def _key(self, _: Request) -> ASGIApp:
-        return as_json({"key": self._access.key})
+        return json_response({"key": self._access.key})
 
     async def _resume(self, request: Request) -> ASGIApp:
-        wanted = await body_of(request, WantedResume)
+        wanted = await json_body(request, ResumeRequest)
         if wanted.answers is None:
             number = secrets.token_hex(KEY_BYTES)
             self._asked.append(number)
             proof = self._proof("server", wanted.nonce, number)
-            return as_json({"nonce": number, "proof": proof})
+            return json_response({"nonce": number, "proof": proof})
         if wanted.answers not in self._asked:
             return PlainTextResponse("this was not asked, or was answered", status_code=403)
         self._asked.remove(wanted.answers)

@@ -21,7 +21,7 @@ MOST_VIEW_BYTES = 1 << 16
 """Of what a page asks to be kept; its view takes some 2 kB."""
 
 
-class WantedScene(msgspec.Struct, frozen=True):
+class SceneRequest(msgspec.Struct, frozen=True):
     """What a page asks to be saved."""
 
     view: dict[str, Any]
@@ -38,7 +38,7 @@ def scene_response(
     The file of a scan whose own files are ``passing`` holds the scan whether asked for or not.
     """
 
-    def write(wanted: WantedScene, folder: Path) -> tuple[Path, list[str]]:
+    def write(wanted: SceneRequest, folder: Path) -> tuple[Path, list[str]]:
         path = folder / f"{file_name(session.scene.volume.title, 'scene')}{ENDING}"
         copy = wanted.copy or passing
         scan = save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)
@@ -46,7 +46,7 @@ def scene_response(
         note_scene(scan, path, passing=True)
         return path, []
 
-    return file_response(body, WantedScene, write, most_bytes=MOST_VIEW_BYTES, called="view")
+    return file_response(body, SceneRequest, write, most_bytes=MOST_VIEW_BYTES, called="view")
 
 
 def view_response(view: Mapping[str, Any] | None) -> Response:

@@ -12,14 +12,14 @@ from __future__ import annotations
 import secrets
 from collections.abc import MutableMapping
 from dataclasses import dataclass, field
+from html import escape
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import HTMLResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-
-from palpate.server.pages import refusal
 
 __all__ = ["RESUME", "Access", "AccessMiddleware"]
 
@@ -151,3 +151,18 @@ class AccessMiddleware:
         headers["Cross-Origin-Resource-Policy"] = "same-origin"
         if self.access.gives_token(query):
             headers.append("Set-Cookie", self.access.set_cookie)
+
+
+REFUSAL = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Palpate</title><style>
+body {{ background: #14171a; color: #d8dcdf; font: 16px/1.5 system-ui, sans-serif;
+  display: grid; place-content: center; min-height: 90vh; margin: 0 24px }}
+main {{ max-width: 36em }} h1 {{ font-size: 20px; color: #fff }} code {{ color: #7fd1c7 }}
+</style></head><body><main><h1>Palpate did not open this page</h1><p>{text}</p></main></body></html>
+"""
+
+
+def refusal(reason: str) -> HTMLResponse:
+    """Returns the page that a refused request gets, with the reason as plain text."""
+    text = f"Not let in: {reason}. Open the address that `palpate open` printed, token and all."
+    return HTMLResponse(REFUSAL.format(text=escape(text)), status_code=403)

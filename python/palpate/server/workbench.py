@@ -15,7 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 
-from palpate.server.loading_scan import Coming
+from palpate.server.loading_scan import LoadingScan
 from palpate.server.open_scan import OpenScan
 
 __all__ = ["Workbench"]
@@ -28,7 +28,7 @@ class Workbench:
         self,
         opened: OpenScan | None = None,
         *,
-        coming: Coming | None = None,
+        loading: LoadingScan | None = None,
         fixed: bool = False,
         rate: int = 1000,
         journalled: bool = True,
@@ -37,13 +37,13 @@ class Workbench:
 
         Args:
             opened: What is shown first.
-            coming: What is shown first, once it is read.
+            loading: What is shown first, once it is read.
             fixed: Whether that stays, as while it is recorded.
             rate: Servo ticks a second, for scans that are opened later.
             journalled: Whether their changes are kept on disk.
         """
         self.opened = opened
-        self.coming = coming
+        self.loading = loading
         self.given_up: Callable[[], None] = lambda: None
         """Called where what was to come does not."""
         self.page_seconds = 0.0
@@ -51,45 +51,45 @@ class Workbench:
         self.fixed = fixed
         self.rate = rate
         self.journalled = journalled
-        self._told: list[str] = []
+        self._notices: list[str] = []
         self._exchange = asyncio.Lock()
         self._bringing: asyncio.Task[None] | None = None
 
-    def tell(self, sentence: str) -> None:
+    def notify(self, sentence: str) -> None:
         """Keeps a sentence for the next page that asks."""
-        self._told.append(sentence)
+        self._notices.append(sentence)
 
-    def take_told(self) -> list[str]:
+    def take_notices(self) -> list[str]:
         """Returns the sentences that no page was told yet."""
-        told, self._told = self._told, []
-        return told
+        notices, self._notices = self._notices, []
+        return notices
 
     async def start(self) -> None:
         """Begins to serve what is open, or to read what is to come."""
         if self.opened is not None:
             await self.opened.start()
-        elif self.coming is not None:
+        elif self.loading is not None:
             # until it is there, whoever asks for it waits
             await self._exchange.acquire()
-            self._bringing = asyncio.create_task(self._bring(self.coming))
+            self._bringing = asyncio.create_task(self._bring(self.loading))
 
-    async def _bring(self, coming: Coming) -> None:
+    async def _bring(self, loading: LoadingScan) -> None:
         try:
-            self.opened = await run_in_threadpool(coming.read)
+            self.opened = await run_in_threadpool(loading.read)
             if self.opened is not None:
                 await self.opened.start()
-                self.coming = None
+                self.loading = None
         finally:
             self._exchange.release()
         if self.opened is None:
-            if coming.failure is not None:
-                await run_in_threadpool(coming.failure_told, self.page_seconds)
+            if loading.failure is not None:
+                await run_in_threadpool(loading.wait_until_failure_shown, self.page_seconds)
             self.given_up()
 
     async def stop(self) -> None:
         """Takes the force away and ends all messages."""
-        if self.coming is not None:
-            self.coming.cancel()
+        if self.loading is not None:
+            self.loading.cancel()
         async with self._exchange:
             if self.opened is not None:
                 await self.opened.stop()
@@ -114,7 +114,7 @@ class Workbench:
                     await run_in_threadpool(old.end)
                 except OSError as error:
                     # what cannot be kept of the old one does not hold the new one up
-                    self.tell(f"Not all of {old.name} could be kept: {error}")
+                    self.notify(f"Not all of {old.name} could be kept: {error}")
             opened = await run_in_threadpool(begin)
             await opened.start()
             self.opened = opened

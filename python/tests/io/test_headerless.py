@@ -10,7 +10,7 @@ import pytest
 import SimpleITK
 from numpy.typing import NDArray
 from palpate.base.errors import VolumeFormatError
-from palpate.io.headerless import bare_pictures, bare_raw, laid_out
+from palpate.io.headerless import headerless_pictures, headerless_raw, laid_out
 from palpate.io.raw_voxels import RawLayout
 
 
@@ -26,11 +26,11 @@ def head(shape: tuple[int, int, int], kind: str) -> NDArray[Any]:
 
 @pytest.mark.data
 def test_the_slices_of_cthead_are_known(data_folder: Path) -> None:
-    bare = bare_raw(data_folder / "cthead_stanford" / "raw")
-    assert bare is not None
-    assert bare.layout == RawLayout(256, 256, None, np.dtype(">i2"), 0)
-    assert (bare.begins, bare.files, bare.held) == ("CThead", 113, 113 * 131072)
-    size, middle = laid_out(bare.path, bare.layout)
+    headerless = headerless_raw(data_folder / "cthead_stanford" / "raw")
+    assert headerless is not None
+    assert headerless.layout == RawLayout(256, 256, None, np.dtype(">i2"), 0)
+    assert (headerless.begins, headerless.files, headerless.held) == ("CThead", 113, 113 * 131072)
+    size, middle = laid_out(headerless.path, headerless.layout)
     assert size == (256, 256, 113)
     assert middle.max() < 3500
 
@@ -53,27 +53,27 @@ def test_a_layout_is_guessed_from_name_size_and_values(
     values = head(shape, kind)
     path = tmp_path / name
     path.write_bytes(bytes(header) + values.tobytes())
-    bare = bare_raw(path)
-    assert bare is not None
-    assert bare.layout is not None
-    size, middle = laid_out(path, bare.layout)
+    headerless = headerless_raw(path)
+    assert headerless is not None
+    assert headerless.layout is not None
+    size, middle = laid_out(path, headerless.layout)
     assert size == shape[::-1]
     np.testing.assert_array_equal(middle, values[shape[0] // 2])
-    assert bare.voxel == ((0.5, 0.5, 1.25) if "mm" in name else (None, None, None))
+    assert headerless.voxel == ((0.5, 0.5, 1.25) if "mm" in name else (None, None, None))
 
 
 def test_slices_behind_a_header_are_guessed(tmp_path: Path) -> None:
     values = head((6, 128, 128), ">i2")
     for number, pixels in enumerate(values, 1):
         (tmp_path / f"i.{number:03}").write_bytes(bytes(3180) + pixels.tobytes())
-    bare = bare_raw(tmp_path)
-    assert bare is not None
-    assert bare.layout == RawLayout(128, 128, None, np.dtype(">i2"), 3180)
-    assert laid_out(tmp_path, bare.layout)[0] == (128, 128, 6)
+    headerless = headerless_raw(tmp_path)
+    assert headerless is not None
+    assert headerless.layout == RawLayout(128, 128, None, np.dtype(">i2"), 3180)
+    assert laid_out(tmp_path, headerless.layout)[0] == (128, 128, 6)
 
 
 def test_what_is_something_else_is_not_taken_as_raw(tmp_path: Path, write_image: Any) -> None:
-    assert bare_raw(write_image(np.zeros((3, 4, 5), np.int16))) is None
+    assert headerless_raw(write_image(np.zeros((3, 4, 5), np.int16))) is None
     for name, content in (
         ("notes.md", "é" * 4095 + "a scan of a head"),
         ("short", "\0"),
@@ -87,14 +87,14 @@ def test_what_is_something_else_is_not_taken_as_raw(tmp_path: Path, write_image:
                 archive.writestr("a", "b" * 200)
         else:
             path.write_bytes(content.encode())
-        assert bare_raw(path) is None
-    assert bare_raw(tmp_path) is None
+        assert headerless_raw(path) is None
+    assert headerless_raw(tmp_path) is None
     # a pair of NIfTI has its voxels in a file that tells nothing
     voxels = tmp_path / "pair.img"
     voxels.write_bytes(bytes(400))
-    assert bare_raw(voxels) is not None
+    assert headerless_raw(voxels) is not None
     voxels.with_suffix(".hdr").touch()
-    assert bare_raw(voxels) is None
+    assert headerless_raw(voxels) is None
 
 
 def test_layouts_that_do_not_fit_say_what_would(tmp_path: Path) -> None:
@@ -117,19 +117,19 @@ def test_pictures_tell_their_size_and_pixels(tmp_path: Path) -> None:
         image = SimpleITK.GetImageFromArray(pixels)
         image.SetSpacing((0.5, 0.25))
         SimpleITK.WriteImage(image, str(tmp_path / f"s{number}.tif"))
-    bare = bare_pictures(tmp_path)
-    assert bare is not None
-    assert (bare.layout, bare.size, bare.files) == (None, (30, 20, 3), 3)
-    assert bare.voxel[:2] == pytest.approx((0.5, 0.25))
-    assert bare.voxel[2] is None
+    headerless = headerless_pictures(tmp_path)
+    assert headerless is not None
+    assert (headerless.layout, headerless.size, headerless.files) == (None, (30, 20, 3), 3)
+    assert headerless.voxel[:2] == pytest.approx((0.5, 0.25))
+    assert headerless.voxel[2] is None
     size, middle = laid_out(tmp_path, None)
     assert size == (30, 20, 3)
     np.testing.assert_array_equal(middle, stack[1])
     # one picture is no scan, many pages are
-    assert bare_pictures(tmp_path / "s1.tif") is None
+    assert headerless_pictures(tmp_path / "s1.tif") is None
     pages = tmp_path / "all" / "pages.tif"
     pages.parent.mkdir()
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(stack), str(pages))
-    bare = bare_pictures(pages)
-    assert bare is not None
-    assert (bare.size, bare.voxel) == ((30, 20, 3), (None, None, None))
+    headerless = headerless_pictures(pages)
+    assert headerless is not None
+    assert (headerless.size, headerless.voxel) == ((30, 20, 3), (None, None, None))

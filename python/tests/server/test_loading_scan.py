@@ -13,7 +13,7 @@ from made_scans import make_ball
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.server.job import CancelledWorkError
-from palpate.server.loading_scan import Coming
+from palpate.server.loading_scan import LoadingScan
 from palpate.server.open_scan import OpenScan
 from palpate.server.security import Access
 from palpate.server.workbench import Workbench
@@ -39,7 +39,7 @@ class Slow:
         progress("reading the ball", 0.5)
         if self.failure is not None:
             raise self.failure
-        return OpenScan.begin(make_ball(), tell=lambda _: None)
+        return OpenScan.begin(make_ball(), notify=lambda _: None)
 
 
 def lines_of(answer: httpx.Response) -> list[dict[str, Any]]:
@@ -48,10 +48,10 @@ def lines_of(answer: httpx.Response) -> list[dict[str, Any]]:
 
 def test_a_page_is_told_how_far_reading_is_and_waits_for_the_scan(tmp_path: Path) -> None:
     slow = Slow()
-    coming = Coming("ball.mha", slow)
-    workbench = Workbench(coming=coming)
+    loading = LoadingScan("ball.mha", slow)
+    workbench = Workbench(loading=loading)
     with serving(workbench, write_page(tmp_path / "page")) as access:
-        assert coming.recognised()
+        assert loading.recognised()
         about = ask(access, "/api/library/").json()
         assert about["coming"] == "ball.mha"
         assert about["scan"] is None
@@ -80,20 +80,20 @@ def test_a_page_is_told_how_far_reading_is_and_waits_for_the_scan(tmp_path: Path
 
 def test_why_a_scan_does_not_come_is_told_before_serving_ends(tmp_path: Path) -> None:
     slow = Slow(OptionError("no scan; allowed: scans"))
-    coming = Coming("ball.mha", slow)
-    workbench = Workbench(coming=coming)
+    loading = LoadingScan("ball.mha", slow)
+    workbench = Workbench(loading=loading)
     workbench.page_seconds = PATIENCE
     given_up = Event()
     workbench.given_up = given_up.set
     with serving(workbench, write_page(tmp_path / "page")) as access:
-        assert coming.recognised()
+        assert loading.recognised()
         slow.go.set()
         # the page comes late: what it waited for has failed meanwhile
         line = lines_of(ask(access, "/api/library/coming", "POST"))[-1]
         assert line == {"kind": "failed", "reason": "no scan; allowed: scans"}
         assert given_up.wait(PATIENCE)
         assert ask(access, "/api/volume").status_code == 409
-    assert isinstance(coming.failure, OptionError)
+    assert isinstance(loading.failure, OptionError)
     workbench.end()
 
 
@@ -102,14 +102,14 @@ def test_whoever_ends_palpate_ends_reading(tmp_path: Path) -> None:
         while True:
             progress("reading", None)
 
-    coming = Coming("ball.mha", read)
-    workbench = Workbench(coming=coming)
+    loading = LoadingScan("ball.mha", read)
+    workbench = Workbench(loading=loading)
     # leaving it asks the server to end, and waits until it has
     with serving(workbench, write_page(tmp_path / "page")):
-        assert coming.recognised()
+        assert loading.recognised()
     assert workbench.opened is None
-    assert coming.failure is None
-    assert not coming.recognised()
+    assert loading.failure is None
+    assert not loading.recognised()
 
 
 def test_what_fails_before_values_are_read_is_never_announced() -> None:
@@ -117,20 +117,20 @@ def test_what_fails_before_values_are_read_is_never_announced() -> None:
         progress("looking at 3 files", 0.5)
         raise OptionError("no scan")
 
-    coming = Coming("readme.md", refuse)
-    assert coming.read() is None
-    assert not coming.recognised()
+    loading = LoadingScan("readme.md", refuse)
+    assert loading.read() is None
+    assert not loading.recognised()
     with pytest.raises(OptionError, match="no scan"):
-        coming.follow(silent)
+        loading.follow(silent)
 
 
 def test_a_cancelled_reading_is_no_failure() -> None:
     def read(progress: Progress) -> OpenScan:
-        coming.cancel()
+        loading.cancel()
         with pytest.raises(CancelledWorkError):
             progress("reading", 0.5)
         raise CancelledWorkError
 
-    coming = Coming("ball.mha", read)
-    assert coming.read() is None
-    assert coming.failure is None
+    loading = LoadingScan("ball.mha", read)
+    assert loading.read() is None
+    assert loading.failure is None

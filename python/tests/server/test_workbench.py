@@ -60,7 +60,7 @@ def test_edits_that_were_brought_back_before_the_server_began_are_in_the_picture
     expected = drilled(tmp_path)
     assert (expected != make_ball().volume.array).any()
     monkeypatch.setenv("PALPATE_STATE", str(tmp_path))
-    opened = OpenScan.begin(make_ball(), journalled=True, recover=True, tell=lambda _: None)
+    opened = OpenScan.begin(make_ball(), journalled=True, recover=True, notify=lambda _: None)
     workbench = Workbench(opened)
     with serving(workbench, write_page(tmp_path / "page")) as access:
         # what was brought back is told before the first state
@@ -94,7 +94,7 @@ class Watched(Workbench):
 
 
 def test_another_scan_takes_the_place_of_the_open_one(tmp_path: Path) -> None:
-    first = OpenScan.begin(make_ball(), tell=lambda _: None)
+    first = OpenScan.begin(make_ball(), notify=lambda _: None)
     workbench = Watched(first)
     with serving(workbench, write_page(tmp_path / "page")) as access:
         with looking(access) as page:
@@ -130,7 +130,7 @@ def test_where_the_new_scan_cannot_begin_nothing_is_open(tmp_path: Path) -> None
     def fails() -> OpenScan:
         raise OptionError("not this one")
 
-    first = OpenScan.begin(make_ball(), tell=lambda _: None)
+    first = OpenScan.begin(make_ball(), notify=lambda _: None)
     workbench = Watched(first)
     with serving(workbench, write_page(tmp_path / "page")) as access:
         with pytest.raises(OptionError, match="not this one"):
@@ -146,12 +146,12 @@ def test_what_cannot_be_kept_of_the_old_scan_is_told_and_the_new_one_opens(
     def full(_: OpenScan) -> None:
         raise OSError(28, "No space left on device")
 
-    first = OpenScan.begin(make_ball(), tell=lambda _: None)
+    first = OpenScan.begin(make_ball(), notify=lambda _: None)
     workbench = Watched(first)
     with serving(workbench, write_page(tmp_path / "page")) as access:
         with monkeypatch.context() as patch:
             patch.setattr(OpenScan, "end", full)
             exchanged(workbench, workbench.loop, lambda: OpenScan.begin(other()))
         assert get(access, "/api/volume").status_code == 200
-        assert "No space left" in workbench.take_told()[0]
+        assert "No space left" in workbench.take_notices()[0]
     workbench.end()

@@ -1,42 +1,50 @@
-"""Raw voxels and pictures on pages: what is told of them, and what a layout makes of them."""
+"""Files that become a scan once a page says how: headerless voxels, pictures and projections."""
 
 from __future__ import annotations
 
 from base64 import b64encode
 from typing import Any
 
-import msgspec
-
 from palpate.base.errors import PalpateError
-from palpate.io.headerless import Bare, bare_pictures, bare_raw, laid_out
+from palpate.base.progress import Progress
+from palpate.io.headerless import Headerless, headerless_pictures, headerless_raw, laid_out
 from palpate.io.preview import png_of, preview
 from palpate.io.raw_voxels import RawLayout
+from palpate.reconstruction.projections import ProjectionStack
+from palpate.reconstruction.reconstruction import missing_library
+from palpate.reconstruction.request import (
+    ReconstructionRequest,
+    grid_of,
+    reconstruct_file,
+    suggested,
+)
+from palpate.server.library.requests import LayoutRequest
+from palpate.volumes.volume import Volume
 
-__all__ = ["Bare", "WantedLayout", "bare_pictures", "bare_raw", "bare_told", "layout_told"]
+__all__ = [
+    "Headerless",
+    "headerless_pictures",
+    "headerless_raw",
+    "headerless_summary",
+    "layout_preview",
+    "projections_summary",
+    "reconstructed",
+    "reconstruction_grid",
+]
 
 EDGE = 256
 """Of the picture of the middle slice [pixel]."""
 
 
-class WantedLayout(msgspec.Struct, frozen=True):
-    """How a page says that files are laid out."""
-
-    find: int
-    raw: str | None = None
-    """As ``palpate.read`` takes it; None of pictures."""
-    voxel_size: tuple[float, float, float] | None = None
-    """[mm]; it says how high the picture of a slice is."""
-
-
-def bare_told(bare: Bare) -> dict[str, Any]:
-    """Returns what a page is told of files: how many, how large, what is likely."""
-    likely = bare.layout
+def headerless_summary(headerless: Headerless) -> dict[str, Any]:
+    """Returns what a page shows of headerless files: how many, how large, the likely layout."""
+    likely = headerless.layout
     return {
-        "name": bare.name,
-        "files": bare.files,
-        "bytes": bare.held,
-        "size": bare.size,
-        "voxel": bare.voxel,
+        "name": headerless.name,
+        "files": headerless.files,
+        "bytes": headerless.held,
+        "size": headerless.size,
+        "voxel": headerless.voxel,
         "layout": likely
         and {
             "columns": likely.columns,
@@ -49,22 +57,55 @@ def bare_told(bare: Bare) -> dict[str, Any]:
     }
 
 
-def layout_told(bare: Bare, wanted: WantedLayout) -> dict[str, Any]:
-    """Returns the size of the scan that would come, and its middle slice.
+def layout_preview(headerless: Headerless, wanted: LayoutRequest) -> dict[str, Any]:
+    """Returns the size of the scan that a layout gives, and its middle slice as PNG.
 
     Raises:
         PalpateError: The files are not laid out like that.
     """
     layout = None if wanted.raw is None else RawLayout.of(wanted.raw)
     try:
-        size, middle = laid_out(bare.path, layout)
+        size, middle = laid_out(headerless.path, layout)
     except PalpateError as error:
         # where files are is known, or is a folder of our own
-        said = str(error).replace(f"{bare.path}/", "").replace(f"{bare.path.parent}/", "")
-        raise type(error)(said) from None
+        reason = str(error)
+        for folder in (headerless.path, headerless.path.parent):
+            reason = reason.replace(f"{folder}/", "")
+        raise type(error)(reason) from None
     across, down = (wanted.voxel_size or (1.0, 1.0))[:2]
     # a size that cannot be is refused where the scan is opened
     fits = min(across, down) > 0.0 and 0.1 < across / down < 10.0
     pixel = (across, down) if fits else (1.0, 1.0)
     png = b64encode(png_of(preview(middle, pixel, edge=EDGE))).decode("ascii")
     return {"size": size, "png": png}
+
+
+def projections_summary(stack: ProjectionStack) -> dict[str, Any]:
+    """Returns what a page shows of projections: their size, a likely request, a missing library."""
+    return {
+        "name": stack.name,
+        "shape": stack.shape,
+        "suggested": suggested(stack),
+        "missing": missing_library(),
+    }
+
+
+def reconstruction_grid(stack: ProjectionStack, request: ReconstructionRequest) -> dict[str, Any]:
+    """Returns the size of the scan that a request gives, and the edges of its voxels [mm].
+
+    Raises:
+        OptionError: The request is not allowed.
+    """
+    grid = grid_of(stack, request)
+    return {"size": grid.size, "voxel": grid.voxel}
+
+
+def reconstructed(
+    stack: ProjectionStack, request: ReconstructionRequest, progress: Progress
+) -> Volume:
+    """Returns the scan that is reconstructed from projections.
+
+    Raises:
+        PalpateError: It cannot be made.
+    """
+    return reconstruct_file(stack.path, request, name=stack.name, progress=progress)

@@ -1,17 +1,172 @@
-"""Segments of files, added to the open scan."""
+"""How a scan of the library is opened, shown with the open one, or gives that one segments.
+
+Files that were uploaded or downloaded are removed when their scan is closed.
+"""
 
 from __future__ import annotations
 
-from palpate.base.errors import OptionError
-from palpate.labels.labels import Labels
-from palpate.server.live import Live
-from palpate.volumes.scene import MOST_SEGMENTS
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
-__all__ = ["add_labels"]
+from anyio import from_thread
+
+from palpate.base.errors import OptionError, PalpateError, SceneFormatError, SeriesChoiceError
+from palpate.base.progress import Progress
+from palpate.io.reading import read
+from palpate.labels.labels import Labels, read_labels
+from palpate.saved.autosave import autosave_of, note_scene
+from palpate.saved.opening import Opening, is_scene, opening, opening_of
+from palpate.saved.recent import note_recent
+from palpate.server.job import Emit
+from palpate.server.library.requests import Place
+from palpate.server.library.search_results import SearchResults
+from palpate.server.library.upload import Uploads
+from palpate.server.live import Live
+from palpate.server.open_scan import OpenScan
+from palpate.server.workbench import Workbench
+from palpate.volumes.scene import MOST_SEGMENTS
+from palpate.volumes.second_scan import placed
+from palpate.volumes.volume import Volume
+
+__all__ = ["Opener", "add_labels"]
+
+PASSING = "its files are a copy that goes when it is closed: a saved scene has the scan in it"
+"""Warning of a scan that was uploaded, or came from a server."""
+MADE = "it is in no file: a saved scene has the scan in it, and Export writes it"
+"""Warning of a scan that was reconstructed."""
+
+Files = TemporaryDirectory[str]
+"""Of a scan, for as long as it is open."""
+
+
+class Opener:
+    """Opens scans on a workbench; its methods run in worker threads."""
+
+    def __init__(self, workbench: Workbench, results: SearchResults, uploads: Uploads) -> None:
+        """Takes where scans are shown, and where they come from."""
+        self._workbench = workbench
+        self._results = results
+        self._uploads = uploads
+
+    def open(self, place: Place, *, beside: bool, progress: Progress, emit: Emit) -> None:
+        """Shows a scan in place of the open one or ``beside`` it; its files are downloaded first.
+
+        Where they hold several volumes, such as times, these are emitted to choose from instead.
+
+        Raises:
+            PalpateError: It cannot be opened.
+        """
+        if place.fetch is None:
+            try:
+                self.show(place, beside=beside, progress=progress)
+            except SceneFormatError:
+                if (autosave := autosave_of(place.path)) is not None:
+                    self._results.offer_autosave(autosave, emit)
+                raise
+            return
+        with ExitStack() as unless_shown:
+            files = TemporaryDirectory(prefix="palpate-")
+            unless_shown.callback(files.cleanup)
+            folder = Path(files.name) / "scan"
+            folder.mkdir()
+            place.fetch(folder, progress)
+            try:
+                here = replace(place, path=folder)
+                self.show(here, beside=beside, progress=progress, fetched=files)
+            except SeriesChoiceError:
+                unless_shown.pop_all()
+                kept = self._uploads.keep(files)
+                self._results.search(Place(folder, kept), progress, emit)
+            unless_shown.pop_all()
+
+    def show(
+        self, place: Place, *, beside: bool, progress: Progress, fetched: Files | None = None
+    ) -> None:
+        """Shows a scan whose files are here; those that were ``fetched`` go with it.
+
+        Raises:
+            PalpateError: It cannot be opened.
+        """
+        if beside:
+            self._add(place, fetched, progress)
+        else:
+            self._exchange(place, fetched, progress)
+
+    def _exchange(self, place: Place, fetched: Files | None, progress: Progress) -> None:
+        """Shows a scan in place of the one that is open."""
+        if place.upload is not None:
+            # its files may be those of a scan by now
+            self._uploads.of(place.upload)
+        opened = _read(place, progress)
+        # from here on it cannot be taken back
+        progress("starting", None)
+        for sentence in opened.messages:
+            self._workbench.notify(sentence)
+        _name(opened.scene.volume, place, passing=place.upload is not None or fetched is not None)
+        try:
+            from_thread.run(self._workbench.exchange, lambda: self._begin(opened, place, fetched))
+        except (PalpateError, OSError, RuntimeError) as error:
+            self._workbench.notify(f"The scan was not opened: {error}")
+            raise
+
+    def _begin(self, read: Opening, place: Place, fetched: Files | None) -> OpenScan:
+        """Starts the session of a scan that was read, and notes it as recent."""
+        opened = OpenScan.begin(
+            read.scene,
+            rate=self._workbench.rate,
+            journalled=self._workbench.journalled,
+            recover=None if place.autosave is None else True,
+            saved=read.saved,
+            notify=self._workbench.notify,
+        )
+        if place.upload is not None:
+            opened.files = self._uploads.take_out(place.upload)
+        elif fetched is not None:
+            opened.files = fetched
+        else:
+            note_recent(read.scene.volume, place.path if read.saved is not None else None)
+        if read.saved is not None:
+            note_scene(read.saved.scan, place.path, passing=place.upload is not None)
+        return opened
+
+    def _add(self, place: Place, fetched: Files | None, progress: Progress) -> None:
+        """Shows a scan with the one that is open."""
+        opened = self._opened()
+        if is_scene(place.path):
+            raise OptionError("a scene was chosen; allowed: a scan")
+        volume = _read_volume(place, progress)
+        volume.traits = replace(volume.traits, name=place.name or volume.traits.name)
+        files = fetched if place.upload is None else self._uploads.take_out(place.upload)
+        if files is None:
+            note_recent(volume)
+        else:
+            # they go with it: a saved scene has to hold it
+            volume.source = None
+        opened.show_second(placed(opened.session.scene.volume, volume), files=files)
+
+    def add_segments(self, path: Path, *, resample: bool, progress: Progress) -> None:
+        """Adds the segments of a file or folder to the open scan.
+
+        Raises:
+            PalpateError: They cannot be read, or do not fit the scan.
+        """
+        opened = self._opened()
+        found = read_labels(path, opened.session.scene.volume, resample=resample, progress=progress)
+        # from here on it cannot be taken back
+        progress("adding segments", None)
+        add_labels(opened.live, found)
+
+    def _opened(self) -> OpenScan:
+        opened = from_thread.run(self._workbench.settled)
+        if opened is None:
+            raise OptionError("no scan is open; allowed: open one first")
+        return opened
 
 
 def add_labels(live: Live, found: Labels) -> None:
-    """Adds segments to a session, and tells all pages; for any thread.
+    """Adds segments to a session, and notifies all pages; for any thread.
 
     Raises:
         OptionError: They are too many.
@@ -29,3 +184,42 @@ def add_labels(live: Live, found: Labels) -> None:
         f"{'One segment was' if one else f'{count} segments were'} added: "
         f"undo takes {'it back' if one else 'them back one by one'}.",
     )
+
+
+def _read(place: Place, progress: Progress) -> Opening:
+    """Reads what is at a place, or makes it."""
+    if place.make is not None:
+        return opening_of(place.make(progress))
+    if place.autosave is not None:
+        return opening_of(place.autosave.read(progress))
+    return opening(
+        place.path,
+        series=place.series,
+        raw=place.raw,
+        voxel_size=place.voxel_size,
+        progress=progress,
+    )
+
+
+def _read_volume(place: Place, progress: Progress) -> Volume:
+    """Reads the scan at a place, or makes it."""
+    if place.make is not None:
+        return place.make(progress)
+    return read(
+        place.path,
+        series=place.series,
+        raw=place.raw,
+        voxel_size=place.voxel_size,
+        progress=progress,
+    )
+
+
+def _name(volume: Volume, place: Place, *, passing: bool) -> None:
+    """Gives a scan its name, and a warning where its files do not stay."""
+    warnings = volume.traits.warnings
+    if place.make is not None:
+        warnings = (*warnings, MADE)
+    elif passing:
+        warnings = (*warnings, PASSING)
+    name = place.name or volume.traits.name
+    volume.traits = replace(volume.traits, name=name, warnings=warnings, given=place.given)

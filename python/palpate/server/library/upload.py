@@ -19,7 +19,7 @@ from starlette.requests import ClientDisconnect, Request
 
 from palpate.base.errors import OptionError
 
-__all__ = ["MOST_UPLOAD_BYTES", "MOST_UPLOAD_FILES", "Upload", "Uploads", "WantedFile"]
+__all__ = ["MOST_UPLOAD_BYTES", "MOST_UPLOAD_FILES", "Upload", "UploadedFile", "Uploads"]
 
 MOST_UPLOAD_FILES = 50_000
 MOST_UPLOAD_BYTES = 16 * 2**30
@@ -34,7 +34,7 @@ FORBIDDEN = frozenset('\\/:*?"<>|')
 """In names, on one system or another."""
 
 
-class WantedFile(msgspec.Struct, frozen=True):
+class UploadedFile(msgspec.Struct, frozen=True):
     """A file that will come."""
 
     name: str
@@ -45,7 +45,7 @@ class WantedFile(msgspec.Struct, frozen=True):
 class Upload:
     """Files of one drop, and the folder that they come into."""
 
-    def __init__(self, wanted: list[WantedFile]) -> None:
+    def __init__(self, wanted: list[UploadedFile]) -> None:
         """Makes the folder.
 
         Raises:
@@ -125,7 +125,7 @@ class Uploads:
         self._numbers = count(1)
         self._waiting: dict[int, Upload] = {}
 
-    def begin(self, wanted: list[WantedFile]) -> int:
+    def begin(self, wanted: list[UploadedFile]) -> int:
         """Makes room for files; returns the number of the upload.
 
         Raises:
@@ -171,7 +171,7 @@ class Uploads:
             self.drop(number)
 
 
-def _check(wanted: list[WantedFile]) -> None:
+def _check(wanted: list[UploadedFile]) -> None:
     if not 1 <= len(wanted) <= MOST_UPLOAD_FILES:
         raise OptionError(f"{len(wanted)} files given; allowed: 1 to {MOST_UPLOAD_FILES}")
     if any(one.size < 0 for one in wanted):

@@ -88,7 +88,7 @@ class Outbox:
         """Whether changes are forgotten, since too many waited."""
         return self._missed is not None
 
-    def tell(self, message: ToPage) -> None:
+    def put(self, message: ToPage) -> None:
         """Adds a message; of lists and settings only the newest waits, and of states."""
         if isinstance(message, State):
             self._state = message if self._state is None else _joined(self._state, message)
@@ -97,7 +97,7 @@ class Outbox:
             if notices < MOST_NOTICES:
                 self._messages.append(message)
         elif isinstance(message, Changed):
-            self._tell_changed(message)
+            self._put_changed(message)
         else:
             kind = type(message)
             self._messages = [waiting for waiting in self._messages if type(waiting) is not kind]
@@ -124,7 +124,7 @@ class Outbox:
         self._mark()
         return told if isinstance(told, Missed) else encode_to_page(told)
 
-    def _tell_changed(self, message: Changed) -> None:
+    def _put_changed(self, message: Changed) -> None:
         if self._missed is not None:
             self._missed.add(message)
             return

@@ -114,7 +114,7 @@ class Outlines:
 
     async def _answer(self, request: OutlineRequest, page: Outbox) -> None:
         async with self._turn:
-            page.tell(await asyncio.to_thread(self._outline, request))
+            page.put(await asyncio.to_thread(self._outline, request))
 
     def _outline(self, request: OutlineRequest) -> protocol.Outline:
         try:

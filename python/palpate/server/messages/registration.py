@@ -29,14 +29,15 @@ from palpate.registration.registration import (
     resampled,
     write_transform,
 )
-from palpate.server.download import file_name, file_response, refusal
+from palpate.server.download import file_name, refusal
+from palpate.server.download import file_response as download_response
 from palpate.server.messages.outbox import Outbox
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.session.session import Session
 from palpate.volumes.second_scan import SecondScan, placed
 from palpate.volumes.volume import Volume
 
-__all__ = ["MOST_REQUEST_BYTES", "Registering"]
+__all__ = ["MOST_REQUEST_BYTES", "RegistrationMessages"]
 
 OPTIONS = SearchOptions()
 """How pages search."""
@@ -70,14 +71,14 @@ class Place:
     """What has brought it there; None where it was opened so."""
 
 
-class WantedFile(msgspec.Struct, frozen=True):
+class FileRequest(msgspec.Struct, frozen=True):
     """What a page asks to save: where the second scan lies, or its values on the first's grid."""
 
     what: Literal["transform", "scan"]
     ending: Literal[".nii.gz", ".nrrd"] = ".nii.gz"
 
 
-class Registering:
+class RegistrationMessages:
     """The registration that runs, and the places that were found."""
 
     def __init__(
@@ -85,15 +86,15 @@ class Registering:
         session: Session,
         *,
         show: Callable[[SecondScan], None],
-        tell: Callable[[protocol.ToPage], None],
+        publish: Callable[[protocol.ToPage], None],
     ) -> None:
         """Takes how the second scan is shown elsewhere, and where messages go; from any thread."""
         self._session = session
         self._show = show
-        self._tell_pages = tell
+        self._publish = publish
         self._stops = 0
         self._task: asyncio.Task[None] | None = None
-        self._told = 0.0
+        self._published_at = 0.0
         self._places: list[Place] = []
         self._at = 0
         self._before = False
@@ -127,15 +128,15 @@ class Registering:
         if not any(second is place.shown for place in self._places):
             self.stop()
             self._restart(second)
-            self._tell(doing=None, share=None, curve=[], failure=None)
+            self._publish_change(doing=None, share=None, curve=[], failure=None)
 
-    def saved(self, body: bytes) -> Response:
+    def file_response(self, body: bytes) -> Response:
         """Answers with a file that a page asks for, or with why there is none."""
         if not self._places:
             return refusal("there is no second scan; allowed: after one is shown with the first")
-        return file_response(
+        return download_response(
             body,
-            WantedFile,
+            FileRequest,
             self._write,
             most_bytes=MOST_REQUEST_BYTES,
             called="registration's file",
@@ -162,7 +163,7 @@ class Registering:
             raise OptionError("there is no second scan; allowed: after one is shown with the first")
         if self._task is not None and not self._task.done():
             raise OptionError("a registration runs already; allowed: after it has ended or stopped")
-        self._tell(doing="Beginning", share=None, curve=[], failure=None)
+        self._publish_change(doing="Beginning", share=None, curve=[], failure=None)
         self._task = asyncio.create_task(asyncio.to_thread(self._work, wanted, self._stops))
 
     def _work(self, wanted: protocol.Register, stops: int) -> None:
@@ -171,14 +172,16 @@ class Registering:
         curve: list[protocol.RegistrationLevel] = []
 
         def watch(levels: Curve) -> None:
-            curve[:] = _told(levels)
+            curve[:] = _curve_of(levels)
 
         def progress(what: str, share: float | None, /) -> None:
             if self._stops != stops:
                 raise StoppedError
-            if time.monotonic() - self._told >= PACE:
-                self._told = time.monotonic()
-                self._tell(doing=what[:1].upper() + what[1:], share=share, curve=list(curve))
+            if time.monotonic() - self._published_at >= PACE:
+                self._published_at = time.monotonic()
+                self._publish_change(
+                    doing=what[:1].upper() + what[1:], share=share, curve=list(curve)
+                )
 
         failure = None
         try:
@@ -194,21 +197,21 @@ class Registering:
                 progress=progress,
                 watch=watch,
             )
-            curve[:] = _told(found.curve)
+            curve[:] = _curve_of(found.curve)
             place = _place_of(found, here.volume, first)
             progress("showing it", 1.0)
             self._add(place)
         except StoppedError:
-            self._tell_pages(
+            self._publish(
                 protocol.Notice(level="info", text="Stopped: the second scan lies as before.")
             )
         except RegistrationError as error:
-            curve[:] = _told(error.curve)
+            curve[:] = _curve_of(error.curve)
             failure = str(error)
         except (PalpateError, RuntimeError, MemoryError) as error:
             failure = str(error) or "not enough memory"
         finally:
-            self._tell(doing=None, share=None, curve=list(curve), failure=failure)
+            self._publish_change(doing=None, share=None, curve=list(curve), failure=failure)
 
     # --- places ---------------------------------------------------------------------------
 
@@ -236,9 +239,9 @@ class Registering:
             return
         self._at, self._before = at, before
         self._show(self._here.shown)
-        self._tell(failure=None)
+        self._publish_change(failure=None)
 
-    def _tell(self, **changes: Any) -> None:  # noqa: ANN401  # fields of the message
+    def _publish_change(self, **changes: Any) -> None:  # noqa: ANN401  # fields of the message
         """Tells pages what has changed, and which places there are."""
         self.message = msgspec.structs.replace(
             self.message,
@@ -248,9 +251,9 @@ class Registering:
             undone=max(0, len(self._places) - 1 - self._at),
             **changes,
         )
-        self._tell_pages(self.message)
+        self._publish(self.message)
 
-    def _write(self, wanted: WantedFile, folder: Path) -> tuple[Path, list[str]]:
+    def _write(self, wanted: FileRequest, folder: Path) -> tuple[Path, list[str]]:
         here, first = self._here, self._session.scene.volume
         ending = ".tfm" if wanted.what == "transform" else wanted.ending
         path = folder / f"{file_name(here.volume.title)}-to-{file_name(first.title)}{ending}"
@@ -294,7 +297,7 @@ def _place_of(found: Registration, volume: Volume, first: Volume) -> Place:
     return Place(volume, found.transform, found.unbent, shown, told)
 
 
-def _told(levels: Sequence[Any]) -> list[protocol.RegistrationLevel]:
+def _curve_of(levels: Sequence[Any]) -> list[protocol.RegistrationLevel]:
     """Returns a curve as pages are told it; of many steps some."""
     told = []
     for level in levels:

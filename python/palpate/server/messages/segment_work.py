@@ -75,12 +75,12 @@ class SegmentWork:
         self,
         session: Session,
         segments: SegmentList,
-        tell: Callable[[protocol.ToPage], None],
+        publish: Callable[[protocol.ToPage], None],
     ) -> None:
         """Takes where messages go, which may come from any thread."""
         self._session = session
         self._segments = segments
-        self._tell = tell
+        self._publish = publish
         self._waiting: deque[Wanted] = deque()
         self._filled = asyncio.Event()
         self._stops = 0
@@ -117,8 +117,8 @@ class SegmentWork:
         def progress(what: str, share: float | None) -> None:
             if self._stops != stops:
                 raise StoppedError
-            told = what if share is None else f"{what}, {share:.0%}"
-            self._tell(protocol.SegmentWork(told[:1].upper() + told[1:]))
+            text = what if share is None else f"{what}, {share:.0%}"
+            self._publish(protocol.SegmentWork(text[:1].upper() + text[1:]))
 
         try:
             match wanted:
@@ -135,11 +135,11 @@ class SegmentWork:
                 case protocol.ChangeShape():
                     self._change(wanted, progress)
         except StoppedError:
-            self._tell(protocol.Notice(level="info", text="Stopped: nothing was changed."))
+            self._publish(protocol.Notice(level="info", text="Stopped: nothing was changed."))
         except (PalpateError, RuntimeError, MemoryError) as error:
-            self._tell(protocol.Notice(level="error", text=str(error) or "not enough memory"))
+            self._publish(protocol.Notice(level="error", text=str(error) or "not enough memory"))
         finally:
-            self._tell(protocol.SegmentWork(None))
+            self._publish(protocol.SegmentWork(None))
 
     def _grow(
         self, wanted: protocol.GrowSegment, progress: Callable[[str, float | None], None]
@@ -185,7 +185,7 @@ class SegmentWork:
         progress(f"changing the shape of {before.name}", None)
         old = before.mask()
         if np.array_equal(old, after.mask()):
-            self._tell(
+            self._publish(
                 protocol.Notice(level="info", text=f"Nothing of {before.name} changes by that.")
             )
         elif after.voxel_count == 0:
@@ -223,7 +223,7 @@ class SegmentWork:
             self._session.replace_segment(segment_id, new)
         if len(ids) > 1:
             text = f"{len(ids)} segments were smoothed: undo takes them back one by one."
-            self._tell(protocol.Notice(level="info", text=text))
+            self._publish(protocol.Notice(level="info", text=text))
 
     def _shown_beside(self, segment_id: int) -> list[int]:
         states = {state["id"]: state for state in self._session.segments()}

@@ -123,7 +123,7 @@ class SessionMessages:
     def _fence(self, message: protocol.Fence, page: Outbox) -> None:
         # messages of a page are done one after another: answers go before
         self._flush()
-        page.tell(protocol.Passed(message.number, tick=self._following_tick()))
+        page.put(protocol.Passed(message.number, tick=self._following_tick()))
 
     def _following_tick(self) -> int:
         """Returns the first tick that follows every command given to the session until now."""

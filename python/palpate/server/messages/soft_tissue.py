@@ -78,7 +78,7 @@ class ModelParts:
         if parts is not None:
             message = msgspec.convert(parts, protocol.MatterParts)
             for page in self._pages:
-                page.tell(message)
+                page.put(message)
 
     def _show(self, message: protocol.ShowParts, page: Outbox) -> None:
         if message.on:

@@ -80,7 +80,7 @@ def told(outbox: Outbox, count: int) -> list[Any]:
 def test_states_never_queue_up_and_keep_their_samples() -> None:
     outbox = Outbox()
     for tick in range(10):
-        outbox.tell(state(tick))
+        outbox.put(state(tick))
     (only,) = told(outbox, 1)
     assert only["tick"] == 9
     assert [sample[0] for sample in only["samples"]][::4] == list(range(10))
@@ -89,7 +89,7 @@ def test_states_never_queue_up_and_keep_their_samples() -> None:
 def test_samples_of_a_page_that_sleeps_are_those_of_the_last_second() -> None:
     outbox = Outbox()
     for tick in range(1000):
-        outbox.tell(state(tick))
+        outbox.put(state(tick))
     (only,) = told(outbox, 1)
     assert len(only["samples"]) == MOST_SAMPLES
     assert only["samples"][-1][0] == state(999).samples[-1][0]
@@ -97,11 +97,11 @@ def test_samples_of_a_page_that_sleeps_are_those_of_the_last_second() -> None:
 
 def test_messages_come_in_order_and_before_states() -> None:
     outbox = Outbox()
-    outbox.tell(state(1))
-    outbox.tell(protocol.Notice("info", "first"))
-    outbox.tell(protocol.Segments([], labels=1))
-    outbox.tell(protocol.Notice("info", "second"))
-    outbox.tell(protocol.Segments([], labels=2))
+    outbox.put(state(1))
+    outbox.put(protocol.Notice("info", "first"))
+    outbox.put(protocol.Segments([], labels=1))
+    outbox.put(protocol.Notice("info", "second"))
+    outbox.put(protocol.Segments([], labels=2))
     kinds = [(message["type"], message.get("labels")) for message in told(outbox, 4)]
     assert kinds == [("notice", None), ("notice", None), ("segments", 2), ("state", None)]
 
@@ -109,8 +109,8 @@ def test_messages_come_in_order_and_before_states() -> None:
 def test_notices_do_not_pile_up() -> None:
     outbox = Outbox()
     for number in range(1000):
-        outbox.tell(protocol.Notice("error", str(number)))
-    outbox.tell(state(1))
+        outbox.put(protocol.Notice("error", str(number)))
+    outbox.put(state(1))
     assert [message["type"] for message in told(outbox, MOST_NOTICES + 1)][-1] == "state"
 
 
@@ -126,7 +126,7 @@ def test_changes_wait_in_order_up_to_a_number_of_bytes(monkeypatch: pytest.Monke
     monkeypatch.setattr(server_outbox, "MOST_BYTES", 5000)
     outbox = Outbox()
     for edit in (1, 2, 3):
-        outbox.tell(changed(edit, low=(0, 0, 0), values=False))
+        outbox.put(changed(edit, low=(0, 0, 0), values=False))
     assert (outbox.waiting_bytes, outbox.is_behind) == (3000, False)
     assert [message["edit"] for message in told(outbox, 3)] == [1, 2, 3]
     assert outbox.waiting_bytes == 0
@@ -137,27 +137,27 @@ def test_of_a_page_that_falls_behind_only_boxes_and_the_other_messages_are_kept(
 ) -> None:
     monkeypatch.setattr(server_outbox, "MOST_BYTES", 5000)
     outbox = Outbox()
-    outbox.tell(state(1))
-    outbox.tell(protocol.Notice("info", "first"))
+    outbox.put(state(1))
+    outbox.put(protocol.Notice("info", "first"))
     for edit in range(100):
-        outbox.tell(changed(edit, low=(edit, 7, 9), values=edit < 50))
+        outbox.put(changed(edit, low=(edit, 7, 9), values=edit < 50))
         assert outbox.waiting_bytes <= 5000
-    outbox.tell(protocol.Segments([], labels=1))
+    outbox.put(protocol.Segments([], labels=1))
     notice, segments, missed, newest = told(outbox, 4)
     kinds = [message["type"] for message in (notice, segments, newest)]
     assert kinds == ["notice", "segments", "state"]
     assert missed.stored == Box((0, 7, 9), (59, 17, 19))
     assert missed.labels == Box((50, 7, 9), (109, 17, 19))
     # from then on changes wait again, and come after what was missed
-    outbox.tell(changed(100, low=(0, 0, 0), values=False))
+    outbox.put(changed(100, low=(0, 0, 0), values=False))
     assert not outbox.is_behind
     assert told(outbox, 1)[0]["edit"] == 100
 
 
 def test_a_page_that_is_new_is_told_all_surfaces_after_what_it_begins_with() -> None:
     outbox = Outbox(missed=Missed())
-    outbox.tell(changed(1, low=(0, 0, 0), values=False))
-    outbox.tell(protocol.Segments([], labels=1))
+    outbox.put(changed(1, low=(0, 0, 0), values=False))
+    outbox.put(protocol.Segments([], labels=1))
     segments, missed = told(outbox, 2)
     assert segments["type"] == "segments"
     assert not missed.labels.is_empty
@@ -174,7 +174,7 @@ def test_of_where_matter_stands_only_the_newest_waits() -> None:
     box = changed(2, low=(0, 0, 0), values=False)
     with_edit = msgspec.structs.replace(box, displaced=displaced(2).displaced)
     for message in (displaced(1), with_edit, displaced(2), displaced(3, applied=1.0), displaced(3)):
-        outbox.tell(message)
+        outbox.put(message)
     assert outbox.waiting_bytes == 1000 + 800
     messages = told(outbox, 3)
     # what has nothing else in it is forgotten; the edits stay
@@ -186,7 +186,7 @@ def test_of_where_matter_stands_only_the_newest_waits() -> None:
 def test_of_the_parts_of_a_model_only_the_newest_wait() -> None:
     outbox = Outbox()
     for count in (1, 2, 3):
-        outbox.tell(protocol.MatterParts(ZERO, ZERO, 1.0, bytes(6 * count), bytes(count)))
-    outbox.tell(state(1))
+        outbox.put(protocol.MatterParts(ZERO, ZERO, 1.0, bytes(6 * count), bytes(count)))
+    outbox.put(state(1))
     parts, newest = told(outbox, 2)
     assert (parts["type"], len(parts["strains"]), newest["type"]) == ("matter_parts", 3, "state")

@@ -35,7 +35,7 @@ class Watched(Outbox):
 
     def tell(self, message: protocol.ToPage) -> None:
         was_behind = self.is_behind
-        super().tell(message)
+        super().put(message)
         self.fullest = max(self.fullest, self.waiting_bytes)
         self.fell_behind += self.is_behind and not was_behind
 
