@@ -422,7 +422,7 @@ def told_of_scene(path: Path) -> dict[str, Any]:
                 "view": saved.view,
                 "looks": json.loads(saved.looks),
                 "second": None if second is None else _told_of_second(second),
-                "told": saved.told,
+                "told": saved.messages,
                 "segments": told(session),
                 "values": told_of_values(session),
                 "model": told_of_model(session),
