@@ -1,9 +1,10 @@
-"""The search for a bent transform: adaptive stochastic gradient descent, from coarse to fine.
+"""The search for a B-spline transform: adaptive stochastic gradient descent, from coarse to fine.
 
 Each step compares a few points that are drawn anew, so that none of their noise is followed for
 long; how long a step is follows from whether steps still agree (Klein, Pluim, Staring and
-Viergever, IJCV 81(3), 2009). Only the 64 knots around a point feel it. What bends is kept small.
-Frame: LPS [mm]; the bent transform acts on points of the fixed image, before the affine one.
+Viergever, IJCV 81(3), 2009). Each point acts on the 64 control points around it. The bending
+energy is kept small.
+Frame: LPS [mm]; the B-spline acts on points of the fixed image, before the affine transform.
 """
 
 from __future__ import annotations
@@ -15,31 +16,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
-from palpate.registration.control_points import Knots, Near
+from palpate.registration.control_points import ControlPoints, Near
 from palpate.registration.image_pair import Compared
 from palpate.registration.options import SearchOptions
 from palpate.registration.samples import Alike, Sampled
-from palpate.registration.search_history import Way
+from palpate.registration.search_history import SearchHistory
 from palpate.registration.start import mask_on
 
-__all__ = ["search_bent"]
+__all__ = ["search_bspline"]
 
 Array = NDArray[np.float64]
 
 SHRINKS = (8, 4, 2, 1)
 """How many times coarser each level is than the scan."""
 LONGEST_STEP = 1.0
-"""Of the mean edge of the fixed scan's voxels: how far a first step moves nearly all points."""
+"""How far a first step moves nearly all points, in mean edges of the fixed scan's voxels."""
 DECAY = 20.0
 """Steps after which they are half as long, where none agrees with the one before."""
 AGREES, DIFFERS = -0.8, 1.0
 """What a step adds to the time that makes the next ones shorter."""
 TRIALS = 5
-"""Draws of points that tell how long the first step is."""
+"""Draws of points from which the length of the first step is computed."""
 LEAST_LASTING = 0.1
 """Share of a first step that is made in any case."""
 LEAST_REACH = 1e-12
-"""Of a slope that is none."""
+"""Displacement [mm] below which a gradient counts as zero."""
 AVERAGED = 0.3
 """Share of the last steps whose mean is the end of a level: that takes noise out."""
 LEAST_POINTS = 0.02
@@ -50,17 +51,17 @@ class TooFewPointsError(Exception):
     """The images do not overlap."""
 
 
-def search_bent(
+def search_bspline(
     compared: Compared,
     first: Any,  # noqa: ANN401  # SimpleITK has no types
     *,
     options: SearchOptions,
-    way: Way,
+    history: SearchHistory,
     share: Callable[[float], float],
 ) -> Any:  # noqa: ANN401
-    """Returns an affine transform after one that bends; its knots get denser on each level.
+    """Returns a B-spline before an affine transform; its control points get denser on each level.
 
-    ``share`` tells which share of the whole search is done, from that of this stage.
+    ``share`` maps the share of this stage that is done to that of the whole search, both 0..1.
 
     Raises:
         RegistrationError: The scans do not overlap.
@@ -69,29 +70,29 @@ def search_bent(
     shrinks = compared.shrinks(SHRINKS)
     reach = np.multiply(fixed.GetSize(), fixed.GetSpacing())
     across, down, deep = np.maximum(np.rint(reach / options.knots / 2 ** (len(shrinks) - 1)), 1)
-    knots = Knots(fixed, (int(across), int(down), int(deep)))
-    coefficients = np.zeros((knots.count, 3))
+    control_points = ControlPoints(fixed, (int(across), int(down), int(deep)))
+    coefficients = np.zeros((control_points.count, 3))
     for number, shrink in enumerate(shrinks):
         if number > 0:
-            knots, coefficients = knots.finer(coefficients)
-        search = BentLevel(compared, shrink, first, bending=options.bending)
+            control_points, coefficients = control_points.finer(coefficients)
+        search = BSplineLevel(compared, shrink, first, bending=options.bending)
         voxels = float(np.prod(search.fixed.size))
-        level = way.begin("bspline", shrink, options.bent_samples / voxels)
+        level = history.begin("bspline", shrink, options.bent_samples / voxels)
         draw = np.random.default_rng([options.seed, number])
         try:
             for value, found in search.descend(
-                knots, coefficients, steps=steps, points=options.bent_samples, draw=draw
+                control_points, coefficients, steps=steps, points=options.bent_samples, draw=draw
             ):
                 coefficients = found
                 done = len(level.values) + 1
-                way.step(level, value, share((number + done / steps) / len(shrinks)))
+                history.step(level, value, share((number + done / steps) / len(shrinks)))
         except TooFewPointsError:
-            raise way.apart("hardly a point of one lies in the other") from None
+            raise history.no_overlap("hardly a point of one lies in the other") from None
     # what was added last is applied first
-    return simpleitk().CompositeTransform([first, knots.transform(coefficients)])
+    return simpleitk().CompositeTransform([first, control_points.transform(coefficients)])
 
 
-class BentLevel:
+class BSplineLevel:
     """The search on one level."""
 
     def __init__(
@@ -102,7 +103,7 @@ class BentLevel:
         *,
         bending: float,
     ) -> None:
-        """Begins with an affine transform; ``bending`` is the weight of what bends [mm²]."""
+        """Begins with an affine transform; ``bending`` weights the bending energy [mm²]."""
         fixed, moving = compared.level(shrink)
         self.fixed, self._moving = Sampled(fixed), Sampled(moving)
         self._alike = Alike(
@@ -119,7 +120,7 @@ class BentLevel:
 
     def descend(
         self,
-        knots: Knots,
+        control_points: ControlPoints,
         coefficients: Array,
         *,
         steps: int,
@@ -131,11 +132,13 @@ class BentLevel:
         Raises:
             TooFewPointsError: The images do not overlap.
         """
-        first_step = self._first_step(knots, coefficients, draw, points=points)
+        first_step = self._first_step(control_points, coefficients, draw, points=points)
         when, before = 0.0, np.zeros_like(coefficients)
         mean, averaged = np.zeros_like(coefficients), max(1, round(AVERAGED * steps))
         for number in range(steps):
-            value, slope, near = self._slope(knots, coefficients, self._drawn(draw, points))
+            value, slope, near = self._slope(
+                control_points, coefficients, self._drawn(draw, points)
+            )
             agrees = float((slope * before).sum()) > 0.0
             when = max(0.0, when + (AGREES if agrees else DIFFERS))
             # where the way began nearly level, slopes that come later may be far steeper
@@ -147,7 +150,12 @@ class BentLevel:
             yield value, mean if number == steps - 1 else coefficients
 
     def _first_step(
-        self, knots: Knots, coefficients: Array, draw: np.random.Generator, *, points: int
+        self,
+        control_points: ControlPoints,
+        coefficients: Array,
+        draw: np.random.Generator,
+        *,
+        points: int,
     ) -> float:
         """Returns the factor with which a step moves nearly all points by less than the longest.
 
@@ -156,7 +164,7 @@ class BentLevel:
         """
         lengths, slopes = [], []
         for _ in range(TRIALS):
-            _, slope, near = self._slope(knots, coefficients, self._drawn(draw, points))
+            _, slope, near = self._slope(control_points, coefficients, self._drawn(draw, points))
             lengths.append(_reach(near, slope))
             slopes.append(slope)
         length, square = float(np.mean(lengths)), float(np.mean([np.sum(s * s) for s in slopes]))
@@ -177,10 +185,12 @@ class BentLevel:
         points: Array = np.clip(chosen + draw.random((count, 3)) - 0.5, 0.0, size - 1)
         return points
 
-    def _slope(self, knots: Knots, coefficients: Array, drawn: Array) -> tuple[float, Array, Near]:
-        """Returns the metric, its slope by the coefficients, and the knots that were near."""
+    def _slope(
+        self, control_points: ControlPoints, coefficients: Array, drawn: Array
+    ) -> tuple[float, Array, Near]:
+        """Returns the metric, its slope by the coefficients, and what the points depend on."""
         points = self.fixed.points(drawn)
-        near = knots.near(points)
+        near = control_points.near(points)
         places = (points + near.moved(coefficients)) @ self._linear.T + self._shift
         index = self._moving.index(places)
         counts = self._moving.inside(index)
@@ -193,13 +203,13 @@ class BentLevel:
         value, slopes = self._alike.at(still, other)
         pulls = np.zeros_like(points)
         pulls[counts] = slopes[:, None] * (uphill @ self._linear)
-        energy, unbend = knots.bending(coefficients)
-        slope = near.gathered(pulls, knots.count) + self._bending * unbend
+        energy, unbend = control_points.bending(coefficients)
+        slope = near.gathered(pulls, control_points.count) + self._bending * unbend
         return value + self._bending * energy, slope, near
 
 
 def _reach(near: Near, slope: Array) -> float:
-    """Returns how far a slope moves nearly all points that are near knots."""
+    """Returns how far a slope moves nearly all points that are near control points."""
     moved = np.linalg.norm(near.moved(slope), axis=1)
     return float(moved.mean() + 2.0 * moved.std())
 

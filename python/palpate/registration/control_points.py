@@ -1,8 +1,8 @@
-"""Cubic B-splines on a grid of knots: how points move that lie between them.
+"""Cubic B-splines on a grid of control points: how points move that lie between them.
 
-Frames: patient, LPS [mm]; places on the grid of knots are counted in steps of it from the corner
-of the fixed image. Coefficients have shape [knots, 3]: how far each knot is moved [mm], knots with
-x fastest. Source: Rueckert et al., IEEE TMI 18(8), 1999.
+Frames: patient, LPS [mm]; places on the grid of control points are counted in steps of it from the
+corner of the fixed image. Coefficients have shape [control points, 3]: the displacement of each
+[mm], with x fastest. Source: Rueckert et al., IEEE TMI 18(8), 1999.
 """
 
 from __future__ import annotations
@@ -15,37 +15,38 @@ from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
 
-__all__ = ["Knots", "Near"]
+__all__ = ["ControlPoints", "Near"]
 
 Array = NDArray[np.float64]
 
 BEYOND = 3
-"""Knots along an axis beside one for each of its steps: a cubic spline reaches that far."""
+"""Control points along an axis besides one for each step: a cubic spline reaches so far."""
 
 
 @dataclass(frozen=True)
 class Near:
-    """The 64 knots around each point, and their weights; shape [points, 64]."""
+    """The 64 control points around each point, and their weights; shape [points, 64]."""
 
-    knots: NDArray[np.intp]
+    control_points: NDArray[np.intp]
     weights: Array
 
     def moved(self, coefficients: Array) -> Array:
         """Returns how far the points move, shape [points, 3] [mm]."""
-        moved: Array = np.einsum("pk,pkc->pc", self.weights, coefficients[self.knots])
+        moved: Array = np.einsum("pk,pkc->pc", self.weights, coefficients[self.control_points])
         return moved
 
     def gathered(self, pulls: Array, count: int) -> Array:
-        """Returns what pulls at points, shape [points, 3], are to ``count`` knots."""
-        knots = self.knots.ravel()
+        """Returns what pulls at points, shape [points, 3], are to ``count`` control points."""
+        control_points = self.control_points.ravel()
         columns = [
-            np.bincount(knots, (self.weights * pull[:, None]).ravel(), count) for pull in pulls.T
+            np.bincount(control_points, (self.weights * pull[:, None]).ravel(), count)
+            for pull in pulls.T
         ]
         return np.stack(columns, axis=1)
 
 
-class Knots:
-    """A grid of knots over an image."""
+class ControlPoints:
+    """A grid of control points over an image."""
 
     def __init__(self, image: Any, steps: tuple[int, int, int]) -> None:  # noqa: ANN401
         """Divides SimpleITK's image into so many steps along x, y, z."""
@@ -53,17 +54,17 @@ class Knots:
         self.steps = steps
         self.axes = np.reshape(image.GetDirection(), (3, 3))
         self.lengths = np.multiply(image.GetSize(), image.GetSpacing())
-        """Of the image along its axes [mm]."""
+        """Lengths of the image along its axes [mm]."""
         half = 0.5 * np.array(image.GetSpacing())
         self.corner = np.array(image.GetOrigin()) - self.axes @ half
         self.step = self.lengths / steps
-        """Between knots [mm]."""
+        """Spacing of control points [mm]."""
         self.shape = tuple(count + BEYOND for count in reversed(steps))
-        """Knots along z, y, x."""
+        """Control points along z, y, x."""
         self.count = int(np.prod(self.shape))
 
     def near(self, points: Array) -> Near:
-        """Returns the knots around points inside of the image, shape [points, 3] [mm]."""
+        """Returns the control points around points inside of the image, shape [points, 3] [mm]."""
         places = (points - self.corner) @ self.axes / self.step
         first = np.clip(np.floor(places).astype(np.intp), 0, np.array(self.steps) - 1)
         x, y, z = np.moveaxis(_cubic(places - first), 1, 0)
@@ -73,22 +74,22 @@ class Knots:
         deep = first[:, 2, None] + along
         down = first[:, 1, None] + along
         across = first[:, 0, None] + along
-        knots = (deep[:, :, None] * rows + down[:, None, :])[..., None] * columns
-        knots = knots + across[:, None, None, :]
-        return Near(knots.reshape(-1, 64), weights.reshape(-1, 64))
+        control_points = (deep[:, :, None] * rows + down[:, None, :])[..., None] * columns
+        control_points = control_points + across[:, None, None, :]
+        return Near(control_points.reshape(-1, 64), weights.reshape(-1, 64))
 
-    def finer(self, coefficients: Array) -> tuple[Knots, Array]:
-        """Returns knots twice as dense, and coefficients that move all points as before."""
+    def finer(self, coefficients: Array) -> tuple[ControlPoints, Array]:
+        """Returns control points twice as dense, and coefficients of the same displacements."""
         x, y, z = self.steps
         finer = coefficients.reshape(*self.shape, 3)
         for axis in range(3):
             finer = _halved(finer, axis)
-        return Knots(self._image, (2 * x, 2 * y, 2 * z)), finer.reshape(-1, 3)
+        return ControlPoints(self._image, (2 * x, 2 * y, 2 * z)), finer.reshape(-1, 3)
 
     def bending(self, coefficients: Array) -> tuple[float, Array]:
         """Returns the mean of the squared second derivatives [1/mm²], and its gradient.
 
-        Derivatives are those of the spline's knots: differences of coefficients.
+        Derivatives are those of the spline's control points: differences of coefficients.
         """
         grid = coefficients.reshape(*self.shape, 3)
         steps = self.step[::-1]
@@ -113,7 +114,7 @@ class Knots:
 
 
 def _cubic(t: Array) -> Array:
-    """Returns the weights of four knots at shares 0..1 of a step, on a new last axis."""
+    """Returns the weights of four control points at shares 0..1 of a step, on a new last axis."""
     rest = 1.0 - t
     return (
         np.stack(
@@ -130,7 +131,7 @@ def _cubic(t: Array) -> Array:
 
 
 def _halved(grid: Array, axis: int) -> Array:
-    """Returns coefficients with knots between (Lane and Riesenfeld, IEEE PAMI 2(1), 1980)."""
+    """Returns coefficients of twice the density (Lane, Riesenfeld, IEEE PAMI 2(1), 1980)."""
     old = np.moveaxis(grid, axis, 0)
     new = np.empty((2 * len(old) - BEYOND, *old.shape[1:]))
     new[0::2] = 0.5 * (old[:-1] + old[1:])
@@ -145,7 +146,7 @@ def _differences(grid: Array, first: int, other: int) -> Array:
 
 
 def _add_back(gradient: Array, bent: Array, *, first: int, other: int) -> None:
-    """Adds what differences are to their knots: the transpose of ``_differences``."""
+    """Adds what differences are to their control points: the transpose of ``_differences``."""
     ways = ((0, 1.0), (1, -2.0), (2, 1.0)) if first == other else ((0, -1.0), (1, 1.0))
     for at, sign in ways:
         if first == other:

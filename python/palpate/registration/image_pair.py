@@ -15,7 +15,7 @@ import numpy as np
 
 from palpate.base.simpleitk import reason_of, simpleitk
 from palpate.registration.options import STARTS, Metric, RegistrationError
-from palpate.registration.search_history import Way
+from palpate.registration.search_history import SearchHistory
 from palpate.registration.start import mask_on
 
 __all__ = ["Compared", "Measured"]
@@ -25,12 +25,12 @@ LEAST_AT_LEVEL = 8
 BLUR = 0.5
 """Standard deviation of the smoothing of a coarser level, per step of its grid."""
 MEASURED_VOXELS = 1_000_000
-"""About how many tell the metric before and after."""
+"""About how many voxels the metric before and after is computed from."""
 WORSE = 1e-2
 """Share of the metric, or of the values' variance, by which an end may be worse: scans may lie
 right already."""
 LEAST_OVERLAP = 0.5
-"""Of the overlap at the start: where less of it is left, the search ran away."""
+"""Share of the overlap at the start that must be left: with less, the search ran away."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Compared:
         method.SetInterpolator(simpleitk().sitkLinear)
         return method
 
-    def measure(self, transform: Any, way: Way) -> Measured:  # noqa: ANN401
+    def measure(self, transform: Any, history: SearchHistory) -> Measured:  # noqa: ANN401
         """Returns how alike the scans are under a transform, by all voxels of a coarser grid.
 
         Raises:
@@ -97,7 +97,7 @@ class Compared:
         try:
             metric = float(method.MetricEvaluate(fixed, moving))
         except RuntimeError as error:
-            raise way.apart(reason_of(error)) from None
+            raise history.no_overlap(reason_of(error)) from None
         there = sitk.Image(moving.GetSize(), sitk.sitkUInt8) + 1
         there.CopyInformation(moving)
         covered = sitk.Resample(there, fixed, transform, sitk.sitkNearestNeighbor, 0.0)
@@ -106,10 +106,10 @@ class Compared:
             inside = inside[sitk.GetArrayFromImage(mask_on(self.masks[0], fixed)) != 0]
         if not inside.any():
             # mean squares of nothing are no error to ITK
-            raise way.apart("no voxel of one lies in the other")
+            raise history.no_overlap("no voxel of one lies in the other")
         return Measured(metric, float(inside.mean()))
 
-    def check(self, before: Measured, after: Measured, way: Way) -> None:
+    def check(self, before: Measured, after: Measured, history: SearchHistory) -> None:
         """Refuses an end that is worse than its start.
 
         Raises:
@@ -126,9 +126,9 @@ class Compared:
         raise RegistrationError(
             f"{why} ({self.metric} {before.metric:.4g} before, {after.metric:.4g} after, less is "
             f"better; {before.overlap:.0%} and {after.overlap:.0%} covered; on the way: "
-            f"{way.told()}); nothing was changed; allowed: scans of the same part, another start "
-            f"({', '.join(STARTS)}), masks, or a simpler kind",
-            way.curve,
+            f"{history.summary()}); nothing was changed; allowed: scans of the same part, another "
+            f"start ({', '.join(STARTS)}), masks, or a simpler kind",
+            history.curve,
         )
 
 

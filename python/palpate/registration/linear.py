@@ -1,4 +1,4 @@
-"""The search for a turn and a shift, or an affine transform: by SimpleITK, from coarse to fine."""
+"""The search for a rigid or an affine transform by SimpleITK, from coarse to fine grids."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ import numpy as np
 from palpate.base.simpleitk import reason_of, simpleitk
 from palpate.registration.image_pair import Compared
 from palpate.registration.options import Kind, Level, SearchOptions
-from palpate.registration.search_history import Way
+from palpate.registration.search_history import SearchHistory
 from palpate.registration.start import affine_of
 
-__all__ = ["search_straight"]
+__all__ = ["search_linear"]
 
 SHRINKS = (4, 2, 1)
 """How many times coarser each level is than the scan."""
 LAST_STEP = 0.005
-"""Of the first step, which is as long as a voxel of the level: a search ends with it."""
+"""Step at which a search ends, as a share of the first, which is a voxel of the level."""
 
 
-def search_straight(
+def search_linear(
     compared: Compared,
     first: Any,  # noqa: ANN401  # SimpleITK has no types
     stage: Kind,
     *,
     options: SearchOptions,
-    way: Way,
+    history: SearchHistory,
     share: Callable[[float], float],
 ) -> Any:  # noqa: ANN401
     """Returns the best transform of a stage near a first one.
 
-    ``share`` tells which share of the whole search is done, from that of this stage.
+    ``share`` maps the share of this stage that is done to that of the whole search, both 0..1.
 
     Raises:
         RegistrationError: The scans do not overlap.
@@ -44,7 +44,7 @@ def search_straight(
     shrinks = compared.shrinks(SHRINKS)
     for number, shrink in enumerate(shrinks):
         voxels = float(np.prod(compared.level(shrink)[0].GetSize()))
-        level = way.begin(stage, shrink, options.samples / voxels)
+        level = history.begin(stage, shrink, options.samples / voxels)
         method = compared.method()
         method.SetMetricSamplingStrategy(method.RANDOM)
         method.SetMetricSamplingPercentagePerLevel([level.sampled], options.seed)
@@ -61,7 +61,7 @@ def search_straight(
         def done(steps: int, number: int = number) -> float:
             return share((number + steps / most) / len(shrinks))
 
-        _execute(method, compared, level, way=way, share=done)
+        _execute(method, compared, level, history=history, share=done)
     return transform
 
 
@@ -70,15 +70,15 @@ def _execute(
     compared: Compared,
     level: Level,
     *,
-    way: Way,
+    history: SearchHistory,
     share: Callable[[int], float],
 ) -> None:
-    """Runs a method on the grids of a level; ``share`` tells what is done after some steps."""
+    """Runs a method on the grids of a level; ``share`` maps steps to the share that is done."""
     raised: list[BaseException] = []
 
     def step() -> None:
         try:
-            way.step(level, float(method.GetMetricValue()), share(len(level.values) + 1))
+            history.step(level, float(method.GetMetricValue()), share(len(level.values) + 1))
         except BaseException as error:
             raised.append(error)
             # the optimizer ends with what is raised; ITK would print it
@@ -92,6 +92,6 @@ def _execute(
     except RuntimeError as error:
         if raised:
             raise raised[0] from None
-        raise way.apart(reason_of(error)) from None
+        raise history.no_overlap(reason_of(error)) from None
     finally:
         sys.excepthook = shown

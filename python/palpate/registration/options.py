@@ -1,4 +1,4 @@
-"""What can be chosen of a registration, what is told of its way, and how it fails."""
+"""Options of a registration, its curve on each level, and its error."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ Pairs = tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]]
 """Points of the fixed scan, and the same places in the moving one [mm]."""
 
 LEAST_DETERMINANT = 1e-6
-"""Of a matrix to start from."""
+"""Smallest determinant of a matrix to start from."""
 LEAST_PAIRS = 3
-"""Of landmarks, for a turn and a shift."""
+"""Fewest pairs of landmarks that determine a rigid transform."""
 
 
 @dataclass(frozen=True)
@@ -66,18 +66,18 @@ class Level:
 
 Curve = Sequence[Level]
 Watch = Callable[[Curve], None]
-"""Told the metric on the way so far, after each step."""
+"""Called with the metric so far after each step."""
 
 
 def unwatched(curve: Curve, /) -> None:
-    """Looks at nothing."""
+    """Ignores the metric."""
 
 
 class RegistrationError(PalpateError):
-    """Two scans were not brought together; both are as they were."""
+    """Two scans were not registered; both are as they were."""
 
     def __init__(self, message: str, curve: Sequence[Level] = ()) -> None:
-        """Takes what is said, and the metric on the way."""
+        """Takes the message, and the metric after each step."""
         super().__init__(message)
         self.curve = tuple(curve)
 
@@ -87,21 +87,21 @@ class SearchOptions:
     """How a transform is searched."""
 
     samples: int = 50_000
-    """Voxels that are compared on each level for a turn, shift, scale and shear."""
+    """Voxels that are compared on each level of a rigid or affine transform."""
     bent_samples: int = 3_000
-    """Points that are drawn anew and compared in each step of a bent transform."""
+    """Points that are drawn at random and compared in each step of a B-spline transform."""
     iterations: int = 150
-    """On each level, at most."""
+    """Steps of a rigid or affine transform on each level, at most."""
     bent_iterations: int = 300
-    """Steps of a bent transform, on each level."""
+    """Steps of a B-spline transform on each level."""
     knots: float = 12.0
-    """Between the knots of a bent transform on the finest level [mm]."""
+    """Spacing of the control points of a B-spline on the finest level [mm]."""
     bending: float = 1.0
-    """Weight of the mean squared second derivatives of a bent transform [mm²]."""
+    """Weight of the bending energy of a B-spline: its mean squared second derivatives [mm²]."""
     bins: int = 32
-    """Of values, for mutual information."""
+    """Histogram bins of each scan, for mutual information."""
     seed: int = 1
-    """Of the samples."""
+    """Seed of the samples."""
 
     def check(self) -> None:
         """Refuses what cannot be searched with.
@@ -121,8 +121,8 @@ class SearchOptions:
         ):
             given = getattr(self, name)
             if not low <= given <= high:
-                told = name.replace("_", " ")
-                raise OptionError(f"{told} {given:g} given; allowed: {low:g} to {high:g}")
+                what = name.replace("_", " ")
+                raise OptionError(f"{what} {given:g} given; allowed: {low:g} to {high:g}")
 
 
 def check_choices(kind: str, metric: str, start: str) -> None:
@@ -144,7 +144,7 @@ def checked_landmarks(pairs: Pairs | None, *, wanted: bool) -> tuple[Points, Poi
     """Returns landmarks as arrays, shape [count, 3] each.
 
     Raises:
-        OptionError: They are missing, or do not tell a turn and a shift.
+        OptionError: They are missing, or do not determine a rigid transform.
     """
     if pairs is None:
         if wanted:

@@ -1,7 +1,7 @@
 """Registration: where the points of one scan lie in another, by SimpleITK.
 
-Turned and shifted first, then scaled and sheared, then bent, each from coarse to fine grids, until
-a metric of the values tells that both scans are alike. The scans themselves are never changed.
+Rigid first, then affine, then B-spline, each from coarse to fine grids, until a metric of the
+values says that both scans are alike. The scans themselves are never changed.
 
 Frames: patient of each scan, LPS [mm]. **A transform takes points of the fixed scan to the moving
 one**: so the moving scan is drawn on the grid of the fixed one, and so ITK writes ``.tfm`` files.
@@ -138,8 +138,8 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     Args:
         fixed: The scan that stays.
         moving: The scan that is brought to it; both are left as they are.
-        kind: Turn and shift; scale and shear too; or bent as well.
-        metric: What tells that scans are alike: mutual information also compares CT with MR;
+        kind: rigid, affine or bspline; each begins with the one before.
+        metric: How alike scans are: mutual information also compares CT with MR;
             correlation asks that values of one follow those of the other linearly, mean squares
             that they are the same. Automatic: correlation of two scans by CT, else mutual
             information.
@@ -153,7 +153,7 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         moving_mask: Only these of the moving one.
         options: How it is searched.
         progress: Told how far it is; what it raises stops the search and is raised from here.
-        watch: Told the metric on the way so far, after each step.
+        watch: Called with the metric so far after each step.
 
     Raises:
         OptionError: A choice is not known, landmarks do not fit, or a scan is too small.
@@ -189,7 +189,7 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     after = search.measure(found)
     search.check(before, after)
     if after.metric > before.metric:
-        # they lie right already, but for what a few samples tell
+        # they are registered already, within the noise of a few samples
         found, after = first, before
     return Registration(
         transform=found,

@@ -1,4 +1,4 @@
-"""What is told of a registration: figures for programs, a sentence and a picture for people."""
+"""Reports of a registration: figures for programs, a sentence and a picture for people."""
 
 from __future__ import annotations
 
@@ -76,16 +76,16 @@ def report_of(
 
 def sentence_of(report: dict[str, Any]) -> str:
     """Returns a report in one sentence."""
-    told = (
+    sentence = (
         f"{report['kind']}, {report['metric']} {report['metric_before']:.4g} → "
         f"{report['metric_after']:.4g} (less is better), points move by "
         f"{report['moved_mean_mm']:.1f} mm, at most {report['moved_most_mm']:.1f} mm"
     )
     landmarks = report.get("landmarks_mm")
     if landmarks is None:
-        return told
+        return sentence
     return (
-        f"{told}; landmarks {landmarks['before_mean']:.2f} → {landmarks['after_mean']:.2f} mm, "
+        f"{sentence}; landmarks {landmarks['before_mean']:.2f} → {landmarks['after_mean']:.2f} mm, "
         f"at most {landmarks['after_most']:.2f} mm"
     )
 

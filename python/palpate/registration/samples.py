@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 REACH = 2
 """Bins that are left free at both ends of the moving values: a cubic window reaches that far."""
 LEAST_RANGE = 1e-6
-"""Of the values of an image."""
+"""Smallest range of the values of an image; a narrower one counts as this."""
 
 
 class Sampled:
@@ -132,8 +132,8 @@ class Alike:
         rest = np.zeros_like(of_fixed)
         np.log(of_fixed, out=rest, where=of_fixed > 0.0)
         value = float((table * by_moving).sum() - (of_fixed * rest).sum())
-        told = (slopes * by_moving.ravel()[cells]).sum(axis=1)
-        return -value, -told * per_value / count
+        gathered = (slopes * by_moving.ravel()[cells]).sum(axis=1)
+        return -value, -gathered * per_value / count
 
 
 def _correlation(fixed: Array, moving: Array) -> tuple[float, Array]:

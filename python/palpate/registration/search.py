@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from palpate.base.progress import Progress
-from palpate.registration.bspline import search_bent
+from palpate.registration.bspline import search_bspline
 from palpate.registration.image_pair import Compared, Measured
-from palpate.registration.linear import search_straight
+from palpate.registration.linear import search_linear
 from palpate.registration.options import Kind, Level, SearchOptions, Watch, unwatched
-from palpate.registration.search_history import Way
+from palpate.registration.search_history import SearchHistory
 
 __all__ = ["Search"]
 
@@ -31,7 +31,7 @@ class Search:
         progress: Progress,
         watch: Watch = unwatched,
     ) -> None:
-        """Takes what is compared, how, and whom each step is told.
+        """Takes what is compared, how, and what each step is reported to.
 
         Raises:
             OptionError: An option is out of range.
@@ -39,12 +39,12 @@ class Search:
         options.check()
         self._compared = compared
         self._options = options
-        self._way = Way(progress, watch)
+        self._history = SearchHistory(progress, watch)
 
     @property
     def curve(self) -> tuple[Level, ...]:
-        """The metric on the way so far."""
-        return tuple(self._way.curve)
+        """The metric after each step so far."""
+        return tuple(self._history.curve)
 
     def measure(self, transform: Any) -> Measured:  # noqa: ANN401  # SimpleITK has no types
         """Returns how alike the scans are under a transform.
@@ -52,7 +52,7 @@ class Search:
         Raises:
             RegistrationError: They do not overlap.
         """
-        return self._compared.measure(transform, self._way)
+        return self._compared.measure(transform, self._history)
 
     def check(self, before: Measured, after: Measured) -> None:
         """Refuses an end that is worse than its start.
@@ -60,7 +60,7 @@ class Search:
         Raises:
             RegistrationError: It is; the error has the curve.
         """
-        self._compared.check(before, after, self._way)
+        self._compared.check(before, after, self._history)
 
     def run(self, first: Any, kind: Kind) -> Any:  # noqa: ANN401
         """Returns the best transform of a kind near a first one, which may be affine already.
@@ -78,9 +78,13 @@ class Search:
             def share(done: float, number: int = number) -> float:
                 return (number + done) / len(stages)
 
-            told: dict[str, Any] = {"options": self._options, "way": self._way, "share": share}
+            shared: dict[str, Any] = {
+                "options": self._options,
+                "history": self._history,
+                "share": share,
+            }
             if stage == "bspline":
-                found = search_bent(self._compared, found, **told)
+                found = search_bspline(self._compared, found, **shared)
             else:
-                found = search_straight(self._compared, found, stage, **told)
+                found = search_linear(self._compared, found, stage, **shared)
         return found

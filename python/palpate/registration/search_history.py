@@ -1,39 +1,39 @@
-"""The way of a search: the metric after each step, whom it is told, and how it is said."""
+"""The history of a search: the metric after each step, reported as it goes on."""
 
 from __future__ import annotations
 
 from palpate.base.progress import Progress
 from palpate.registration.options import STARTS, Kind, Level, RegistrationError, Watch
 
-__all__ = ["Way"]
+__all__ = ["SearchHistory"]
 
 
-class Way:
+class SearchHistory:
     """Levels that were searched, and the metric on them."""
 
     def __init__(self, progress: Progress, watch: Watch) -> None:
-        """Takes whom each step is told."""
+        """Takes what each step is reported to."""
         self._progress = progress
         self._watch = watch
         self.curve: list[Level] = []
 
     def begin(self, stage: Kind, shrink: int, sampled: float) -> Level:
-        """Begins a level; ``sampled`` is the share of its voxels that each step compares."""
+        """Begins a level; each step compares a share ``sampled`` of its voxels, 0..1."""
         level = Level(stage, shrink, min(1.0, sampled))
         self.curve.append(level)
         return level
 
     def step(self, level: Level, value: float, share: float) -> None:
-        """Takes the metric after a step, and which share of the search is done.
+        """Takes the metric after a step, and the share of the search that is done, 0..1.
 
-        What the progress raises stops the search, and is raised from here.
+        An exception of the progress stops the search: it is raised from here.
         """
         level.values.append(value)
         coarser = f", {level.shrink} times coarser" if level.shrink > 1 else ""
         self._watch(self.curve)
         self._progress(f"{level.stage}{coarser}", min(1.0, share))
 
-    def told(self) -> str:
+    def summary(self) -> str:
         """Returns the first, middle and last value of each level."""
         return "; ".join(
             f"{level.stage} /{level.shrink}: "
@@ -41,11 +41,11 @@ class Way:
             for level in self.curve
         )
 
-    def apart(self, reason: str) -> RegistrationError:
+    def no_overlap(self, reason: str) -> RegistrationError:
         """Returns the error of scans that do not overlap."""
-        told = f"; on the way: {self.told()}" if self.curve else ""
+        history = f"; on the way: {self.summary()}" if self.curve else ""
         return RegistrationError(
-            f"the scans do not overlap enough ({reason}{told}); nothing was changed; "
+            f"the scans do not overlap enough ({reason}{history}); nothing was changed; "
             f"allowed: scans of the same part, or another start ({', '.join(STARTS)})",
             self.curve,
         )

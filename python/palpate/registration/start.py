@@ -19,7 +19,7 @@ RIGHT_ANGLED = 1e-3
 """By how much axes may be longer or shorter in a turn that was written with few digits."""
 
 Pair = tuple[Any, Any]
-"""Of the fixed and of the moving scan."""
+"""Images, or masks, of the fixed and of the moving scan."""
 
 
 def first_guess(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.registration.control_points import Knots
+from palpate.registration.control_points import ControlPoints
 from palpate.registration.options import Metric
 from palpate.registration.samples import Alike, Sampled
 
@@ -29,8 +29,8 @@ def image() -> Any:
 
 
 @pytest.fixture
-def knots(image: Any) -> Knots:
-    return Knots(image, (3, 2, 4))
+def grid(image: Any) -> ControlPoints:
+    return ControlPoints(image, (3, 2, 4))
 
 
 def points_in(image: Any, draw: np.random.Generator) -> Array:
@@ -38,46 +38,48 @@ def points_in(image: Any, draw: np.random.Generator) -> Array:
     return sampled.points(draw.random((60, 3)) * (sampled.size - 1))
 
 
-def test_points_move_as_by_the_transform_that_is_written(image: Any, knots: Knots) -> None:
+def test_points_move_as_by_the_transform_that_is_written(image: Any, grid: ControlPoints) -> None:
     draw = np.random.default_rng(1)
-    coefficients = draw.normal(size=(knots.count, 3))
+    coefficients = draw.normal(size=(grid.count, 3))
     points = points_in(image, draw)
-    moved = knots.near(points).moved(coefficients)
-    transform = knots.transform(coefficients)
+    moved = grid.near(points).moved(coefficients)
+    transform = grid.transform(coefficients)
     there = np.array([transform.TransformPoint(point) for point in points.tolist()])
     np.testing.assert_allclose(points + moved, there, atol=1e-9)
     assert np.abs(moved).max() > 0.1
 
 
-def test_denser_knots_move_all_points_as_before(image: Any, knots: Knots) -> None:
+def test_denser_control_points_move_all_points_as_before(image: Any, grid: ControlPoints) -> None:
     draw = np.random.default_rng(2)
-    coefficients = draw.normal(size=(knots.count, 3))
+    coefficients = draw.normal(size=(grid.count, 3))
     points = points_in(image, draw)
-    finer, more = knots.finer(coefficients)
+    finer, more = grid.finer(coefficients)
     assert finer.steps == (6, 4, 8)
     np.testing.assert_allclose(
-        finer.near(points).moved(more), knots.near(points).moved(coefficients), atol=1e-12
+        finer.near(points).moved(more), grid.near(points).moved(coefficients), atol=1e-12
     )
 
 
-def test_pulls_at_points_are_gathered_as_moves_are_spread(image: Any, knots: Knots) -> None:
+def test_pulls_at_points_are_gathered_as_moves_are_spread(image: Any, grid: ControlPoints) -> None:
     draw = np.random.default_rng(4)
-    near = knots.near(points_in(image, draw))
-    pulls, coefficients = draw.normal(size=(60, 3)), draw.normal(size=(knots.count, 3))
+    near = grid.near(points_in(image, draw))
+    pulls, coefficients = draw.normal(size=(60, 3)), draw.normal(size=(grid.count, 3))
     spread = float((near.moved(coefficients) * pulls).sum())
-    gathered = float((near.gathered(pulls, knots.count) * coefficients).sum())
+    gathered = float((near.gathered(pulls, grid.count) * coefficients).sum())
     assert gathered == pytest.approx(spread)
 
 
-def test_bending_is_none_of_affine_moves_and_its_slope_is_true(knots: Knots) -> None:
+def test_bending_is_none_of_affine_moves_and_its_slope_is_true(
+    grid: ControlPoints,
+) -> None:
     draw = np.random.default_rng(5)
-    z, y, x = np.indices(knots.shape)
+    z, y, x = np.indices(grid.shape)
     even = np.stack([x + 2.0 * y, z - x, 3.0 - y], axis=-1).reshape(-1, 3)
-    assert knots.bending(even)[0] == pytest.approx(0.0, abs=1e-20)
-    coefficients, way = draw.normal(size=(2, knots.count, 3))
-    energy, slope = knots.bending(coefficients)
+    assert grid.bending(even)[0] == pytest.approx(0.0, abs=1e-20)
+    coefficients, way = draw.normal(size=(2, grid.count, 3))
+    energy, slope = grid.bending(coefficients)
     assert energy > 0.0
-    apart = [knots.bending(coefficients + sign * STEP * way)[0] for sign in (1.0, -1.0)]
+    apart = [grid.bending(coefficients + sign * STEP * way)[0] for sign in (1.0, -1.0)]
     assert float((slope * way).sum()) == pytest.approx((apart[0] - apart[1]) / (2 * STEP), rel=1e-5)
 
 
