@@ -1,7 +1,7 @@
 //! Unions of segments.
 
-use std::cell::Cell;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use crate::support::Random;
 use glam::{DVec3, IVec3, UVec3};
@@ -44,14 +44,14 @@ fn vacant_places_and_empty_unions_are_free() {
 /// A probe with a radius, whose answers are none of those that `Occupancy` has by default.
 struct Probe {
     solid: bool,
-    prepared: Cell<bool>,
+    prepared: AtomicBool,
 }
 
 impl Probe {
     const RADIUS: f64 = 1.5;
 
     fn new(solid: bool) -> Self {
-        let prepared = Cell::new(false);
+        let prepared = AtomicBool::new(false);
         Self { solid, prepared }
     }
 
@@ -83,7 +83,7 @@ impl Occupancy for Probe {
     }
 
     fn prepare_smooth_brick(&self, _min: IVec3) -> bool {
-        !self.prepared.replace(true)
+        !self.prepared.swap(true, Relaxed)
     }
 
     fn probe_radius_mm(&self) -> f64 {
