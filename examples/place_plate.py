@@ -59,7 +59,9 @@ def main(arguments: list[str]) -> None:
         session.grab(None)
         session.let_pass(1.3)
         final = session.gap(2, 1)
-        pose = np.reshape(session.segments()[1]["pose"], (4, 4))
+        rows = session.segments()[1]["pose"]
+        assert rows is not None
+        pose = np.reshape(rows, (4, 4))
 
     for step, gap in enumerate(gaps[::4]):
         print(f"{0.4 * step:.1f} s: {gap.minimum:5.2f} mm, mean {gap.mean:5.2f} mm")

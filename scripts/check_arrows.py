@@ -32,6 +32,29 @@ BENCHES = "palpate-benches"
 """Measures the floors below the engine; nothing may depend on it."""
 
 FOLDERS: dict[str, Sequence[Sequence[str]]] = {
+    "haptics": (
+        ("noise", "scene"),
+        ("contact", "force"),
+        ("admission", "thesis"),
+        ("ball",),
+        ("smooth",),
+        ("tick",),
+        ("soft_contact",),
+        ("needle",),
+    ),
+    "deform": (
+        ("material", "potential"),
+        ("model", "voxel_ledger"),
+        ("displacement", "observed_voxels"),
+        ("lattice", "particles"),
+        ("pressed_block", "registry"),
+    ),
+    "tools": (
+        ("journal", "measure", "specific_energy", "stroke"),
+        ("surface_layer", "sweep", "tool", "undo"),
+        ("adder", "drill", "eraser", "needle", "painter"),
+        ("factory",),
+    ),
     "engine": (
         ("notice",),
         ("threads", "touch"),

@@ -100,7 +100,7 @@ def _class(name: str, kind: type) -> Iterator[str]:
     if attributes:
         yield "\n".join(["| attribute | type | |", "|---|---|---|", *attributes])
     for member, raw in members:
-        function = raw.__func__ if isinstance(raw, classmethod | staticmethod) else raw
+        function = getattr(raw, "__wrapped__", raw)  # of a class method, or of a part of a session
         if inspect.isfunction(function):
             yield f"#### {name}.{member}"
             yield _code(member, function)

@@ -237,10 +237,12 @@ def eslint(file: str, line: str) -> subprocess.CompletedProcess[str]:
     ("file", "target"),
     [
         pytest.param("core/view/new.ts", "../../gl/picture/picture", id="core to gl"),
+        pytest.param("core/geometry/new.ts", "../view/clip", id="core to a room above"),
+        pytest.param("gl/march/new.ts", "../surfaces/surfaces", id="gl to a room above"),
         pytest.param("gl/picture/new.ts", "../../ui/state/session.svelte", id="gl to ui"),
         pytest.param("live/new.ts", "../gl/picture/picture", id="live to gl"),
-        pytest.param("ui/state/new.ts", "../widgets/settled", id="state to widget"),
-        pytest.param("ui/theme/new.ts", "../widgets/settled", id="theme to widget"),
+        pytest.param("ui/state/new.ts", "../widgets/revert_input", id="state to widget"),
+        pytest.param("ui/theme/new.ts", "../widgets/revert_input", id="theme to widget"),
         pytest.param(
             "ui/widgets/New.svelte", "../features/marks/mark_control.svelte", id="widget to feature"
         ),
@@ -253,7 +255,7 @@ def eslint(file: str, line: str) -> subprocess.CompletedProcess[str]:
             "../slices/slice_control.svelte",
             id="feature to feature in svelte",
         ),
-        pytest.param("ui/features/marks/new.ts", "../../app/stage.svelte", id="feature to app"),
+        pytest.param("ui/features/marks/new.ts", "../../app/stage", id="feature to app"),
         pytest.param("ui/new/new.ts", "../state/remembered", id="a folder that is no room"),
     ],
 )

@@ -1,11 +1,30 @@
-"""The engine. Arrays are [z, y, x], x fastest; points (x, y, z), LPS [mm]; forces [N]."""
+"""The engine. Arrays are [z, y, x], x fastest; points (x, y, z), LPS [mm]; forces [N].
+
+Functions and methods raise ValueError where an argument is not allowed.
+"""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from palpate.bench.results import (
+    EmbeddedResult,
+    LatticeFrames,
+    PairsResult,
+    PressedBlock,
+    SessionResult,
+    SoftTissueStressResult,
+    StressResult,
+)
+from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun
+from palpate.session.deformation_state import DeformationState, ModelOffer, ModelParts
+from palpate.session.frame_state import FrameState, LatenessState
+from palpate.session.picture_change import PictureChange
+from palpate.session.recording_columns import ReplayResult, TapeColumns, TickColumns
+from palpate.session.segment_state import SegmentState, SettingsState
 
 __all__ = [
     "Ground",
@@ -25,8 +44,10 @@ __all__ = [
     "bench_stress",
     "bench_touch_quality",
     "build",
+    "deformation_models",
     "drive_drill",
     "drive_needle",
+    "material_presets",
     "needle_tissues",
     "particle_limits",
     "passivity_devices",
@@ -46,7 +67,17 @@ _Range = tuple[float, float]
 _Tissue = tuple[float, float, float, float, float, float, float, float]
 _Drive = tuple[_Triple, _Triple, float, float, float, float]
 _Solid = tuple[float, float, float, float, float]
-_Columns = dict[str, NDArray[Any]]
+_Options = tuple[
+    int | None,
+    float | None,
+    bool,
+    tuple[float, float] | None,
+    float | None,
+    int | None,
+    str | None,
+    str | None,
+]
+_Region = tuple[str, tuple[_Voxel, _Voxel] | None, int | None]
 
 class Volume:
     """Values on a grid that stands in the patient."""
@@ -135,7 +166,7 @@ class Session:
         device_rate_hz: int | None = None,
         real_time: bool = True,
         start: _Triple | None = None,
-        settings: Mapping[str, Any] | None = None,
+        settings: Mapping[str, str | float | None] | None = None,
         segments: Sequence[tuple[Segment, bool, _Range | None]] = (),
     ) -> None:
         """Starts the session.
@@ -206,8 +237,8 @@ class Session:
     def view(self, right: _Triple, up: _Triple) -> None:
         """Turns the device's axes to those of the view; ``up`` is straightened."""
 
-    def settings(self, changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Changes the fields of ``TouchSettings`` that are given; returns what holds."""
+    def settings(self, changes: Mapping[str, str | float | None] | None = None) -> SettingsState:
+        """Changes settings by the names of ``TouchSettings``; returns all that are in effect."""
 
     def add_segment(
         self,
@@ -273,31 +304,21 @@ class Session:
     def set_labelled(self, segment_ids: list[int]) -> None:
         """Names the segments whose labels edits tell, the last of several on top."""
 
-    def picture_changes(self) -> list[dict[str, Any]]:
-        """What changed since the call before: the fields of ``protocol.Changed``."""
+    def picture_changes(self) -> list[PictureChange]:
+        """Changes of the picture since the previous call."""
 
-    def whole_surfaces(self) -> dict[str, Any]:
-        """All surfaces as they are now, in the same form."""
+    def whole_surfaces(self) -> PictureChange:
+        """All current surfaces, in the same form."""
 
     def set_deformation(
         self,
         model: str | None,
-        options: tuple[
-            int | None,
-            float | None,
-            bool,
-            tuple[float, float] | None,
-            float | None,
-            int | None,
-            str | None,
-            str | None,
-        ],
+        options: _Options,
         undoable: bool,
     ) -> None:
-        """Chooses the model by which matter gives way; None makes all matter hard.
+        """Chooses the deformation model; None makes every segment rigid.
 
-        ``options``: edge, binding, walls, share and time [s] of what fades, yield strain, layers,
-        calibration and motion.
+        ``options``: the fields of ``palpate.session.model_options.ModelOptions`` in their order.
         """
 
     def set_material(
@@ -309,28 +330,30 @@ class Session:
         constant: tuple[float, ...] | None = None,
         linear: tuple[tuple[float, float], tuple[float, ...], tuple[float, ...]] | None = None,
     ) -> None:
-        """Tells what a segment is made of, in SI; without anything it is hard."""
+        """Sets the material of a segment, in SI units; without any it is rigid.
+
+        ``name`` is that of a preset, ``constant`` the fields of ``palpate.Material``; ``linear``
+        has an interval of HU and the constants at both ends.
+        """
 
     def set_regions(
         self,
         segment_id: int,
-        regions: list[
-            tuple[str, tuple[tuple[int, int, int], tuple[int, int, int]] | None, int | None]
-        ],
+        regions: list[_Region],
     ) -> None:
-        """Tells how regions of a segment take part: treatment, box of voxels, other segment."""
+        """Sets how regions of a segment deform: treatment, box of voxels, other segment."""
 
     def set_force_source(self, source: str) -> None:
-        """Chooses what a tool feels of matter that gives way: ``matter`` or ``voxels``."""
+        """Chooses the force of soft tissue on a tool: of the model (``matter``) or ``voxels``."""
 
-    def deformation(self) -> dict[str, Any]:
-        """How the deformation goes."""
+    def deformation(self) -> DeformationState:
+        """State of the deformation model."""
 
     def show_model_parts(self, on: bool) -> None:
-        """Has ``model_parts`` give the nodes or particles of the model, or no more."""
+        """Starts or stops making ``model_parts``."""
 
-    def model_parts(self) -> dict[str, Any] | None:
-        """The newest of them, once: the fields of ``protocol.MatterParts``."""
+    def model_parts(self) -> ModelParts | None:
+        """The newest nodes or particles of the model; None where they were returned before."""
 
     def set_tool(
         self,
@@ -343,102 +366,76 @@ class Session:
         tissues: list[_Tissue] = ...,
         paint: tuple[float | None, bool] = ...,
     ) -> None:
-        """Chooses the tool for the next strokes; None empties the hand.
+        """Chooses the tool for the next strokes; None for no tool.
 
-        ``tissues`` are those of a needle, one for each segment; ``paint`` is how deep a painter
-        paints [mm], None all of its ball, and whether segments may overlap.
-
-        ``air`` is what the scan reads where the drill was, ``energy`` its work per volume
-        [mJ/mm³]; None is -1000 and bone by HU.
+        ``air`` is the value of drilled voxels, None for -1000; ``energy`` the drill's work per
+        volume [mJ/mm³], None for that of bone by HU. ``tissues`` are those of a needle, one for
+        each segment. ``paint`` is the depth of a painter [mm], None for its whole ball, and whether
+        painted voxels also stay in their segment.
         """
 
     def needle_events(self) -> list[tuple[str, int, float, float, float]]:
-        """Kind, segment, time [s], depth [mm], force [N] of what happened to the needle."""
+        """Kind, segment, time [s], depth [mm] and force [N] of each event of the needle."""
 
     def withdraw_needle(self) -> bool:
-        """Takes the needle out on the way that it went in; False where none is in."""
+        """Withdraws the needle on the path of its insertion; False where none is inserted."""
 
     def stroke(self, on: bool) -> None:
-        """Begins a stroke of the chosen tool, or ends it."""
+        """Begins or ends a stroke of the tool."""
 
     def look_at_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int] | None:
-        """Counts the steps of a journal and the bytes that are lost; None without a file."""
+        """Steps of a journal and damaged bytes at its end; None without a file."""
 
     def begin_journal(self, path: Path, scan_hash: bytes) -> None:
-        """Begins a journal in a new file, with what is there now."""
+        """Starts a journal in a new file, with the current state."""
 
     def keep_state(self, path: Path, scan_hash: bytes) -> None:
-        """Writes what is there now into a new file; a journal that runs goes on."""
+        """Writes the current state into a new file; a running journal continues."""
 
     def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
-        """Does again what a journal says and goes on with it; steps, lost bytes, notes."""
+        """Repeats the changes of a journal and continues it; steps, damaged bytes, notes."""
 
     def note_in_journal(self, note: bytes) -> None:
-        """Keeps bytes beside the voxels, where there is a journal."""
+        """Writes a note into the journal, where there is one."""
 
     def end_journal(self) -> None:
-        """Writes what waits and closes the journal."""
+        """Writes what is pending and closes the journal."""
 
     def undo(self) -> bool:
-        """Takes the newest change back; False where there is none."""
+        """Undoes the last step; False where there is none."""
 
     def redo(self) -> bool:
-        """Does the last undone change again; False where there is none."""
+        """Redoes the last undone step; False where there is none."""
 
     def segment(self, segment_id: int) -> Segment:
-        """The voxels of a segment as they are now."""
+        """The current voxels of a segment."""
 
-    def segments_state(self) -> list[dict[str, Any]]:
-        """``id``, ``voxels``, ``touchable``, ``locked``, ``pending`` and ``range`` of each segment.
+    def segments_state(self) -> list[SegmentState]:
+        """Current state of all segments."""
 
-        ``range`` follows edits, undo and redo: None once the voxels are not that threshold;
-        ``made_by`` is the threshold that made them, whatever edits did since.
-        """
+    def frame(self) -> FrameState:
+        """Current state; ``force`` and ``samples`` are what was sent to the device."""
 
-    def frame(self) -> dict[str, Any]:
-        """The fields of ``protocol.State``, ``notices`` and ``segments_version``.
-
-        ``force`` and the samples are what was sent to the device; ``notices`` holds pairs
-        (level, text).
-        """
-
-    def lateness(self) -> dict[str, dict[str, Any]]:
-        """Pace of each thread since the start: counts, worst, and a histogram of lateness.
-
-        ``lateness`` counts begun ticks by ``lateness_bins_us`` (upper ends), the rest last.
-        """
+    def lateness(self) -> LatenessState:
+        """How punctual each thread has been since the start."""
 
     def start_recording(self) -> None:
-        """Keeps every tick from now on; a recording that runs is thrown away."""
+        """Starts to record every tick; a recording in progress is discarded."""
 
-    def stop_recording(self) -> tuple[_Columns, _Columns | None]:
-        """The recording by columns, empty where none ran, and what else a replay needs.
-
-        Columns of the ticks: ``tick``, ``time``, ``device``, ``hand``, ``proxy``, ``force``,
-        ``sent_force``, ``contact``, ``touched``, ``command``; and the inputs of the tick:
-        ``reading``, ``read_at``, ``position_in_device``, ``velocity_in_device``,
-        ``orientation``, ``buttons``, ``hand_target``, ``hand_number``, ``has_room``. Points and
-        forces have shape [count, 3], quaternions [count, 4]. ``sent_force`` is what was last
-        sent when the tick began, one or two ticks behind ``force``.
-        """
+    def stop_recording(self) -> tuple[TickColumns, TapeColumns | None]:
+        """The ticks, none where there is no recording, and what else a replay needs."""
 
     def run(self, seconds: float) -> None:
         """Computes so many seconds of a session without ``real_time``."""
 
     def stop(self) -> None:
-        """Zero force, then no threads, in less than a second; again it does nothing."""
+        """Stops the force, then the threads, in less than a second; a second call does nothing."""
 
 def build() -> str:
-    """Names the build by all that decides what a tick computes."""
+    """Identifies the build by everything that affects the computed ticks."""
 
-def replay_recording(recording: _Columns, tape: _Columns) -> dict[str, Any]:
-    """Computes the ticks of a recording again, from columns as ``stop_recording`` gives them.
-
-    Returns:
-        ``ticks`` (columns of what was computed), ``first_row`` (where in the recording they
-        begin), ``recorded_hash``, ``replayed_hash``, ``different`` (how many ticks),
-        ``first_difference`` (tick, time, probe [mm], force [N]) or None, and ``end``: ("whole" |
-        "lost" | "commands", last tick, ticks lost).
+def replay_recording(recording: TickColumns, tape: TapeColumns) -> ReplayResult:
+    """Computes the ticks of a recording again.
 
     Raises:
         ValueError: The columns do not fit together.
@@ -456,7 +453,7 @@ class Ground:
         segments: Sequence[Segment],
         ranges: Sequence[tuple[float, float] | None] = (),
     ) -> None:
-        """Takes 1 to 255 segments, and the thresholds that made them, where such did.
+        """Takes 1 to 255 segments, and the thresholds that made them, if any.
 
         Raises:
             ValueError: A segment is of another size, or there are too many.
@@ -575,15 +572,11 @@ class TouchBench:
 
 def bench_embedded(
     small: Ground, large: Ground, work: str, count: int, cold_count: int, seed: int
-) -> dict[str, Any]:
-    """Times a point on the same path in both, by turns, and single cold updates.
-
-    Returns:
-        ``small_per_second``, ``large_per_second``, ``ratio``, ``contact_share``, and as of
-        ``TouchBench.run`` the times of ``small_cold`` and ``large_cold``.
+) -> EmbeddedResult:
+    """Times a point on the same path in both grounds, alternately, and single cold updates.
 
     Raises:
-        ValueError: There is no surface, or something given is not allowed.
+        ValueError: There is no surface, or an argument is not allowed.
     """
 
 def passivity_devices() -> list[str]:
@@ -613,12 +606,12 @@ def bench_passivity(
     """
 
 def needle_tissues() -> list[tuple[str, _Tissue]]:
-    """Tissues by name, each by the figures of ``palpate.session.needle.Tissue`` in their order."""
+    """Presets by name, each with the fields of ``palpate.session.needle.Tissue`` in their order."""
 
 def drive_needle(
     volume: Volume, layers: list[tuple[Segment, _Tissue | None]], drive: _Drive
-) -> dict[str, Any]:
-    """Drives a needle through layers; without a tissue they are hard."""
+) -> NeedleRun:
+    """Drives a needle through layers; those without a tissue are rigid."""
 
 def drive_drill(
     volume: Volume,
@@ -627,7 +620,7 @@ def drive_drill(
     radius: float,
     air: float | None,
     energy: float | None,
-) -> dict[str, Any]:
+) -> DrillRun:
     """Drives a drill of a radius [mm] into bone."""
 
 def press(
@@ -637,8 +630,8 @@ def press(
     deepest: float,
     radius: float,
     model: str,
-) -> dict[str, Any]:
-    """Presses a ball so far along its way [mm] into layers; without a material they are hard."""
+) -> PressRun:
+    """Presses a ball up to ``deepest`` [mm] along its path; layers without a material are rigid."""
 
 def touch_quality_cases() -> list[str]:
     """Names of the cases of ``bench_touch_quality``, in the order of their report."""
@@ -684,13 +677,8 @@ def bench_stress(
     threads: int,
     volume: Volume | None = None,
     segment: Segment | None = None,
-) -> dict[str, Any]:
-    """Makes runs of random moves, each checked; numbers give the same runs on any threads.
-
-    Returns:
-        ``moves``, ``contacts`` (of these), ``edits``, ``poses`` (steps of objects), ``cuts``
-        (forces that fell at once since they would have pulled), and ``violation``: None, or ``run``,
-        ``move`` (moves before it), ``model``, ``guarantee`` (its number), ``what``, ``plan``.
+) -> StressResult:
+    """Checks touch in runs of random moves; the same numbers give the same runs on any threads.
 
     Raises:
         ValueError: There is no such model, or the numbers are not allowed.
@@ -699,8 +687,8 @@ def bench_stress(
 def material_presets() -> list[tuple[str, str, bool, _Solid, _Solid]]:
     """Name, source, whether it follows HU, and the constants at the ends of its HU."""
 
-def deformation_models() -> list[dict[str, Any]]:
-    """The models, with what each offers to choose; ``model_options.Model`` has the fields."""
+def deformation_models() -> list[ModelOffer]:
+    """The deformation models, with their options."""
 
 def press_block(
     nodes: tuple[int, int, int],
@@ -711,68 +699,54 @@ def press_block(
     high: tuple[float, float, float],
     tolerance: float,
     iterations: int,
-) -> dict[str, Any]:
-    """Presses a whole block of the bonded lattice between plates that it sticks to.
+) -> PressedBlock:
+    """Presses a block of the bonded lattice between two plates that it sticks to.
 
     Args:
         nodes: Along x, y, z, 3 to 129; the block ends at its outer nodes.
-        spacing: Between nodes [mm].
-        young: [Pa].
-        poisson: Taken to the nearest from 0.25 to 0.45.
-        low: How far the plate at the lower end of z moves [mm].
-        high: And the one at the upper end.
-        tolerance: Unbalanced force at rest, as a share of the force on a plate.
-        iterations: At most.
-
-    Returns:
-        ``moved`` (displacement of each node [mm], shape [nodes, 3], x fastest), ``force`` (on the
-        lower plate [N]), ``iterations``, ``residual``.
+        spacing: Distance of nodes [mm].
+        young: Young's modulus [Pa].
+        poisson: Poisson's ratio; the nearest one from 0.25 to 0.45 is taken.
+        low: Displacement of the plate at the lower end of z [mm].
+        high: Displacement of the plate at the upper end [mm].
+        tolerance: Unbalanced force at rest, relative to the force on a plate.
+        iterations: Most iterations.
 
     Raises:
-        ValueError: Something given is not allowed.
+        ValueError: An argument is not allowed.
     """
 
 def bench_lattice_frames(
     count: int, poisson: float, soft: int, ratio: float, iterations: int
-) -> dict[str, Any]:
-    """Presses and slides a ball in a box of ``count``³ nodes, a quarter of a node a frame.
+) -> LatticeFrames:
+    """Presses and slides a ball on a box of ``count``³ nodes, a quarter of a node each frame.
 
-    ``soft`` layers of matter lie over matter ``ratio`` times stiffer.
-
-    Returns:
-        ``seconds`` of each frame on a core, ``worst_error`` of the force beside that at residual
-        1e-6, and ``worst_exact``, the largest residual of that one.
+    ``soft`` layers of tissue lie over tissue that is ``ratio`` times stiffer.
 
     Raises:
-        ValueError: Something given is not allowed.
+        ValueError: An argument is not allowed.
     """
 
 def bench_lattice_cost(count: int, updates: float) -> float:
-    """Returns the time of an iteration for a node [s], over so many updates of nodes."""
+    """Time of an iteration for one node [s], measured over so many updates of nodes."""
 
 def bench_lattice_force(count: int, iterations: int) -> float:
-    """Returns the force on a ball 1 mm deep in a box of ``count``³ nodes 1 mm apart [N]."""
+    """Force on a ball 1 mm deep in a box of ``count``³ nodes 1 mm apart [N]."""
 
 def bench_lj_pairs(
     cells: int, temperature: float, warm_up: int, steps: int, seed: int
-) -> dict[str, Any]:
-    """Runs an FCC crystal of Lennard-Jones particles on one thread; units a = D = m = 1.
-
-    Returns:
-        ``side`` of the periodic box, ``positions`` and ``velocities`` at the start, shape [n, 3],
-        ``step``, ``seconds`` of the timed steps, ``pairs_per_second``, ``builds`` of the lists,
-        and energies per particle: ``potential_at_start``, ``potential_after_warm_up``,
-        ``total_at_end``.
+) -> PairsResult:
+    """Runs an FCC crystal of Lennard-Jones particles on one thread.
 
     Raises:
-        ValueError: Something given is not allowed.
+        ValueError: An argument is not allowed.
     """
 
 def particle_limits() -> dict[str, float]:
-    """Tells what the thesis' particles cannot do.
+    """Limits of the thesis' particles.
 
     Returns:
-        Of FCC: ``young_110`` and ``young_111`` over E along [100], and ``poisson``. Kinetic
+        Of FCC: ``young_110`` and ``young_111`` relative to E along [100], and ``poisson``. Kinetic
         energies of a cuboid particle [D]: ``heat_at_start``, ``heat_early`` after 10 T0,
         ``heat_late`` after 50 T0, ``heat_damped`` after 50 T0 with critical friction.
     """
@@ -784,29 +758,20 @@ def bench_session(
     samples: int,
     seed: int,
     ticks_in_step: int | None = None,
-) -> dict[str, Any]:
-    """Strokes a segment that gives way, servo and model as fast as they can.
+) -> SessionResult:
+    """Strokes a deformable segment, servo and model as fast as they can.
 
-    With ``ticks_in_step`` for each second all loops take turns, and the counts are always the same.
-
-    Returns:
-        Of each sample: ``ticks``, ``contacts``, ``answers``, ``seconds``; ``nodes`` and
-        ``iterations`` of the last answer; ``violations``.
+    With ``ticks_in_step`` for each second all loops alternate, and the counts are reproducible.
 
     Raises:
-        ValueError: There is no surface, no such model, or something given is not allowed.
+        ValueError: There is no surface, no such model, or an argument is not allowed.
     """
 
 def bench_matter_stress(
     model: str, seed: int, first: int, count: int, ticks: int, threads: int
-) -> dict[str, Any]:
-    """Works in blocks that give way, with every guarantee checked at each tick.
-
-    Returns:
-        ``ticks``, ``contacts``, ``bits`` (voxels around the probe that changed), ``edits``,
-        ``answers``, ``in_bone``, ``drilled``, ``punctures``, ``rests``, and ``violation``: None, or ``run``,
-        ``tick``, ``guarantee`` (its number), ``what``.
+) -> SoftTissueStressResult:
+    """Works in deformable blocks, with every guarantee of touch checked at each tick.
 
     Raises:
-        ValueError: There is no such model, or something given is not allowed.
+        ValueError: There is no such model, or an argument is not allowed.
     """

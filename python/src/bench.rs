@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use palpate_bench::haptics::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
-use palpate_engine::touch::settings::Smoothing;
+use palpate_engine::touch::Smoothing;
 use palpate_volume::phantom::bones;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -1,7 +1,7 @@
 //! `_core.passivity_devices` and `_core.bench_passivity`: for `palpate bench passivity`.
 
 use palpate_bench::passivity::{FlatWall, Report, Wall, device_named, device_names, report};
-use palpate_engine::touch::scan_values::{ScanValues, Threshold, ThresholdRange};
+use palpate_engine::touch::{ScanValues, Threshold, ThresholdRange};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

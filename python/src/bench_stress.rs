@@ -1,7 +1,7 @@
 //! `_core.bench_stress`: for `palpate bench stress`.
 
 use palpate_bench::stress::{Report, Source, on_threads, runs};
-use palpate_engine::touch::contact_model::Model;
+use palpate_engine::touch::Model;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -4,7 +4,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
-use palpate_engine::session::config::Reference;
+use palpate_engine::session::Reference;
 
 use crate::arrays::vector;
 use crate::errors::CoreError;

@@ -5,11 +5,11 @@
 
 use glam::DVec3;
 use palpate_engine::notice::{Notice, NoticeLevel};
-use palpate_engine::picture::frame::{ForceOff, Frame, Rates, Safety};
-use palpate_engine::servo::force_state::ForceState;
+use palpate_engine::picture::{ForceOff, Frame, Rates, Safety};
+use palpate_engine::servo::ForceState;
 use palpate_engine::simulation::SegmentState;
-use palpate_engine::threads::rate::Rate;
-use palpate_engine::touch::touch_feel::TouchFeel;
+use palpate_engine::threads::Rate;
+use palpate_engine::touch::TouchFeel;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -129,7 +129,7 @@ fn thread_dict<'py>(py: Python<'py>, rate: &Rate) -> PyResult<Bound<'py, PyDict>
         "worst_late_ms": rate.worst_late_ms,
         "worst_ever_ms": rate.worst_ever_ms,
         "lateness": rate.lateness.to_vec(),
-        "lateness_bins_us": palpate_engine::threads::rate::LATENESS_BINS_US.to_vec(),
+        "lateness_bins_us": palpate_engine::threads::LATENESS_BINS_US.to_vec(),
     )
 }
 

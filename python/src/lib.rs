@@ -6,7 +6,7 @@
 
 mod arrays;
 mod bench;
-mod bench_matter;
+mod bench_deformation;
 mod bench_passivity;
 mod bench_quality;
 mod bench_stress;
@@ -37,7 +37,7 @@ mod _core {
     #[pymodule_export]
     use super::bench::{PyGround, PyTouchBench, bench_embedded};
     #[pymodule_export]
-    use super::bench_matter::{
+    use super::bench_deformation::{
         bench_lattice_cost, bench_lattice_force, bench_lattice_frames, bench_lj_pairs,
         bench_matter_stress, bench_session, particle_limits, press_block,
     };

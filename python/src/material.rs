@@ -6,8 +6,7 @@ use palpate_deform::material::{
 use palpate_deform::registry::{
     Calibration, MODELS, ModelOptions, Motion, Prony, Range, Registered,
 };
-use palpate_engine::deformable::deformable_view::ShownParts;
-use palpate_engine::deformable::deformation::{DeformationStatus, ForceSource};
+use palpate_engine::deformable::{DeformationStatus, ForceSource, ShownParts};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;
@@ -284,7 +283,7 @@ pub fn deformation_dict<'py>(
         "residual": now.report.residual,
         "nodes": now.report.nodes,
         "moved_voxels": now.report.moved_voxels,
-        "lasting_voxels": now.report.lasting_voxels,
+        "lasting_voxels": now.report.plastic_voxels,
         "bonds_broken": now.report.bonds_broken,
         "work_broken": now.report.work_broken,
     )

@@ -1,7 +1,7 @@
 //! Lines that were painted on the picture, to cut segments along.
 
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
-use palpate_engine::scene::cut::Painted;
+use palpate_engine::scene::Painted;
 
 use crate::arrays::{Triple, vector};
 use crate::errors::CoreError;

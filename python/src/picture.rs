@@ -4,9 +4,8 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use palpate_engine::picture::packed_patch::PackedPatch;
-use palpate_engine::picture::surfaces::{
-    PictureChange, ShownDisplacements, SurfaceChange, VoxelChange,
+use palpate_engine::picture::{
+    PackedPatch, PictureChange, ShownDisplacements, SurfaceChange, VoxelChange,
 };
 use palpate_surface::PatchId;
 use palpate_volume::edit::SegmentId;

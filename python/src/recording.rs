@@ -6,11 +6,9 @@ use numpy::{
     Element, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
     ToPyArray,
 };
-use palpate_engine::replay::recording::Recording;
-use palpate_engine::replay::run::{Difference, ReplayEnd, Replayed, replay};
-use palpate_engine::replay::tape::Tape;
-use palpate_engine::replay::tape_columns::{
-    BUILD, BrickColumns, FractionColumns, TapeColumns, ValueColumns,
+use palpate_engine::replay::{
+    BUILD, BrickColumns, Difference, FractionColumns, Recording, ReplayEnd, Replayed, Tape,
+    TapeColumns, ValueColumns, replay,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

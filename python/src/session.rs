@@ -6,13 +6,9 @@ use std::time::Duration;
 
 use glam::IVec3;
 use numpy::PyReadonlyArray2;
-use palpate_engine::scene::Properties;
-use palpate_engine::scene::incremental_surface::{SurfaceOptions, SurfaceSource};
-use palpate_engine::session::Session;
-use palpate_engine::session::config::SessionConfig;
-use palpate_engine::touch::scan_values::ThresholdRange;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::TouchFeel;
+use palpate_engine::scene::{Properties, SurfaceOptions, SurfaceSource};
+use palpate_engine::session::{Session, SessionConfig};
+use palpate_engine::touch::{Settings, ThresholdRange, TouchFeel};
 use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;

@@ -1,7 +1,6 @@
 //! Settings of touch as a dictionary; its keys are the fields of `protocol.Settings`.
 
-use palpate_engine::touch::contact_model::Model;
-use palpate_engine::touch::settings::{Settings, Smoothing};
+use palpate_engine::touch::{Model, Settings, Smoothing};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

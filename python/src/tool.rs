@@ -1,7 +1,7 @@
 //! Tools as the package names and reads them.
 
-use palpate_engine::picture::frame::Frame;
-use palpate_engine::touch::needle::NeedleDisplay;
+use palpate_engine::picture::Frame;
+use palpate_engine::touch::NeedleDisplay;
 use palpate_haptics::needle::events::NeedleEvent;
 use palpate_tools::drill::DrillSettings;
 use palpate_tools::factory::{ToolKind, ToolSettings};

@@ -160,7 +160,7 @@ def told(session: Session) -> list[dict[str, Any]]:
         "material",
     ]
     rows = [
-        {name: each[name] for name in known}
+        {name: dict[str, Any](each)[name] for name in known}
         | {"mask": _hash(session.segment(each["id"]).mask())}
         | {"regions": [_region(one) for one in session.regions(each["id"])]}
         for each in session.segments()
@@ -422,7 +422,7 @@ def told_of_scene(path: Path) -> dict[str, Any]:
                 "view": saved.view,
                 "looks": json.loads(saved.looks),
                 "second": None if second is None else _told_of_second(second),
-                "told": saved.told,
+                "told": saved.messages,
                 "segments": told(session),
                 "values": told_of_values(session),
                 "model": told_of_model(session),

@@ -112,8 +112,8 @@ def check() -> int:
         now = make()
         columns = [
             column
-            for column, values in before.columns.items()
-            if values.tobytes() != now.columns[column].tobytes()
+            for column, values in dict[str, Any](before.columns).items()
+            if values.tobytes() != dict[str, Any](now.columns)[column].tobytes()
         ]
         other += bool(columns)
         sys.stdout.write(f"{name}: {'other ' + ', '.join(columns) if columns else 'same'}\n")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
 import numpy as np
@@ -28,6 +29,9 @@ from palpate.session.model_options import ModelOptions, Prony
 from palpate.session.needle import TISSUES
 from palpate.volumes.material import Material, Region
 from palpate.volumes.volume import VolumeTraits
+
+if TYPE_CHECKING:
+    from palpate.session.recording_columns import TapeColumns
 
 __all__ = ["PARTICLES", "SESSIONS", "scan", "scan_values", "second_values"]
 
@@ -208,8 +212,8 @@ def live() -> Recording:
 def marked() -> Recording:
     """A mark after the last tick: the engine has none of its own there, and reads it."""
     recording = touched(TouchSettings(smoothing="off"))
-    tape = recording._tape
-    assert tape is not None
+    assert recording._tape is not None
+    tape: dict[str, Any] = dict(recording._tape)
     packed = np.append(tape["commands"], np.frombuffer(msgspec.msgpack.encode("Mark"), np.uint8))
     ends = {
         name: np.append(tape[name], np.uint64(last))
@@ -219,8 +223,8 @@ def marked() -> Recording:
             ("share_ends", len(tape["share_index"])),
         )
     }
-    tape = {**tape, **ends, "commands": packed}
-    return Recording(recording.columns, tape=tape, about=recording.about)
+    changed = cast("TapeColumns", {**tape, **ends, "commands": packed})
+    return Recording(recording.columns, tape=changed, about=recording.about)
 
 
 # --- voxels that change -----------------------------------------------------------------

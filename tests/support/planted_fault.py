@@ -1,7 +1,8 @@
 """The package with an engine that breaks a guarantee on purpose, in a folder of its own.
 
-The engine is built with the feature ``planted-fault`` (``crates/engine/src/touch/planted_fault.rs``):
-walls give way under a hard press. The usual build, and what is installed, stay as they are.
+The engine is built with the feature ``planted-fault``, by which walls give way under a hard press
+(``crates/engine/src/touch/planted_fault.rs``). The usual build, and what is installed, stay as they
+are.
 """
 
 from __future__ import annotations

@@ -127,7 +127,10 @@ window.vtkDoor = {
     read(1, 1);
     const milliseconds = performance.now() - begun;
     const bytes = read(width, height);
-    const colours = Float32Array.from({ length: 3 * width * height }, (_, i) => (bytes[4 * Math.floor(i / 3) + (i % 3)] ?? 0) / 255);
+    const colours = Float32Array.from(
+      { length: 3 * width * height },
+      (_, i) => (bytes[4 * Math.floor(i / 3) + (i % 3)] ?? 0) / 255,
+    );
     return { milliseconds, colours };
   },
 };

@@ -12,7 +12,7 @@
  *   {"do": "altDrag", "x": …, "y": …}                         the same with Alt held: window and level
  *   {"do": "dragElement", "testid": …, "x": …, "y": …}        a handle in the picture, "from": [x, y] of its middle
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
- *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too, "held": true: still
+ *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button too, "held": true: still
  *   {"do": "release"}                                         the left button
  *   {"do": "point", "x": …, "y": …}                           the mouse, in pixels of the page
  *   {"do": "clickAt", "testid": …, "x": …, "y": …}            in shares of an element; "doubleClickAt" too
@@ -57,9 +57,15 @@ const actions = {
     await page.setViewportSize({ width, height });
     await page.goto(url, { waitUntil: "domcontentloaded" });
     await page
-      .waitForFunction(() => window.palpate?.ready === true || document.querySelector("[data-testid=message] h1, [data-testid=open-page]") !== null, null, {
-        timeout: seconds * 1000,
-      })
+      .waitForFunction(
+        () =>
+          window.palpate?.ready === true ||
+          document.querySelector("[data-testid=message] h1, [data-testid=open-page]") !== null,
+        null,
+        {
+          timeout: seconds * 1000,
+        },
+      )
       .catch(() => undefined);
     return { firstPicture: await page.evaluate(() => window.palpate?.firstPicture ?? null) };
   },
@@ -232,7 +238,11 @@ const actions = {
     await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
     const violations = await page.evaluate(async () => {
       const found = await globalThis.axe.run({ resultTypes: ["violations"] });
-      return found.violations.map(({ id, impact, nodes }) => ({ id, impact, places: nodes.map(({ html, failureSummary }) => `${html} ${failureSummary}`) }));
+      return found.violations.map(({ id, impact, nodes }) => ({
+        id,
+        impact,
+        places: nodes.map(({ html, failureSummary }) => `${html} ${failureSummary}`),
+      }));
     });
     return { value: violations };
   },

@@ -22,7 +22,10 @@ page.on("pageerror", ({ message }) => console.error(message));
 const acts = [];
 let began;
 
-/** Does one thing that a hand does, and counts it: to "open", for "bone", to "touch" it, for a "force", for the "layout". */
+/**
+ * Does one thing that a hand does, and counts it: to "open", for "bone", to "touch" it, for a "force", for the
+ * "layout".
+ */
 async function act(towards, does, how) {
   began ??= Date.now();
   await how();

@@ -3,7 +3,7 @@
 use crate::common::*;
 use glam::{DVec3, UVec3};
 use palpate_bench::haptics::{BenchError, Ground, TouchBench, Work, compare, free_rays, stroke};
-use palpate_engine::touch::contact_model::Model;
+use palpate_engine::touch::Model;
 use palpate_haptics::ball::{BallShape, ball_limits};
 use palpate_haptics::contact::Exact;
 use palpate_haptics::smooth::Smoothing;

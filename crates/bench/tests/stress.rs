@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, UVec3};
 use palpate_bench::stress::{Guarantee, Source, Terrain, run, runs};
-use palpate_engine::touch::contact_model::Model;
+use palpate_engine::touch::Model;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 

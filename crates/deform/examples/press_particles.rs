@@ -8,7 +8,7 @@
 )]
 
 use glam::{DMat3, DQuat, DVec3, UVec3};
-use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::material::{Materials, SegmentMaterial, preset};
 use palpate_deform::model::{Budget, DeformationModel, ModelInput, ToolShape, ToolState};
 use palpate_deform::particles::{LocalModel, LocalSettings, Motion};
 use palpate_volume::grid::Grid;
@@ -57,7 +57,7 @@ fn press(name: &str, model: &mut dyn DeformationModel, iterations: u32) {
         .add_segment(Segment::from_fn(dimensions, |v| v.z < TOP))
         .unwrap();
     let law = preset("liver").unwrap().law().unwrap();
-    let matter = SegmentMatter {
+    let matter = SegmentMaterial {
         segment,
         law,
         regions: Vec::new(),

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use palpate_deform::model::{DeformationModel, ModelAnswer, ModelInput, ToolContact, ToolState};
 use palpate_volume::{material::LocalContact, voxel_box::VoxelBox};
 
-/// A ball is pushed out of each voxel of the first matter whose middle is in it: without memory.
+/// A ball is pushed out of each voxel of the first tissue whose middle is in it: without memory.
 #[derive(Debug)]
 pub struct Springs;
 

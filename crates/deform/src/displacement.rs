@@ -1,6 +1,6 @@
-//! How far matter has moved from rest, and what of it the voxels do not show yet.
+//! How far tissue has moved from rest, and what of it the voxels do not show yet.
 //!
-//! Nodes stand on a cubic lattice along the axes of the grid. A place of matter at rest X stands
+//! Nodes stand on a cubic lattice along the axes of the grid. A place of tissue at rest X stands
 //! at X + u(X) now; so what stands at x was at rest where X + u(X) = x.
 //!
 //! Frame: mm along the axes of the grid, from its corner.
@@ -13,19 +13,19 @@ use palpate_volume::voxels::Voxels;
 use crate::model::DisplacementField;
 use crate::voxel_ledger::Ledger;
 
-/// Shares of the displacement of matter with which the empty nodes beside it go along, by their
+/// Shares of the displacement of tissue with which the empty nodes beside it go along, by their
 /// distance [nodes].
 const BESIDE: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// Steps of Newton toward the place at rest.
 const STEPS: u32 = 12;
-/// How far voxels are behind the matter that they show, at most: half of one and the margin by
+/// How far voxels are behind the tissue that they show, at most: half of one and the margin by
 /// which they change late [voxels].
 const BEHIND: f64 = 0.65;
-/// Halvings of that way by which the last of matter before a face is found: to a fortieth of a voxel.
+/// Halvings of that way by which the last of tissue before a face is found: to a fortieth of a voxel.
 const HALVINGS: u32 = 5;
 /// Nodes before the border of a box over which what is left to show fades, where it does.
 const EDGE: f64 = 3.0;
-/// How near the place at rest is found [spacings].
+/// Accuracy with which the place at rest is found [spacings].
 const NEAR: f64 = 1e-3;
 
 /// Displacements on a box of nodes, x fastest.
@@ -37,15 +37,15 @@ pub(crate) struct Displacement {
     pub spacing: f64,
     /// Nodes along each axis.
     pub size: UVec3,
-    /// From rest, for each node; continued beside matter, zero farther away.
+    /// Displacement of each node from rest; continued beside tissue, zero farther away.
     moved: Vec<DVec3>,
     has_matter: Vec<bool>,
-    /// Whether matter beyond the border has moved too, and is shown by voxels alone.
+    /// Whether tissue beyond the border has moved too, and is shown by voxels alone.
     goes_on: bool,
 }
 
 impl Displacement {
-    /// From the displacements of the nodes that have matter.
+    /// A field from the displacements of the nodes that hold tissue.
     pub fn new(first: DVec3, spacing: f64, size: UVec3, moved: Vec<Option<DVec3>>) -> Self {
         Self {
             first,
@@ -57,7 +57,7 @@ impl Displacement {
         }
     }
 
-    /// As it is, and matter beyond the border may have moved too: there voxels alone show it.
+    /// As it is, and tissue beyond the border may have moved too: there voxels alone show it.
     pub fn going_on(self) -> Self {
         Self {
             goes_on: true,
@@ -91,7 +91,7 @@ impl Displacement {
         self.cell(rest).map_or(DVec3::ZERO, |cell| cell.value())
     }
 
-    /// Where what stands at a place was at rest; none where matter is folded so that nobody can
+    /// Where what stands at a place was at rest; none where tissue is folded so that nobody can
     /// tell. By Newton's method.
     pub fn rest_of(&self, place: DVec3) -> Option<DVec3> {
         let mut rest = place;
@@ -118,7 +118,12 @@ impl Displacement {
 
     /// What the voxels do not show yet, the ledger's last edit taken in; none where that is
     /// below `least` everywhere. It fades toward a border beyond which voxels alone show it.
-    pub fn told(&self, voxels: &Voxels, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
+    pub fn residual(
+        &self,
+        voxels: &Voxels,
+        ledger: &Ledger,
+        least: f64,
+    ) -> Option<DisplacementField> {
         let grid = voxels.grid();
         let view = Shown::new(self, voxels, ledger);
         let nodes = 0..self.moved.len();
@@ -154,7 +159,7 @@ impl Displacement {
         (f64::from(before) / EDGE).min(1.0)
     }
 
-    /// Whether matter at rest is at a place.
+    /// Whether tissue at rest is at a place.
     fn has_matter_at(&self, rest: DVec3) -> bool {
         let node = ((rest - self.first) / self.spacing).round().as_ivec3();
         let inside = node.cmpge(IVec3::ZERO).all() && node.cmplt(self.size.as_ivec3()).all();
@@ -184,9 +189,9 @@ struct Shown<'a> {
     field: &'a Displacement,
     voxels: &'a Voxels,
     ledger: &'a Ledger,
-    /// Of the voxels.
+    /// Size of a voxel [mm].
     spacing: DVec3,
-    /// How far the matter that the voxel of a node shows has come from rest; none where it
+    /// How far the tissue that the voxel of a node shows has come from rest; none where it
     /// shows none.
     shown: Vec<Option<DVec3>>,
 }
@@ -215,14 +220,14 @@ impl<'a> Shown<'a> {
             .as_ivec3()
     }
 
-    /// What is left to show of the matter that is shown at a node.
+    /// What is left to show of the tissue that is shown at a node.
     fn left_at(&self, node: usize) -> Option<DVec3> {
         let shown = self.shown[node]?;
         Some(self.field.at(self.field.place_of(node) - shown) - shown)
     }
 
     /// For an empty node, the value that brings the face which is shown beside it to where the
-    /// face of matter is: the mean over the nodes beside it that show matter.
+    /// face of tissue is: the mean over the nodes beside it that show tissue.
     fn left_beside(&self, node: usize, left: &[Option<DVec3>]) -> Option<DVec3> {
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for near in neighbours(self.field.size, node) {
@@ -255,7 +260,7 @@ impl<'a> Shown<'a> {
         matter.is_some_and(|matter| !matter.segments.is_empty())
     }
 
-    /// How far before a face that voxels show the face of matter stands, or less than zero behind
+    /// How far before a face that voxels show the face of tissue stands, or less than zero behind
     /// it [mm]: layers that are pressed flat between the two, and shown by no voxel, are taken in.
     fn ahead_of(&self, face: DVec3, toward: DVec3) -> f64 {
         let most = BEHIND * self.spacing.dot(toward.abs());
@@ -273,7 +278,7 @@ impl<'a> Shown<'a> {
                 None => high = middle,
             }
         }
-        // the face of the last voxel of matter, where it stands
+        // the face of the last voxel of tissue, where it stands
         last.map_or(-most, |rest| {
             let end = self.face_of((rest / self.spacing).floor().as_ivec3(), rest, toward);
             (end + self.field.at(end) - face)
@@ -298,7 +303,7 @@ impl Cell {
         along_y(0).lerp(along_y(4), z)
     }
 
-    /// How the value changes with the place, for each step of one node.
+    /// Gradient of the displacement, per step of one node.
     fn slope(&self) -> DMat3 {
         let [x, y, z] = self.share.to_array();
         let c = &self.corners;
@@ -334,8 +339,8 @@ fn node_at(size: UVec3, index: usize) -> IVec3 {
     .as_ivec3()
 }
 
-/// Has empty nodes beside matter go along with it, so that a surface between nodes moves as the
-/// matter under it, and those farther away less and less.
+/// Has empty nodes beside tissue go along with it, so that a surface between nodes moves as the
+/// tissue under it, and those farther away less and less.
 fn continued(size: UVec3, mut moved: Vec<Option<DVec3>>) -> Vec<DVec3> {
     let mut share_before = 1.0;
     let mut front: Vec<usize> = (0..moved.len()).filter(|&n| moved[n].is_some()).collect();

@@ -1,4 +1,4 @@
-//! The bonded lattice: isotropic nodes that carry a body's matter around the tools.
+//! The bonded lattice: isotropic nodes that carry a body's tissue around the tools.
 //!
 //! Nodes stand on a cubic lattice of their own, whatever the voxels' shape; each is bonded to
 //! its 6 face and 12 edge neighbours. Equal springs on all of them are exactly isotropic with
@@ -47,7 +47,7 @@ pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};
 pub use lattice_model::LatticeModel;
 pub use layout::{FAMILIES, Layout};
 pub use moduli::{LatticeModuli, POISSON_RANGE};
-pub use nodes::{Lattice, NodeMatter};
+pub use nodes::{Lattice, NodeMaterial};
 pub use relax::{RelaxReport, RelaxSettings, Relaxer};
 pub use settings::LatticeSettings;
 pub use tool_contact::{LatticeTool, ToolForce};

@@ -1,4 +1,4 @@
-//! Deformation: matter that gives, breaks and pushes back.
+//! Deformation of soft tissue: it gives, breaks and pushes back.
 //!
 //! A [`model::DeformationModel`] sees the voxels around the tools and what they are made of,
 //! and answers with an edit, a field of displacements and a contact for each tool. Nobody
@@ -12,7 +12,6 @@
 //! or the engine's threads.
 
 mod displacement;
-pub mod integrator;
 pub mod lattice;
 pub mod material;
 pub mod model;

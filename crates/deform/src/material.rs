@@ -1,4 +1,4 @@
-//! What matter is made of: the door at which SI comes in and mm, N and kg go on.
+//! Elastic constants of tissue: SI comes in here, and mm, N and kg go on.
 //!
 //! Constants of a tissue are given in Pa and kg/m³ ([`SolidSi`]), as books and people write
 //! them, and are checked and converted in [`SolidSi::checked`] alone. A [`MaterialLaw`] gives
@@ -50,7 +50,7 @@ pub enum MaterialError {
     PowerLaw {
         /// Modulus at 1 g/cm³ [Pa].
         coefficient: f64,
-        /// Of the density.
+        /// Exponent of the density.
         exponent: f64,
     },
     /// There is no such preset.
@@ -163,15 +163,15 @@ impl Solid {
 /// How constants follow the intensity of a voxel. Made by the functions that check them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialLaw {
-    /// The same everywhere, as for MR scans.
+    /// The same constants at every intensity, as for MR scans.
     Constant(Solid),
     /// Each constant linear in HU between two solids, held at its ends (thesis 5.54).
     Linear {
         /// HU of `low` and of `high`.
         interval: [f64; 2],
-        /// At the lower end.
+        /// Constants at the lower end of the range.
         low: Solid,
-        /// At the upper end.
+        /// Constants at the upper end of the range.
         high: Solid,
     },
     /// E = coefficient · ρ^exponent, with the density linear in HU and held at its ends.
@@ -182,7 +182,7 @@ pub enum MaterialLaw {
         density: [f64; 2],
         /// Modulus at 1 g/cm³ [N/mm²].
         coefficient: f64,
-        /// Of the density in g/cm³.
+        /// Exponent of the density in g/cm³.
         exponent: f64,
         /// The constants that do not follow the density.
         other: Solid,
@@ -325,22 +325,22 @@ pub fn pair_stiffness(first: f64, second: f64) -> f64 {
     }
 }
 
-/// How matter takes part in the deformation.
+/// Part that tissue takes in the deformation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Treatment {
-    /// It gives.
+    /// It deforms.
     #[default]
     Deformable,
-    /// It stays where it is, and holds what is bonded to it.
+    /// It is rigid: it stays where it is and holds what is bonded to it.
     Rigid,
-    /// As if it were not there.
+    /// It is ignored, like empty space.
     Empty,
 }
 
 /// Some of a segment's voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region {
-    /// All of it.
+    /// The whole segment.
     Whole,
     /// What lies in a box of voxels.
     Within(VoxelBox),
@@ -350,10 +350,10 @@ pub enum Region {
 
 /// What one segment is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SegmentMatter {
+pub struct SegmentMaterial {
     /// Which one.
     pub segment: SegmentId,
-    /// Its constants.
+    /// Law of its elastic constants.
     pub law: MaterialLaw,
     /// How its regions take part; of several that hold a voxel the last counts, and what is in none
     /// is deformable.
@@ -364,5 +364,5 @@ pub struct SegmentMatter {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Materials {
     /// One for each segment that takes part; all others are as if empty.
-    pub segments: Vec<SegmentMatter>,
+    pub segments: Vec<SegmentMaterial>,
 }

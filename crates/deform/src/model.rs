@@ -44,11 +44,11 @@ impl ToolShape {
 /// A tool as a model sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolState {
-    /// By which its contact is told.
+    /// Number by which its contact is reported.
     pub id: u32,
-    /// Its body.
+    /// Rigid body of the tool.
     pub shape: ToolShape,
-    /// Its centre [mm].
+    /// Centre of the tool [mm].
     pub position: DVec3,
     /// Takes the tool's own axes to those of the patient.
     pub orientation: DQuat,
@@ -69,12 +69,12 @@ impl ToolState {
     }
 }
 
-/// How much a model may work in one call.
+/// Limit on the work of a model in one call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     /// Iterations or sub-steps at most. With this alone the answer is the same to the bit.
     pub iterations: u32,
-    /// When to stop although not at rest; none off-line and in tests.
+    /// Time at which to stop although not at rest; none off-line and in tests.
     pub deadline: Option<Instant>,
 }
 
@@ -114,16 +114,16 @@ pub struct ModelInput<'a> {
     pub materials: &'a Materials,
     /// All tools; the box stands around the first one that is usable.
     pub tools: &'a [ToolState],
-    /// Time since the last call [s], for matter whose force fades.
+    /// Time since the last call [s], for tissue whose force fades.
     pub dt: f64,
-    /// How much it may work.
+    /// Limit on the work of this call.
     pub budget: Budget,
 }
 
 /// The contact of one tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolContact {
-    /// Of the tool.
+    /// Number of the tool.
     pub tool: u32,
     /// Force on it and how it changes with its place; none without contact.
     pub contact: Option<LocalContact>,
@@ -134,7 +134,7 @@ pub struct ToolContact {
 pub enum ModelEvent {
     /// Bonds broke.
     BondsBroken {
-        /// How many.
+        /// Number of bonds.
         count: u32,
         /// Work that they took [N·mm].
         work: f64,
@@ -151,9 +151,9 @@ pub enum ModelEvent {
     /// Poisson's ratio was out of what the model can do, and the nearest one is used: one of a
     /// range, or the only one that particles on a lattice have.
     PoissonClamped {
-        /// As asked.
+        /// The ratio that was asked for.
         asked: f64,
-        /// As used.
+        /// The ratio that is used.
         used: f64,
     },
     /// The state was lost to numbers that are none, and everything is at rest again.
@@ -165,8 +165,8 @@ pub enum ModelEvent {
 /// What the voxels show at a place y, the edit of the same answer taken in, stands at
 /// y + moved(y): trilinear between nodes, zero outside the box. Where nothing was written back
 /// that is all of the displacement from rest; where voxels have moved, it is what rounding to
-/// voxels left over, about half a voxel at most. Beside matter it goes on into empty space for some nodes, so that a
-/// surface between nodes moves as the matter under it.
+/// voxels left over, about half a voxel at most. Beside tissue it goes on into empty space for some nodes, so that a
+/// surface between nodes moves as the tissue under it.
 ///
 /// To draw: a vertex of a patch at y goes to y + moved(y); a sample of the volume at x reads
 /// the voxels at the y with y + moved(y) = x (y = x − moved(y), from y = x in some steps).
@@ -186,7 +186,7 @@ pub struct DisplacementField {
     pub moved: Vec<Vec3>,
 }
 
-/// How a call went.
+/// Report on one call.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelReport {
     /// Iterations or sub-steps.
@@ -197,8 +197,9 @@ pub struct ModelReport {
     pub nodes: u32,
     /// Voxels that are not as they were at rest.
     pub moved_voxels: u32,
-    /// Of these, voxels that stay so, since their matter has yielded.
-    pub lasting_voxels: u32,
+    /// Those of the moved voxels that stay displaced because their tissue has yielded (plastic
+    /// set).
+    pub plastic_voxels: u32,
     /// Bonds broken since the start.
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
@@ -211,7 +212,7 @@ impl ModelReport {
     /// Whether voxels that the model moved are to come back yet.
     #[must_use]
     pub fn comes_back(&self) -> bool {
-        self.moved_voxels > self.lasting_voxels
+        self.moved_voxels > self.plastic_voxels
     }
 }
 
@@ -241,22 +242,22 @@ pub struct ModelAnswer {
     pub displacement: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
-    /// How it went.
+    /// Report on the call.
     pub report: ModelReport,
 }
 
 /// Where the parts of a model are, for whoever looks at the model itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelParts {
-    /// Of each part, where it is at rest and where it stands [mm].
+    /// Place at rest and present place of each part [mm].
     pub places: Vec<[DVec3; 2]>,
-    /// Between neighbours at rest [mm].
+    /// Distance of neighbours at rest [mm].
     pub apart: f64,
 }
 
 /// A model of deformation. Its state is its own; the same calls give the same answers.
 pub trait DeformationModel: Send + fmt::Debug {
-    /// Brings matter to rest, or one step further, with the tools where they are now.
+    /// Brings tissue to rest, or one step further, with the tools where they are now.
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer;
 
     /// Forgets all displacements and what broke, as after undo or a change of the materials.
@@ -264,7 +265,7 @@ pub trait DeformationModel: Send + fmt::Debug {
     /// yielded stays, as if anybody had cut it so.
     fn reset(&mut self);
 
-    /// Its nodes or particles; none where it has none, or nothing was asked yet.
+    /// Its nodes or particles; empty where the model has none, or before the first call.
     fn parts(&self) -> ModelParts {
         ModelParts::default()
     }

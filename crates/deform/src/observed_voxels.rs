@@ -1,21 +1,21 @@
 //! Whether voxels are as a model left them, so that it need not look at all of them again.
 
 use glam::IVec3;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
-use crate::voxel_ledger::{Ledger, matter_of};
+use crate::voxel_ledger::{Ledger, state_of};
 
 /// The voxels as they were after an answer.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct ObservedVoxels {
     edit_number: u64,
-    /// One of the voxels that the answer's edit changes, and what to.
-    wrote: Option<(IVec3, Matter)>,
+    /// One voxel that the answer's edit changes, and its new state.
+    wrote: Option<(IVec3, VoxelState)>,
 }
 
-impl Seen {
-    /// As they are now; no answer has changed them yet.
+impl ObservedVoxels {
+    /// The voxels as they are now, before an answer changes them.
     pub fn now(voxels: &Voxels) -> Self {
         Self {
             edit_number: voxels.edit_number(),
@@ -42,7 +42,7 @@ impl Seen {
     }
 
     fn was_taken(&self, voxels: &Voxels) -> bool {
-        let is_written = |(voxel, matter)| matter_of(voxels, voxel) == Some(matter);
+        let is_written = |(voxel, matter)| state_of(voxels, voxel) == Some(matter);
         voxels.edit_number() == self.edit_number + 1 && self.wrote.is_some_and(is_written)
     }
 }

@@ -14,6 +14,7 @@ pub mod elasticity;
 mod global_field;
 pub mod global_model;
 mod global_sites;
+pub mod integrator;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;

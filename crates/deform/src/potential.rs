@@ -31,15 +31,15 @@ pub enum PotentialError {
     NotPositive {
         /// What was given.
         name: &'static str,
-        /// Its value.
+        /// The value given.
         given: f64,
     },
     /// The exponents of a Mie potential in the wrong order.
     #[error("Mie exponents n = {n}, m = {m} given; allowed: 0 < m < n <= 60")]
     Exponents {
-        /// Of the repulsion.
+        /// Exponent of the repulsion.
         n: f64,
-        /// Of the attraction.
+        /// Exponent of the attraction.
         m: f64,
     },
     /// A range in which something is faded, cut or limited lies wrong.
@@ -47,7 +47,7 @@ pub enum PotentialError {
     Range {
         /// What was given.
         name: &'static str,
-        /// Its value.
+        /// The value given.
         given: f64,
         /// Least allowed.
         low: f64,

@@ -1,13 +1,13 @@
-//! A whole block of matter between two plates that it sticks to: the lattice off-line, for
+//! A whole block of tissue between two plates that it sticks to: the lattice off-line, for
 //! comparison with measured bodies and with other programs.
 //!
 //! Nodes stand on the faces of the block, so that bonds along a face belong to it by half, as
-//! if matter went on behind. Frame: the block's own [mm], corner at 0, plates at both ends of z.
+//! if tissue went on behind. Frame: the block's own [mm], corner at 0, plates at both ends of z.
 //! Units: mm, N. The experiment: Kerdok et al., Med. Image Anal. 7 (2003), "Truth Cube".
 
 use glam::{DVec3, UVec3};
 
-use crate::lattice::{Border, Lattice, NodeMatter, RelaxReport, RelaxSettings, Relaxer};
+use crate::lattice::{Border, Lattice, NodeMaterial, RelaxReport, RelaxSettings, Relaxer};
 use crate::material::Solid;
 
 /// A block and how far its plates move.
@@ -17,9 +17,9 @@ pub struct PressedBlock {
     pub nodes: UVec3,
     /// Between nodes [mm].
     pub spacing: f64,
-    /// What it is made of.
+    /// Elastic constants of the block.
     pub solid: Solid,
-    /// How far the plates at the lower and the upper end of z move [mm].
+    /// Displacements of the plates at the lower and the upper end of z [mm].
     pub plates: [DVec3; 2],
     /// Unbalanced force at rest, as a share of the force on a plate.
     pub tolerance: f64,
@@ -30,11 +30,11 @@ pub struct PressedBlock {
 /// A block at rest between its plates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockAtRest {
-    /// How far each node has moved [mm]; x fastest.
+    /// Displacement of each node [mm]; x fastest.
     pub moved: Vec<DVec3>,
     /// Force of the block on the lower plate [N].
     pub force: DVec3,
-    /// How it came to rest.
+    /// Report of the relaxation.
     pub report: RelaxReport,
 }
 
@@ -59,8 +59,8 @@ impl PressedBlock {
     }
 
     fn lattice(&self) -> Lattice {
-        // matter is told to go on behind all faces, so that their bonds count by half
-        let matter = |_| NodeMatter::Deformable(self.solid);
+        // tissue is told to go on behind all faces, so that their bonds count by half
+        let matter = |_| NodeMaterial::Deformable(self.solid);
         let mut lattice = Lattice::new(self.nodes, self.spacing, Border::Free, matter);
         let layout = *lattice.layout();
         let last = self.nodes.z - 1;

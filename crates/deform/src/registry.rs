@@ -5,7 +5,8 @@
 mod options;
 
 pub use options::{
-    Boxes, Calibration, Fading, ModelOptions, Motion, Offers, Prony, Range, Shares, WrongOption,
+    Boxes, Calibration, Fading, ModelOptions, Motion, OccupancyFractions, Offers, Prony, Range,
+    WrongOption,
 };
 
 use thiserror::Error;
@@ -18,11 +19,11 @@ use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 /// A model by the name that users write.
 #[derive(Clone, Copy, Debug)]
 pub struct Registered {
-    /// As users write it.
+    /// Name in settings.
     pub name: &'static str,
-    /// As they read it.
+    /// Title on the page.
     pub title: &'static str,
-    /// Whether it is of nodes and bonds that can break; else of particles.
+    /// Whether the model has nodes and bonds that can break; else it has particles.
     pub bonded: bool,
     /// What can be chosen of it.
     pub offers: Offers,
@@ -41,14 +42,14 @@ impl Registered {
     }
 }
 
-/// Of models of particles in a box.
+/// Options of the models with particles in a box.
 const PARTICLES: Offers = Offers {
     boxes: Some(Boxes {
         least: 7,
         usual: 13,
         most: 31,
     }),
-    binding: Some(Shares {
+    binding: Some(OccupancyFractions {
         least: 0.0,
         usual: 0.0,
         most: 2.0,
@@ -120,7 +121,7 @@ pub const MODELS: &[Registered] = &[
         bonded: false,
         offers: Offers {
             boxes: None,
-            binding: Some(Shares {
+            binding: Some(OccupancyFractions {
                 least: 0.01,
                 usual: 0.3,
                 most: 2.0,
@@ -140,7 +141,7 @@ pub const MODELS: &[Registered] = &[
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("deformation model {given:?} given; allowed: {allowed}")]
 pub struct UnknownModel {
-    /// As given.
+    /// The name given.
     pub given: String,
     /// The names of [`MODELS`].
     pub allowed: String,

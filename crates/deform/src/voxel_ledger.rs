@@ -1,7 +1,7 @@
-//! What a voxel is at rest: its matter before a model moved anything.
+//! What a voxel is at rest: its tissue before a model moved anything.
 //!
 //! The voxels of a session are the true ones, those that the model itself moved among them. A
-//! ledger keeps what these were, so that matter comes back to the bit, and notices where
+//! ledger keeps what these were, so that tissue comes back to the bit, and notices where
 //! somebody else has changed them since: that counts from then on.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,35 +10,35 @@ use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
-use crate::material::{Materials, Region, SegmentMatter, Solid, Treatment};
+use crate::material::{Materials, Region, SegmentMaterial, Solid, Treatment};
 
 /// Voxels along a side of what one edit covers, at most: it looks at each in between.
 const WIDEST: u32 = 128;
 
 /// What a voxel is as the scan and all edits say.
-pub fn matter_of(voxels: &Voxels, voxel: IVec3) -> Option<Matter> {
+pub fn state_of(voxels: &Voxels, voxel: IVec3) -> Option<VoxelState> {
     let stored = voxels.stored(voxel)?;
     let holds = voxels
         .segments()
         .filter(|(_, segment)| segment.contains(voxel));
-    Some(Matter {
+    Some(VoxelState {
         stored,
         segments: holds.map(|(id, _)| id).collect::<SegmentSet>(),
     })
 }
 
-/// The solid of some matter and how it takes part; none where nothing of it does. The last of
+/// The solid of some tissue and how it takes part; none where nothing of it does. The last of
 /// the materials that holds it counts.
 pub fn solid_of(
     voxels: &Voxels,
     materials: &Materials,
     voxel: IVec3,
-    matter: &Matter,
+    matter: &VoxelState,
 ) -> Option<(Solid, Treatment)> {
-    let holds = |of: &&SegmentMatter| matter.segments.contains(of.segment);
+    let holds = |of: &&SegmentMaterial| matter.segments.contains(of.segment);
     let of = materials.segments.iter().rev().find(holds)?;
     let inside = |region: &Region| match region {
         Region::Whole => true,
@@ -54,35 +54,35 @@ pub fn solid_of(
 /// A voxel that the model changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Changed {
-    /// As it is at rest.
-    pub rest: Matter,
-    /// As it was before the model's last edit of it.
-    pub before: Matter,
-    /// As the model wrote it.
-    pub written: Matter,
-    /// How far the matter that it shows has come from rest [voxels]; none where it shows none.
+    /// State at rest.
+    pub rest: VoxelState,
+    /// State before the model's last edit of it.
+    pub before: VoxelState,
+    /// State that the model wrote.
+    pub written: VoxelState,
+    /// How far the tissue that it shows has come from rest [voxels]; none where it shows none.
     pub shown: Option<DVec3>,
 }
 
 impl Changed {
     /// Whether the voxel is as the model knows it. An edit that is not yet admitted has changed
     /// nothing.
-    fn explains(&self, now: &Matter) -> bool {
+    fn explains(&self, now: &VoxelState) -> bool {
         *now == self.written || *now == self.before
     }
 }
 
-/// What a voxel is to be, and how far the matter that it then shows has come from rest
+/// What a voxel is to be, and how far the tissue that it then shows has come from rest
 /// [voxels]; none where it shows none.
-pub type Wanted = BTreeMap<[i32; 3], (Matter, Option<DVec3>)>;
+pub type Wanted = BTreeMap<[i32; 3], (VoxelState, Option<DVec3>)>;
 
 /// All voxels that the model changed and has not given back, by their place.
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     changed: BTreeMap<[i32; 3], Changed>,
-    /// Of these, those that stay as they are although no tool presses them.
-    lasting: BTreeSet<[i32; 3]>,
-    last: Option<(IVec3, Matter)>,
+    /// Those of them that stay displaced although no tool presses them (plastic set).
+    plastic: BTreeSet<[i32; 3]>,
+    last: Option<(IVec3, VoxelState)>,
 }
 
 impl Ledger {
@@ -104,27 +104,27 @@ impl Ledger {
         self.changed.len()
     }
 
-    /// Of these, voxels that stay so.
-    pub fn lasting_len(&self) -> usize {
-        self.lasting.len()
+    /// Number of voxels with plastic set.
+    pub fn plastic_len(&self) -> usize {
+        self.plastic.len()
     }
 
     /// Notes that what the voxels of a region show stays, as no tool presses it.
-    pub fn note_lasting(&mut self, region: &VoxelBox) {
-        self.lasting
+    pub fn note_plastic(&mut self, region: &VoxelBox) {
+        self.plastic
             .retain(|key| !region.contains(IVec3::from_array(*key)));
         let stays = |(key, changed): &(&[i32; 3], &Changed)| {
             region.contains(IVec3::from_array(**key)) && changed.written != changed.rest
         };
         let stay = self.changed.iter().filter(stays).map(|(key, _)| *key);
-        self.lasting.extend(stay);
+        self.plastic.extend(stay);
     }
 
     /// Notes that what the voxels show stays which a box leaves. Some of them become what is
     /// wanted, which may be what they are at rest; the others stay as they are.
     pub fn note_left(&mut self, voxels: &Voxels, left: impl Fn(IVec3) -> bool, wanted: &Wanted) {
         let in_left = |key: &[i32; 3]| left(IVec3::from_array(*key));
-        self.lasting.retain(|key| !in_left(key));
+        self.plastic.retain(|key| !in_left(key));
         let keys = self.changed.keys().chain(wanted.keys());
         let stays = |key: &&[i32; 3]| {
             let rest = self.rest(voxels, IVec3::from_array(**key));
@@ -132,35 +132,35 @@ impl Ledger {
             in_left(key) && to_be.is_none_or(|to_be| rest != Some(to_be))
         };
         let stay: Vec<_> = keys.filter(stays).copied().collect();
-        self.lasting.extend(stay);
+        self.plastic.extend(stay);
     }
 
     /// From now on voxels that stay as they are count as they are, as any other edit does.
-    pub fn settle_lasting(&mut self) {
-        for key in std::mem::take(&mut self.lasting) {
+    pub fn settle_plastic(&mut self) {
+        for key in std::mem::take(&mut self.plastic) {
             self.changed.remove(&key);
         }
     }
 
     /// One of the voxels that the last edit changes, and what to; none where there was no edit.
-    pub fn last_written(&self) -> Option<(IVec3, Matter)> {
+    pub fn last_written(&self) -> Option<(IVec3, VoxelState)> {
         self.last
     }
 
     /// What a voxel is at rest. Where somebody else has changed it since, that counts.
-    pub fn rest(&self, voxels: &Voxels, voxel: IVec3) -> Option<Matter> {
-        let now = matter_of(voxels, voxel)?;
+    pub fn rest(&self, voxels: &Voxels, voxel: IVec3) -> Option<VoxelState> {
+        let now = state_of(voxels, voxel)?;
         let changed = self.changed(voxel).filter(|changed| changed.explains(&now));
         Some(changed.map_or(now, |changed| changed.rest))
     }
 
     /// Forgets what somebody else has changed since, and tells it: where, what the model had
     /// made of it, and what it is now.
-    pub fn take_overruled(&mut self, voxels: &Voxels) -> Vec<(IVec3, Changed, Matter)> {
+    pub fn take_overruled(&mut self, voxels: &Voxels) -> Vec<(IVec3, Changed, VoxelState)> {
         let mut overruled = Vec::new();
         self.changed.retain(|key, changed| {
             let voxel = IVec3::from_array(*key);
-            let now = matter_of(voxels, voxel);
+            let now = state_of(voxels, voxel);
             let stays = now.is_none_or(|now| changed.explains(&now));
             if let (false, Some(now)) = (stays, now) {
                 overruled.push((voxel, *changed, now));
@@ -170,12 +170,12 @@ impl Ledger {
         overruled
     }
 
-    /// Follows what somebody else has changed since. Matter that was cut where it stands is gone
+    /// Follows what somebody else has changed since. Tissue that was cut where it stands is gone
     /// where it was at rest, and what stood here at rest stays elsewhere. Whatever else was put
     /// into a voxel counts from now on.
     pub fn follow_cuts(&mut self, voxels: &Voxels) {
         for (voxel, mut changed, now) in self.take_overruled(voxels) {
-            let lasts = self.lasting.remove(&voxel.to_array());
+            let lasts = self.plastic.remove(&voxel.to_array());
             if now == changed.rest || !now.segments.is_empty() {
                 continue;
             }
@@ -183,18 +183,18 @@ impl Ledger {
             (changed.before, changed.written, changed.shown) = (now, now, None);
             if from != Some(voxel) {
                 self.changed.insert(voxel.to_array(), changed);
-                self.lasting.extend(lasts.then(|| voxel.to_array()));
+                self.plastic.extend(lasts.then(|| voxel.to_array()));
             }
             if let Some(from) = from.filter(|from| *from != voxel) {
                 self.change_rest(voxels, from, now);
-                self.lasting.extend(lasts.then(|| from.to_array()));
+                self.plastic.extend(lasts.then(|| from.to_array()));
             }
         }
     }
 
     /// Has a voxel be something else at rest than it was; the next edit shows it.
-    fn change_rest(&mut self, voxels: &Voxels, voxel: IVec3, rest: Matter) {
-        let Some(now) = matter_of(voxels, voxel) else {
+    fn change_rest(&mut self, voxels: &Voxels, voxel: IVec3, rest: VoxelState) {
+        let Some(now) = state_of(voxels, voxel) else {
             return;
         };
         let as_it_is = Changed {
@@ -211,7 +211,7 @@ impl Ledger {
     pub fn give_back_outside(&self, voxels: &Voxels, region: &VoxelBox, wanted: &mut Wanted) {
         for key in self.changed.keys() {
             let voxel = IVec3::from_array(*key);
-            if region.contains(voxel) || self.lasting.contains(key) {
+            if region.contains(voxel) || self.plastic.contains(key) {
                 continue;
             }
             if let Some(rest) = self.rest(voxels, voxel) {
@@ -227,14 +227,14 @@ impl Ledger {
         self.last = None;
         for (&key, &(matter, shown)) in wanted {
             let voxel = IVec3::from_array(key);
-            let (Some(rest), Some(before)) = (self.rest(voxels, voxel), matter_of(voxels, voxel))
+            let (Some(rest), Some(before)) = (self.rest(voxels, voxel), state_of(voxels, voxel))
             else {
                 continue;
             };
             if matter == before {
                 if matter == rest {
                     self.changed.remove(&key);
-                    self.lasting.remove(&key);
+                    self.plastic.remove(&key);
                 }
                 continue;
             }
@@ -255,7 +255,7 @@ impl Ledger {
                 },
             );
         }
-        let edit = voxels.matter_edit(&region, |voxel, was| {
+        let edit = voxels.voxel_edit(&region, |voxel, was| {
             let here = wanted.get(&voxel.to_array());
             here.map_or(was, |(matter, _)| *matter)
         });

@@ -2,8 +2,8 @@
 //! damped until they stand still.
 
 use glam::{DVec3, IVec3};
-use palpate_deform::integrator::VelocityVerlet;
 use palpate_deform::particles::calibration::{LatticeKind, LatticeScale, cuboid_modulus};
+use palpate_deform::particles::integrator::VelocityVerlet;
 use palpate_deform::particles::lattices::cubes;
 use palpate_deform::particles::local_model::LocalLaw;
 use palpate_deform::particles::{

@@ -2,7 +2,7 @@
 //! particles take tens of thousands of voxels along.
 
 use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};
-use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::material::{Materials, SegmentMaterial, preset};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -13,7 +13,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-/// Voxels of the scan along each axis, and the face of the matter in it.
+/// Voxels of the scan along each axis, and the face of the tissue in it.
 const SIZE: UVec3 = UVec3::new(120, 110, 84);
 const TOP: i32 = 68;
 /// Of the ball [voxels].
@@ -22,7 +22,7 @@ const ITERATIONS: u32 = 40;
 /// Voxels that an answer looks at and works out anew, and nodes that it tells, at most.
 const LOOKED_AT: u64 = 32 * 4096;
 const FOLLOWED: u64 = 6_000 + 4_096;
-const TOLD: usize = 28 * 28 * 28;
+const REPORTED: usize = 28 * 28 * 28;
 /// Voxels along each edge of what an answer changes, at most.
 const CHANGED: u32 = 48;
 
@@ -46,7 +46,7 @@ impl Scan {
             .add_segment(Segment::from_fn(SIZE, solid))
             .expect("its grid");
         let law = preset("liver").and_then(|preset| preset.law());
-        let matter = SegmentMatter {
+        let matter = SegmentMaterial {
             segment,
             law: law.expect("liver is a preset"),
             regions: Vec::new(),
@@ -84,7 +84,7 @@ impl Scan {
         assert!(effort.followed <= FOLLOWED, "{effort:?}");
         assert!(effort.evaluations <= u64::from(ITERATIONS) + 1);
         let told = answer.displacement.as_ref();
-        assert!(told.is_none_or(|field| field.moved.len() <= TOLD));
+        assert!(told.is_none_or(|field| field.moved.len() <= REPORTED));
         if let Some(edit) = answer.edit.clone() {
             assert!(
                 edit.dirty.size().max_element() <= CHANGED,
@@ -152,9 +152,9 @@ fn what_somebody_else_changes_while_voxels_follow_counts() {
     for step in 0..12 {
         scan.answer(50.0, f64::from(step));
     }
-    // a hole below the ball, in matter that has moved
+    // a hole below the ball, in tissue that has moved
     let hole = VoxelBox::new(IVec3::new(46, 51, 44), IVec3::new(54, 59, 52));
-    let cut = scan.voxels.matter_edit(&hole, |_, mut matter| {
+    let cut = scan.voxels.voxel_edit(&hole, |_, mut matter| {
         (matter.stored, matter.segments) = (-1000, Default::default());
         matter
     });
@@ -169,7 +169,7 @@ fn what_somebody_else_changes_while_voxels_follow_counts() {
     assert_eq!(moved, 0, "left after {answers} answers");
     let mut inside = hole.voxels();
     assert!(inside.all(|v| Scan::look(&scan.voxels, v) == Scan::look(&untouched, v)));
-    // matter that had moved away from there is back around it
+    // tissue that had moved away from there is back around it
     let beside = IVec3::new(50, 55, 60);
     assert!(Scan::look(&scan.voxels, beside).1);
 }

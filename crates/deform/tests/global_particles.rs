@@ -1,7 +1,7 @@
 //! The thesis' global prototype: coarse particles through a whole segment.
 
 use glam::{DMat3, DQuat, DVec3, UVec3};
-use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::material::{Materials, SegmentMaterial, preset};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -43,7 +43,7 @@ fn block(dimensions: UVec3) -> (Voxels, Materials) {
     (
         voxels,
         Materials {
-            segments: vec![SegmentMatter {
+            segments: vec![SegmentMaterial {
                 segment,
                 law,
                 regions: Vec::new(),

@@ -1,10 +1,10 @@
-//! What an answer of the lattice costs, by counts: a ball that slides over soft matter.
+//! What an answer of the lattice costs, by counts: a ball that slides over soft tissue.
 
 use std::time::{Duration, Instant};
 
 use glam::{DMat3, DQuat, DVec3, UVec3};
 use palpate_deform::lattice::{LatticeModel, LatticeSettings};
-use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, SolidSi};
+use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, SolidSi};
 use palpate_deform::model::{
     Budget, DeformationModel, Effort, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -21,7 +21,7 @@ const WAY: f64 = 0.5;
 /// How far the box lets the tool go before it follows [nodes].
 const LEASH: u64 = 3;
 
-/// Soft matter up to half the height, and its materials.
+/// Soft tissue up to half the height, and its materials.
 fn body() -> (Voxels, Materials) {
     let size = UVec3::new(80, 40, 40);
     let grid = Grid::new(size, DVec3::ONE, DVec3::splat(0.5), DMat3::IDENTITY).expect("a grid");
@@ -38,7 +38,7 @@ fn body() -> (Voxels, Materials) {
         friction: 0.0,
     };
     let materials = Materials {
-        segments: vec![SegmentMatter {
+        segments: vec![SegmentMaterial {
             segment: id,
             law: MaterialLaw::constant(solid).expect("matter"),
             regions: Vec::new(),

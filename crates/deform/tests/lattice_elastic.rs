@@ -3,7 +3,7 @@
 use crate::support::{ball, block, half_space, press, solid};
 use glam::{DMat3, DVec3, UVec3};
 use palpate_deform::lattice::{
-    Border, Lattice, LatticeModuli, LatticeTool, NodeMatter, RelaxReport, RelaxSettings, Relaxer,
+    Border, Lattice, LatticeModuli, LatticeTool, NodeMaterial, RelaxReport, RelaxSettings, Relaxer,
 };
 
 /// Compresses a block of `count`³ nodes between plates without friction by a thousandth, and
@@ -104,8 +104,8 @@ fn forces_are_the_gradient_of_the_energy() {
             load: DVec3::splat(2.0),
         },
         |node| match node.z {
-            ..4 => NodeMatter::Deformable(solid(0.4)),
-            _ => NodeMatter::Empty,
+            ..4 => NodeMaterial::Deformable(solid(0.4)),
+            _ => NodeMaterial::Empty,
         },
     );
     let nodes: Vec<usize> = lattice.matter_nodes().collect();

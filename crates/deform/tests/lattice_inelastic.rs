@@ -3,7 +3,7 @@
 use crate::support::{block, solid};
 use glam::{DVec3, UVec3};
 use palpate_deform::lattice::{
-    Border, Inelastic, InelasticSettings, Lattice, NodeMatter, Prony, RelaxSettings, Relaxer,
+    Border, Inelastic, InelasticSettings, Lattice, NodeMaterial, Prony, RelaxSettings, Relaxer,
 };
 use palpate_deform::material::Solid;
 
@@ -125,8 +125,8 @@ fn bodies_that_are_not_bonded_push_each_other() {
     let mut lattice = Lattice::new(size, 1.0, Border::Free, |node| {
         let inside = node.cmpge(glam::IVec3::ZERO).all() && node.cmplt(size.as_ivec3()).all();
         match inside && node.z != 3 {
-            true => NodeMatter::Deformable(solid(0.25)),
-            false => NodeMatter::Empty,
+            true => NodeMaterial::Deformable(solid(0.25)),
+            false => NodeMaterial::Empty,
         }
     });
     let layout = *lattice.layout();

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};
 use palpate_deform::lattice::{LatticeModel, LatticeSettings};
-use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, preset};
+use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, preset};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -40,7 +40,7 @@ fn body(skin: i32) -> (Voxels, Materials) {
         (add(&|voxel| voxel.z < top - skin), "fat"),
         (add(&|voxel| (top - skin..top).contains(&voxel.z)), "skin"),
     ];
-    let matter = |(segment, name): (_, &str)| SegmentMatter {
+    let matter = |(segment, name): (_, &str)| SegmentMaterial {
         segment,
         law: law(name),
         regions: Vec::new(),

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
-use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, SolidSi, Treatment};
+use palpate_deform::material::{
+    MaterialLaw, Materials, Region, SegmentMaterial, SolidSi, Treatment,
+};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ToolShape, ToolState,
 };
@@ -38,7 +40,7 @@ fn body(spacing: DVec3) -> (Voxels, SegmentId, f64) {
 fn made_of(id: SegmentId, solid: SolidSi, regions: Vec<(Region, Treatment)>) -> Materials {
     let law = MaterialLaw::constant(solid).expect("matter");
     Materials {
-        segments: vec![SegmentMatter {
+        segments: vec![SegmentMaterial {
             segment: id,
             law,
             regions,
@@ -139,7 +141,7 @@ fn flat_voxels_carry_the_same_force_as_cubes() {
         .z
     };
     let (cubes, flat) = (press(DVec3::ONE), press(DVec3::new(0.6, 0.6, 3.0)));
-    // the body is the same, and nodes stand in the same matter but for rounding at the surface
+    // the body is the same, and nodes stand in the same tissue but for rounding at the surface
     assert!((flat / cubes - 1.0).abs() < 0.02, "{cubes} {flat}");
 }
 

@@ -98,7 +98,7 @@ fn the_stiffness_that_is_told_is_the_one_of_the_next_step_also_over_bone() {
         let mut relaxer = Relaxer::default();
         let tool = |deep: f64| ball(15, deep, 0.0);
         let (force, _) = press(&mut relaxer, &mut lattice, tool(0.8), 1e-6, 2000);
-        let told = relaxer.stiffness(&mut lattice, &[tool(0.8)], 0, (40, &|| false));
+        let told = relaxer.stiffness(&mut lattice, &[tool(0.8)], 0, 40, &|| false);
         // it left all as it was
         assert_eq!(relaxer.felt()[0].force, force);
         let (more, _) = press(&mut relaxer, &mut lattice, tool(0.85), 1e-6, 2000);

@@ -246,7 +246,7 @@ fn what_voxels_do_not_show_is_near_them_also_at_the_walls_of_a_dent() {
             farthest = farthest.max(here);
         }
         // a face is up to 0.65 voxels beside where they show it, and a node beyond it goes on from
-        // the matter before it through that
+        // the tissue before it through that
         let most = 2.2 * spacing.max_element() as f32;
         assert!(farthest <= most, "{farthest} mm beside voxels of {spacing}");
     }

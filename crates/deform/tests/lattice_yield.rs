@@ -1,4 +1,4 @@
-//! Matter that yields stays as it was pressed: under the box, behind it, and when it comes back.
+//! Tissue that yields stays as it was pressed: under the box, behind it, and when it comes back.
 
 use crate::model_support::{Bench, LIVER, RADIUS, TOP};
 use glam::{DVec3, IVec3};
@@ -58,7 +58,7 @@ fn a_dent_stays_as_deep_as_the_yield_strain_leaves_it() {
         let lifted = way(&mut bench, above(LEFT) + DEEP, above(LEFT) + CLEAR);
         assert!(!lifted.report.comes_back(), "{strain:?}");
         assert_eq!(lifted.report.moved_voxels, bench.changed(&whole));
-        lifted.report.lasting_voxels
+        lifted.report.plastic_voxels
     });
     assert_eq!(dents[0], 0, "elastic matter comes back");
     assert!(dents[1] > 20 && dents[2] > 2 * dents[1], "{dents:?}");
@@ -153,7 +153,7 @@ fn what_yielded_stays_after_a_reset_and_elastic_dents_come_back() {
     assert!(dent > 20, "{dent}");
     // what stays is the body now: nothing of it is the model's any more
     let report = bench.advance(above(LEFT) + CLEAR).report;
-    assert_eq!((report.moved_voxels, report.lasting_voxels), (0, 0));
+    assert_eq!((report.moved_voxels, report.plastic_voxels), (0, 0));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What matter is made of: checks at the door, functions of HU, presets.
+//! Elastic constants of tissue: checks of what is given, functions of HU, presets.
 
 use palpate_deform::material::{
     MaterialError, MaterialLaw, PRESETS, SolidSi, pair_stiffness, preset,

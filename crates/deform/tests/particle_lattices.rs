@@ -35,7 +35,7 @@ fn the_energy_of_a_large_fcc_lattice_approaches_the_known_sum() {
     };
     let sums = pair_forces(&law, &mut particles, &list, options);
 
-    // the tail beyond the cut, as for matter spread evenly: √2 · 2π ∫ (−2 r⁻⁶) r² dr
+    // the tail beyond the cut, as for tissue spread evenly: √2 · 2π ∫ (−2 r⁻⁶) r² dr
     let tail = -std::f64::consts::SQRT_2 * std::f64::consts::TAU * 2.0 / (3.0 * cut.powi(3));
     let expected = 0.5 * (12.131_88 - 2.0 * 14.453_92);
     let energy = sums.energy / particles.len() as f64 + tail;

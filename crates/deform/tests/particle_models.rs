@@ -94,7 +94,7 @@ fn what_was_pressed_comes_back_when_the_tool_leaves_to_the_bit() {
                 .count();
         }
         assert!(changed > 4, "{name}: pressing changed {changed} voxels");
-        // voxels that matter left read air, and are in no segment
+        // voxels that tissue left read air, and are in no segment
         let empty = picture(&voxels)
             .iter()
             .zip(&untouched)
@@ -102,7 +102,7 @@ fn what_was_pressed_comes_back_when_the_tool_leaves_to_the_bit() {
             .count();
         assert!(empty > 0, "{name}: nothing gave way");
 
-        // the tool goes up, matter follows, then the tool leaves
+        // the tool goes up, tissue follows, then the tool leaves
         let away = ball(&voxels, -8.0);
         for _ in 0..3 {
             advance(&mut *model, &mut voxels, &materials, &[away], 100);
@@ -175,11 +175,11 @@ fn matter_that_a_drill_takes_away_does_not_come_back() {
         }
         // a hole beside the tool, made by somebody else
         let hole = VoxelBox::new(IVec3::new(17, 13, TOP - 2), IVec3::new(19, 17, TOP));
-        let empty = palpate_volume::voxel_state::Matter {
+        let empty = palpate_volume::voxel_state::VoxelState {
             stored: -1000,
             segments: Default::default(),
         };
-        let edit = voxels.matter_edit(&hole, |_, _| empty);
+        let edit = voxels.voxel_edit(&hole, |_, _| empty);
         voxels.apply(edit).unwrap();
         let away = ball(&voxels, -8.0);
         for _ in 0..3 {

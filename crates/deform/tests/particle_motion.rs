@@ -2,10 +2,10 @@
 #![expect(clippy::unwrap_used, reason = "a test stops where a law is refused")]
 
 use glam::{DVec3, IVec3};
-use palpate_deform::integrator::{Fire, TimeScale, VelocityVerlet};
 use palpate_deform::material::{MaterialLaw, preset};
 use palpate_deform::particles::calibration::{Calibration, FADE, LatticeKind, LatticeScale};
 use palpate_deform::particles::elasticity::{CubicModuli, fcc_offsets};
+use palpate_deform::particles::integrator::{Fire, TimeScale, VelocityVerlet};
 use palpate_deform::particles::lattices::{FCC_CHI, fcc};
 use palpate_deform::particles::limits::cuboid_heat;
 use palpate_deform::particles::{

@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use crate::liver::{H, SIDE, TOP, advance, ball, force, models, picture, scan};
 use glam::{DMat3, DQuat, DVec3, UVec3};
-use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, Treatment, preset};
+use palpate_deform::material::{
+    MaterialLaw, Materials, Region, SegmentMaterial, Treatment, preset,
+};
 use palpate_deform::model::{Budget, DeformationModel, ModelInput, ToolShape, ToolState};
 use palpate_deform::particles::calibration::{LatticeKind, LatticeScale};
 use palpate_deform::particles::{FadedLaw, LocalModel, LocalSettings, Motion};
@@ -69,7 +71,7 @@ fn absurd_tools_and_settings_give_no_force_and_no_panic() {
                 assert!(force(&answer).is_finite(), "{name}: {tool:?}");
             }
         }
-        // a tool deep inside matter at once
+        // a tool deep inside tissue at once
         let deep = ball(&voxels, 6.0);
         let answer = advance(&mut *model, &mut voxels, &materials, &[deep], 200);
         assert!(force(&answer).is_finite(), "{name}");
@@ -302,7 +304,7 @@ fn laws_by_intensity_make_denser_bone_stiffer() {
         let segment = voxels.add_segment(segment).unwrap();
         let law: MaterialLaw = preset("thesis-bone").unwrap().law().unwrap();
         let materials = Materials {
-            segments: vec![SegmentMatter {
+            segments: vec![SegmentMaterial {
                 segment,
                 law,
                 regions: Vec::new(),

@@ -1,8 +1,8 @@
 //! Tools among particles, and how particles come to rest.
 
 use glam::{DMat3, DQuat, DVec3, IVec3};
-use palpate_deform::integrator::Fire;
 use palpate_deform::particles::calibration::FADE;
+use palpate_deform::particles::integrator::Fire;
 use palpate_deform::particles::lattices::{FCC_CHI, fcc};
 use palpate_deform::particles::tool_push::{ParticleTool, ToolLaw};
 use palpate_deform::particles::{FadedLaw, PairOptions, ParticleSystem, Particles, Site, Space};
@@ -106,7 +106,7 @@ fn no_place_gives_a_push_that_is_no_number() {
     }
 }
 
-/// Steps of FIRE until a shaken crystal has its energy back; half of it of other matter.
+/// Steps of FIRE until a shaken crystal has its energy back; half of it of other tissue.
 fn steps_to_rest(softer: f64) -> u32 {
     let places = fcc(IVec3::splat(5), FCC_CHI);
     let side = 5.0 * FCC_CHI * std::f64::consts::SQRT_2;

@@ -34,7 +34,7 @@ pub enum PathError {
     NotRising {
         /// Which sample.
         index: usize,
-        /// Its time [s].
+        /// Time of the sample [s].
         time: f64,
         /// Time of the sample before it [s].
         before: f64,

@@ -187,7 +187,7 @@ impl SimulatedDevice {
         })
     }
 
-    /// What it is made of.
+    /// Settings of the device.
     pub fn settings(&self) -> &SimulatedSettings {
         &self.settings
     }

@@ -6,9 +6,9 @@ use palpate_tools::journal::JournalError;
 use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
-use crate::scene::cut::MOST_POINTS;
-use crate::servo::mapping::ViewError;
-use crate::touch::settings::SettingsError;
+use crate::scene::MOST_POINTS;
+use crate::servo::ViewError;
+use crate::touch::SettingsError;
 
 /// Why a session does not do what it is asked for.
 #[derive(Debug, thiserror::Error)]

@@ -2,7 +2,19 @@
 //!
 //! Four threads (device, servo, simulation, picture) hand over latest values and queues without
 //! ever waiting for one another; the same loops can be stepped offline, deterministically. This
-//! is the only crate that knows all others; it will not depend on Python or on the page.
+//! is the only crate that knows all others below it; it will not depend on Python or on the page.
+//!
+//! Each folder shows its names by itself, and uses folders further down this list only
+//! (`scripts/check_arrows.py`):
+//!
+//! - `scenario`: tools that are driven without a device;
+//! - `session`: a scan that is touched, from start to stop: configuration, threads, requests;
+//! - `simulation`: the owner of the true voxels: edits, objects, tools, undo, the journal on disk;
+//! - `picture`: frames and surfaces; `error`: what can go wrong;
+//! - `deformable`: soft tissue; `replay`: recordings, and computing them again;
+//! - `scene`: segments with their properties; `servo`: a tick of force, the device, the channels;
+//! - `touch`: what is touched, how it feels, what is admitted; `threads`: clock, pace, priority;
+//! - `notice`: sentences for the person.
 //!
 //! Frames: points in the scene, LPS mm, unless a name says otherwise; forces N, times s.
 

@@ -11,9 +11,8 @@ mod common;
 
 use common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::picture::frame::Frame;
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_engine::picture::Frame;
+use palpate_engine::session::{Reference, Session, SessionConfig};
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);

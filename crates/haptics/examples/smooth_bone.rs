@@ -196,18 +196,27 @@ fn main() {
                 black_box(Exact::default().advance(scene, path[update], &mut proxy));
             }
         });
-        let tick = |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut _, shares| {
-            let met = Exact::default().advance(&scene, device, proxy);
-            let fields = cache.near(&scene, Source { epoch: 1, shares }, proxy, device);
-            let input = SmoothInput {
-                proxy,
-                device_in_grid: device,
-                contact: &met,
+        let tick =
+            |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut _, fractions| {
+                let met = Exact::default().advance(&scene, device, proxy);
+                let fields = cache.near(
+                    &scene,
+                    Source {
+                        epoch: 1,
+                        fractions,
+                    },
+                    proxy,
+                    device,
+                );
+                let input = SmoothInput {
+                    proxy,
+                    device_in_grid: device,
+                    contact: &met,
+                };
+                let contact = Smoother::default().contact_point(&fields, &grid, &input, state);
+                (met, contact)
             };
-            let contact = Smoother::default().contact_point(&fields, &grid, &input, state);
-            (met, contact)
-        };
-        let [bits, intensities] = [false, true].map(|shares| {
+        let [bits, intensities] = [false, true].map(|fractions| {
             time(|| {
                 let (mut proxy, mut state) = (first, SmoothState::default());
                 let mut cache = SmoothCache::default();
@@ -218,7 +227,7 @@ fn main() {
                         &mut proxy,
                         path[update],
                         &mut state,
-                        shares,
+                        fractions,
                     ));
                 }
             })
@@ -234,7 +243,7 @@ fn main() {
             "complete tick without smoothing, by bits, by intensities {:.0?} ns",
             ticks.map(|seconds| seconds * 1e9)
         );
-        for (name, shares) in [("bits", false), ("intensities", true)] {
+        for (name, fractions) in [("bits", false), ("intensities", true)] {
             let mut cache = SmoothCache::default();
             let (mut proxy, mut state) = (first, SmoothState::default());
             let mut before = [DVec3::ZERO; 2];
@@ -246,7 +255,7 @@ fn main() {
             let [mut limited, mut touching, mut weight, mut samples] = [0.0; 4];
             for device in &path {
                 let clock = Instant::now();
-                let (met, contact) = tick(&mut cache, &mut proxy, *device, &mut state, shares);
+                let (met, contact) = tick(&mut cache, &mut proxy, *device, &mut state, fractions);
                 times.push(clock.elapsed().as_secs_f64() * 1e6);
                 let hard = (proxy.point() - *device) * SPACING;
                 let now = [hard, contact.offset];

@@ -79,7 +79,7 @@ fn follow(strokes: &[(Segment, Path)], grid: &Grid, depth: f64) -> [Figures; 2] 
                 &scene,
                 Source {
                     epoch: 0,
-                    shares: false,
+                    fractions: false,
                 },
                 &proxy,
                 in_grid,

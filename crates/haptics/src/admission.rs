@@ -33,7 +33,8 @@ const VOXELS: usize = (EDGE * EDGE * EDGE) as usize;
 /// Most voxels that one admission reads, in either occupancy.
 pub const ADMISSION_VISITS: u32 = 2 * VOXELS as u32;
 
-/// The same with objects near; where they are used up the change is held.
+/// Most voxels read by one question of admission with objects near; where they are used up the
+/// change is held.
 pub const SCENE_ADMISSION_VISITS: u32 = 65_536;
 
 /// What became of a change.

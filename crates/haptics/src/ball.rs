@@ -53,7 +53,7 @@ impl Ball {
         }
     }
 
-    /// Its shape.
+    /// The shape of the ball.
     pub fn shape(&self) -> &BallShape {
         &self.shape
     }
@@ -65,13 +65,13 @@ impl Ball {
         self.invalidate();
     }
 
-    /// Whether it blocks just the solid voxels themselves.
+    /// Whether the ball has no reach: it blocks the solid voxels only, like a point.
     #[inline]
     pub fn is_point(&self) -> bool {
         self.is_point
     }
 
-    /// The occupancy is another one now.
+    /// Forgets all cells: the occupancy is another one now.
     pub fn invalidate(&mut self) {
         self.cache.invalidate();
     }

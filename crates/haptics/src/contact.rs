@@ -68,7 +68,7 @@ pub struct ForceInput<'a> {
     pub device_in_grid: DVec3,
     /// p₂: the proxy after the tick, grid.
     pub proxy_in_grid: DVec3,
-    /// What it met.
+    /// What the proxy met.
     pub contact: &'a Contact,
     /// k [N/mm].
     pub stiffness: f64,

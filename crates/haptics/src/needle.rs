@@ -21,7 +21,6 @@
 //! forces for robot-assisted percutaneous therapy", ICRA 2002: the stiffness' second power.
 
 use glam::DVec3;
-use palpate_volume::grid::Grid;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
@@ -36,9 +35,9 @@ pub mod shaft;
 pub mod tissues;
 pub mod track;
 
-use events::{EventKind, Events};
+use events::{EventKind, Events, NeedleEvent};
 use insertion::Insertion;
-use tissues::{Layered, Matter, Tissues, World};
+use tissues::{Layered, NeedleScan, TissueMap, Tissues, World};
 use track::{Line, Track};
 
 /// Farther than this no hand is [mm].
@@ -103,7 +102,7 @@ pub struct NeedleForces {
 pub struct Needle {
     on: bool,
     tissues: Tissues,
-    /// For the next insertion.
+    /// Tissues for the next insertion.
     wanted: Tissues,
     insertion: Option<Insertion>,
     forces: NeedleForces,
@@ -139,19 +138,19 @@ impl Needle {
         self.insertion.as_ref()
     }
 
-    /// What it can puncture.
+    /// Tissues that the needle can puncture.
     #[must_use]
     pub fn tissues(&self) -> &Tissues {
         &self.tissues
     }
 
-    /// What holds it.
+    /// Forces that hold the needle.
     #[must_use]
     pub fn forces(&self) -> NeedleForces {
         self.forces
     }
 
-    /// What happened to it.
+    /// Events of the needle.
     #[must_use]
     pub fn events(&self) -> &Events {
         &self.events
@@ -167,8 +166,7 @@ impl Needle {
     /// Forgets where it is in: the probe jumps.
     pub fn forget(&mut self) {
         if self.insertion.is_some_and(|insertion| !insertion.is_out()) {
-            let at = (self.time, 0.0, 0.0);
-            self.events.note(EventKind::Withdrawn, 0, at);
+            self.events.note(NeedleEvent::withdrawn(self.time));
         }
         self.end();
         self.last = None;
@@ -186,8 +184,7 @@ impl Needle {
     pub fn lead(
         &mut self,
         input: &NeedleInput,
-        grid: &Grid,
-        matter: &impl Matter,
+        scan: NeedleScan<'_, impl TissueMap>,
     ) -> Option<DVec3> {
         self.tool = None;
         if !input.is_known() {
@@ -196,18 +193,16 @@ impl Needle {
         let insertion = self.insertion.as_mut()?;
         let was_out = insertion.is_out();
         let world = World {
-            grid,
-            matter,
+            scan,
             tissues: &self.tissues,
         };
         let (tool, forces) = insertion.advance(input, &world, &mut self.events);
         self.forces = forces;
         if insertion.is_out() {
             if !was_out {
-                self.events
-                    .note(EventKind::Withdrawn, 0, (input.time, 0.0, 0.0));
+                self.events.note(NeedleEvent::withdrawn(input.time));
             }
-            if !matter.is_open() {
+            if !scan.map.is_open() {
                 self.end();
                 return None;
             }
@@ -222,7 +217,7 @@ impl Needle {
         &mut self,
         input: &NeedleInput,
         holder: Option<u8>,
-        world: (&Grid, &impl Matter),
+        scan: NeedleScan<'_, impl TissueMap>,
         output: &mut TickOutput,
     ) {
         if !self.is_felt() && self.last.is_none() {
@@ -236,7 +231,7 @@ impl Needle {
         }
         let (coupling, wanted) = match self.tool {
             Some(tool) => (input.coupling, self.held(input, tool, holder, output)),
-            None => self.pressed(input, holder, world, output),
+            None => self.pressed(input, holder, scan, output),
         };
         let (device, last) = self.last.unwrap_or((None, output.spring));
         // a hand that was nowhere has made no way
@@ -282,7 +277,7 @@ impl Needle {
         &mut self,
         input: &NeedleInput,
         holder: Option<u8>,
-        (grid, matter): (&Grid, &impl Matter),
+        scan: NeedleScan<'_, impl TissueMap>,
         output: &TickOutput,
     ) -> (Coupling, DVec3) {
         self.forces = NeedleForces::default();
@@ -306,8 +301,7 @@ impl Needle {
         // with what is hard right behind it, no deeper than there
         let mut ahead = Track::default();
         let world = World {
-            grid,
-            matter,
+            scan,
             tissues: &self.tissues,
         };
         ahead.look(&line, depth, &world);
@@ -325,8 +319,13 @@ impl Needle {
         let force = k * (depth - end);
         self.forces.stiffness = force;
         if force >= tissue.puncture {
-            self.events
-                .note(EventKind::Punctured, segment, (input.time, 0.0, force));
+            self.events.note(NeedleEvent {
+                kind: EventKind::Punctured,
+                segment,
+                time: input.time,
+                depth: 0.0,
+                force,
+            });
             let punctured = self.tissues.segments_of(layer).collect();
             self.insertion = Some(Insertion::new(line, end, punctured));
         }

@@ -3,7 +3,7 @@
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
 
-/// Voxels and shares as good as random, a function of the place: for tests that both give the same.
+/// Voxels and fractions as good as random, a function of the place: for tests that both give the same.
 #[derive(Debug)]
 pub(crate) struct Noise {
     /// Of a hundred voxels, so many are solid.
@@ -25,8 +25,8 @@ impl Occupancy for Noise {
         Self::random(voxel) % 100 < self.density
     }
 
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        let share = (Self::random(voxel) >> 8) as f32 / 131_072.0;
-        Some(if solid { 1.0 - share } else { share })
+    fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        let fraction = (Self::random(voxel) >> 8) as f32 / 131_072.0;
+        Some(if solid { 1.0 - fraction } else { fraction })
     }
 }

@@ -132,12 +132,12 @@ impl<O> Object<O> {
         (self.low, self.high) = box_in_world(self.bounds, &pose);
     }
 
-    /// Its voxels.
+    /// Voxels of the object.
     pub fn occupancy(&self) -> &O {
         &self.occupancy
     }
 
-    /// Its voxels, to be changed; they must stay within the bounds.
+    /// Voxels of the object, to be changed; they must stay within the bounds.
     pub fn occupancy_mut(&mut self) -> &mut O {
         &mut self.occupancy
     }
@@ -152,7 +152,7 @@ impl<O> Object<O> {
         self.bounds
     }
 
-    /// Where it stands.
+    /// Pose of the object.
     pub fn pose(&self) -> &ObjectPose {
         &self.pose
     }

@@ -57,10 +57,10 @@ pub enum Smoothing {
 }
 
 impl Smoothing {
-    /// All of them.
+    /// All kinds of smoothing.
     pub const ALL: [Self; 3] = [Self::Off, Self::Bits, Self::Intensities];
 
-    /// As settings call it.
+    /// Its name in settings.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -103,7 +103,8 @@ pub struct Smoother {
     pub trusted: [f32; 2],
     /// How far apart the surfaces of both kernels may be [cells] for the wide one to count.
     pub agreed_depth: [f32; 2],
-    /// How much their normals may differ (chord).
+    /// Difference of their normals (chord length) at which the weight begins to fall, and at which
+    /// it is zero.
     pub agreed_turn: [f32; 2],
     /// Curvature is measured between normals so far to each side [cells].
     pub baseline: f32,
@@ -118,7 +119,7 @@ pub struct Smoother {
 }
 
 impl Smoother {
-    /// As it was tuned.
+    /// The tuned values that ticks use.
     pub const DEFAULT: Self = Self {
         enabled: true,
         max_steps: 6,
@@ -156,7 +157,7 @@ pub struct SmoothState {
 struct Last {
     /// Grid.
     device: DVec3,
-    /// From the device to the contact point [mm].
+    /// Vector from the device to the contact point [mm].
     offset: DVec3,
     /// The stairs are felt in full: what they do is no longer limited.
     stairs: bool,
@@ -169,9 +170,9 @@ pub struct SmoothContact {
     pub point_in_grid: DVec3,
     /// From the device to it [mm], along the axes of the grid: stiffness makes it the force.
     pub offset: DVec3,
-    /// Its direction; zero where there is no force.
+    /// Direction of the force, of length 1; zero where there is none.
     pub normal: DVec3,
-    /// Its length [mm].
+    /// Length of `offset` [mm].
     pub depth_mm: f64,
     /// Share of the smooth point in it; the rest is that of the proxy.
     pub weight: f64,

@@ -1,18 +1,18 @@
-//! Matter that gives way: what the servo makes of the answers of a deformation model, which come
+//! Soft tissue: what the servo makes of the answers of a deformation model, which come
 //! at some 30 Hz.
 //!
 //! An answer is a linear law of the force on the tool. The coupling holds the device at d to a
 //! tool at t, and both are in balance where k (t − d) = F₀ + K (t − t₀). So nothing feels stiffer
 //! than k, and a soft contact is a spring like a hard one: only its far end differs, the tool in
-//! the matter instead of the contact point on it. Where one takes the other's place, and where a
+//! the tissue instead of the contact point on it. Where one takes the other's place, and where a
 //! new answer replaces an old one, that end goes over by no more than the hand's own way and
 //! a fiftieth of a voxel in a tick; a fall of the force is never held up.
 //!
 //! The hard proxy knows nothing of it and keeps all that it promises. An answer that is too old
-//! counts no more: then the matter is as hard as its voxels.
+//! counts no more: then the tissue is as hard as its voxels.
 //!
 //! No answer leads the tool into what does not give way: where that stops it on its way from the
-//! proxy, the spring ends there, as stiff as what stops it. So bone under soft matter is felt
+//! proxy, the spring ends there, as stiff as what stops it. So bone under soft tissue is felt
 //! whatever a model says of it.
 //!
 //! Friction is that of touch: the law is asked where friction holds the device, not where it is.
@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use crate::force::{Coupling, Feel, Friction, FrictionState, SurfaceBlend};
 use crate::tick::TickOutput;
 
-/// From when on an answer counts no more [s].
+/// Age at which an answer of the model is dropped [s].
 pub const STALE_SECS: f64 = 0.1;
 /// How far the spring's end goes over in a tick, beside the hand's way [smallest spacings].
 pub const STEP: f64 = 0.02;
@@ -40,11 +40,11 @@ pub struct SoftInput {
     pub device: DVec3,
     /// Its velocity [mm/s].
     pub velocity: DVec3,
-    /// Whether what holds the proxy, if anything does, is matter that gives way.
+    /// Whether what holds the proxy, if anything does, is soft tissue.
     pub gives_way: bool,
     /// The spring and damper where no hard contact has its own.
     pub coupling: Coupling,
-    /// Of the matter that gives way.
+    /// Friction of the soft tissue.
     pub friction: Friction,
     /// Smallest spacing of the scan [mm].
     pub spacing: f64,
@@ -52,12 +52,12 @@ pub struct SoftInput {
     pub time: f64,
 }
 
-/// Where matter that does not give way holds the tool.
+/// Where tissue that does not give way holds the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
     /// The tool that it holds [mm].
     pub tool: DVec3,
-    /// Of its spring [N/mm].
+    /// Stiffness of the spring to it [N/mm].
     pub stiffness: f64,
 }
 
@@ -70,7 +70,7 @@ pub struct SoftContact {
     /// How stiff the spring is, on its way to that of what stops the tool.
     #[serde(default)]
     stiffness: SurfaceBlend,
-    /// Where the tool sticks to the matter.
+    /// Where the tool sticks to the tissue.
     #[serde(default)]
     friction: FrictionState,
 }
@@ -82,7 +82,7 @@ struct Answer {
     force: DVec3,
     stiffness: DMat3,
     validity: f64,
-    /// When it came [s].
+    /// Time at which the answer came [s].
     time: f64,
 }
 
@@ -105,8 +105,8 @@ impl SoftContact {
         self.answer.is_some() || self.last.is_some()
     }
 
-    /// Puts the matter's force in the place of the hard contact's, where matter gives way. `stop`
-    /// is asked for what stops the tool on its way to where the matter would have it [mm].
+    /// Puts the tissue's force in the place of the hard contact's, where tissue gives way. `stop`
+    /// is asked for what stops the tool on its way to where the tissue would have it [mm].
     pub fn follow(
         &mut self,
         input: &SoftInput,
@@ -146,7 +146,9 @@ impl SoftContact {
         self.last = Some((input.device, spring));
         coupling.stiffness = self.stiffness(
             stop.map_or(coupling.stiffness, |stop| stop.stiffness),
-            (way, spring.length(), input.spacing),
+            way,
+            spring.length(),
+            input.spacing,
         );
         put(input, coupling, spring, output);
     }
@@ -177,7 +179,7 @@ impl SoftContact {
     }
 
     /// Goes on to a stiffness [N/mm] by the way of the hand, as from surface to surface.
-    fn stiffness(&mut self, wanted: f64, (way, depth, h): (f64, f64, f64)) -> f64 {
+    fn stiffness(&mut self, wanted: f64, way: f64, depth: f64, h: f64) -> f64 {
         let wanted = Feel {
             stiffness: wanted,
             friction: Friction::NONE,
@@ -211,7 +213,7 @@ impl Answer {
         if normal == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        // the matter's law and the coupling in balance; k I − K has no eigenvalue below k
+        // the tissue's law and the coupling in balance; k I − K has no eigenvalue below k
         let balance = DMat3::from_diagonal(DVec3::splat(k)) - self.stiffness;
         let pushed = self.force - self.stiffness * self.tool + device * k;
         let moved = balance.inverse() * pushed - self.tool;

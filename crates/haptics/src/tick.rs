@@ -29,9 +29,9 @@ use serde::{Deserialize, Serialize};
 pub struct TickInput {
     /// Device point [mm], scene.
     pub device_in_scene: DVec3,
-    /// Its velocity [mm/s], scene axes.
+    /// Velocity of the device [mm/s], scene axes.
     pub velocity_in_scene: DVec3,
-    /// Of the damper beside the spring [N·s/mm].
+    /// Damping beside the spring [N·s/mm].
     pub damping: f64,
     /// Where the force comes from.
     pub smoothing: Smoothing,
@@ -80,7 +80,7 @@ pub struct TickCache {
 }
 
 impl TickCache {
-    /// Tells a number that changes with every voxel, every body and what is known of shares.
+    /// Tells a number that changes with every voxel, every body and what is known of occupancy fractions.
     pub fn set_epoch(&mut self, epoch: u64) {
         self.epoch = epoch;
     }

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::force::Coupling;
 use palpate_haptics::needle::events::EventKind;
-use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
+use palpate_haptics::needle::tissues::{Layered, Met, NeedleScan, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces, NeedleInput};
 use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::TickOutput;
@@ -27,7 +27,7 @@ struct Body {
     open: bool,
 }
 
-impl Matter for Body {
+impl TissueMap for Body {
     fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
         let above = LAYERS
             .iter()
@@ -88,8 +88,12 @@ impl Bench {
 
     fn tick(&mut self, device: DVec3) -> Felt {
         self.now += 1e-3;
-        let matter = Body {
+        let map = Body {
             open: self.needle.punctured() != Default::default(),
+        };
+        let scan = NeedleScan {
+            grid: &self.grid,
+            map: &map,
         };
         let input = NeedleInput {
             device,
@@ -100,14 +104,13 @@ impl Bench {
             dt: self.needle.pass(self.now),
         };
         self.last = device;
-        let tool = self.needle.lead(&input, &self.grid, &matter);
+        let tool = self.needle.lead(&input, scan);
         let (mut output, holder) = match tool.unwrap_or(device) {
             to if to.length() < 1e6 => self.hard(to),
             // touch has no input
             _ => (self.hard(DVec3::ZERO).0, None),
         };
-        self.needle
-            .follow(&input, holder, (&self.grid, &matter), &mut output);
+        self.needle.follow(&input, holder, scan, &mut output);
         Felt {
             force: output.force,
             parts: self.needle.forces(),

@@ -42,8 +42,8 @@ struct Hand<'a, O = Bits> {
     cache: SmoothCache,
     epoch: u64,
     met: Contact,
-    /// Whether shares count, where they are known.
-    shares: bool,
+    /// Whether fractions count, where they are known.
+    fractions: bool,
 }
 
 impl<'a, O: Occupancy> Hand<'a, O> {
@@ -57,7 +57,7 @@ impl<'a, O: Occupancy> Hand<'a, O> {
             cache: SmoothCache::default(),
             epoch: 1,
             met: Contact::default(),
-            shares: true,
+            fractions: true,
         }
     }
 
@@ -67,7 +67,7 @@ impl<'a, O: Occupancy> Hand<'a, O> {
         self.met = Exact::default().advance(&self.scene, device, &mut self.proxy);
         let source = Source {
             epoch: self.epoch,
-            shares: self.shares,
+            fractions: self.fractions,
         };
         let fields = self.cache.near(&self.scene, source, &self.proxy, device);
         let input = SmoothInput {
@@ -544,11 +544,11 @@ fn in_a_wedge_between_bodies_both_push() {
             // the point on both planes that is nearest to the device
             let depths = outward.map(|outward| (edge - device).dot(outward));
             let cosine = outward[0].dot(outward[1]);
-            let shares = [
+            let fractions = [
                 (depths[0] - cosine * depths[1]) / (1.0 - cosine * cosine),
                 (depths[1] - cosine * depths[0]) / (1.0 - cosine * cosine),
             ];
-            let way = outward[0] * shares[0] + outward[1] * shares[1];
+            let way = outward[0] * fractions[0] + outward[1] * fractions[1];
             // slices of 2.5 mm do not tell a slope better
             let allowed = if spacing == DVec3::ONE { 6.0 } else { 12.0 };
             let angle = contact.offset.angle_between(way).to_degrees();
@@ -669,12 +669,12 @@ fn rising(values: [i16; 4], slope: f64) -> Intensities {
     Intensities::new(UVec3::splat(4), values, slope, 0.0).expect("one value per voxel")
 }
 
-/// Shares along x on these thresholds, of a solid and of a free voxel.
-fn shares(scan: &Intensities, thresholds: &[(f64, f64)]) -> [[Option<f32>; 2]; 4] {
+/// Occupancy fractions along x on these thresholds, of a solid and of a free voxel.
+fn fractions(scan: &Intensities, thresholds: &[(f64, f64)]) -> [[Option<f32>; 2]; 4] {
     let limits = Limits::new((scan.slope(), scan.intercept()), thresholds.iter().copied());
     std::array::from_fn(|x| {
         let around = Around::of(scan, IVec3::new(x as i32, 1, 1));
-        [true, false].map(|solid| limits.share(&around, solid))
+        [true, false].map(|solid| limits.fraction(&around, solid))
     })
 }
 
@@ -691,17 +691,20 @@ fn a_voxel_tells_its_share_where_its_value_agrees_with_its_bit() {
             assert!((found.unwrap_or(0.0) - expected.unwrap_or(0.0)).abs() < 1e-6);
         }
     };
-    close_to_expected(&shares(&rising([0, 100, 400, 900], 1.0), &[above])[1..3]);
+    close_to_expected(&fractions(&rising([0, 100, 400, 900], 1.0), &[above])[1..3]);
     // also where the slope is below zero
     let falling = rising([0, 100, 400, 900], -1.0);
-    close_to_expected(&shares(&falling, &[(-1e9, -300.0)])[1..3]);
+    close_to_expected(&fractions(&falling, &[(-1e9, -300.0)])[1..3]);
     // nothing rises where all is the same
-    assert_eq!(shares(&rising([7; 4], 1.0), &[(7.0, 7.0)])[1], [None; 2]);
+    assert_eq!(fractions(&rising([7; 4], 1.0), &[(7.0, 7.0)])[1], [None; 2]);
     // the border of a scan cuts a body as its bits do
     let cut = rising([900, 900, 900, 0], 1.0);
-    assert_eq!(shares(&cut, &[above])[0], [None; 2]);
+    assert_eq!(fractions(&cut, &[above])[0], [None; 2]);
     let beyond = Around::of(&rising([900; 4], 1.0), IVec3::new(-1, 1, 1));
-    assert_eq!(Limits::new((1.0, 0.0), [above]).share(&beyond, false), None);
+    assert_eq!(
+        Limits::new((1.0, 0.0), [above]).fraction(&beyond, false),
+        None
+    );
 }
 
 /// A surface across a column, at any height: what the column counts is what is solid of it.
@@ -722,8 +725,8 @@ fn a_column_counts_as_much_as_is_solid_of_it_however_wide_the_scanner_blurs() {
                 let counted = |z: i32| {
                     let voxel = IVec3::new(0, 0, z);
                     let solid = value(voxel) >= 0;
-                    let share = limits.share(&Around::from_fn(voxel, value), solid);
-                    share.unwrap_or(f32::from(u8::from(solid)))
+                    let fraction = limits.fraction(&Around::from_fn(voxel, value), solid);
+                    fraction.unwrap_or(f32::from(u8::from(solid)))
                 };
                 (-8..=8).map(counted).sum::<f32>() - 8.5 - height as f32
             })
@@ -746,22 +749,22 @@ fn segments_of_several_thresholds_have_no_surface_where_they_touch() {
         (vec![(50.0, 300.0), (301.0, 2000.0)], true),
         (vec![bone], false),
     ] {
-        let share = shares(&scan, &thresholds)[2][0].expect("bone has bone's value");
-        assert_eq!(share > 0.9, full, "{thresholds:?}: {share}");
+        let fraction = fractions(&scan, &thresholds)[2][0].expect("bone has bone's value");
+        assert_eq!(fraction > 0.9, full, "{thresholds:?}: {fraction}");
     }
     // each of two that are apart has its own limits
     let apart = [(50.0, 150.0), (800.0, 2000.0)];
-    let solid = shares(&scan, &apart).map(|[solid, _]| solid.is_some());
+    let solid = fractions(&scan, &apart).map(|[solid, _]| solid.is_some());
     assert_eq!(solid, [true, false, false, true]);
     // more than can be apart: the lowest count, and the others count as their bits say
     let many: Vec<(f64, f64)> = (0..20)
         .map(|i| (100.0 * f64::from(i), 100.0 * f64::from(i) + 5.0))
         .collect();
-    let shares = shares(&scan, &many);
-    assert!(shares[0][0].is_some() && shares[3][0].is_none());
+    let fractions = fractions(&scan, &many);
+    assert!(fractions[0][0].is_some() && fractions[3][0].is_none());
 }
 
-/// What was made from bits is not taken for what is made from shares, whatever the cache holds.
+/// What was made from bits is not taken for what is made from fractions, whatever the cache holds.
 #[test]
 fn shares_that_are_switched_leave_nothing_in_the_cache() {
     let grid = room(DVec3::ONE);
@@ -775,19 +778,19 @@ fn shares_that_are_switched_leave_nothing_in_the_cache() {
     let mut cold = Hand::at(scene, path[0].0 + path[0].1 * 3.0);
     let mut ways = [Vec::new(), Vec::new()];
     for (tick, (foot, outward)) in path.into_iter().take(600).enumerate() {
-        let shares = tick % 5 < 2;
+        let fractions = tick % 5 < 2;
         cold.cache = SmoothCache::default();
         let device = foot - outward;
         let contact = [&mut warm, &mut cold].map(|hand| {
-            hand.shares = shares;
+            hand.fractions = fractions;
             hand.tick(device)
         });
         assert_eq!(contact[0], contact[1], "tick {tick}");
-        ways[usize::from(shares)].push(contact[0].unlimited_in_grid.distance(device));
+        ways[usize::from(fractions)].push(contact[0].unlimited_in_grid.distance(device));
     }
     let mean = |ways: &[f64]| ways.iter().sum::<f64>() / ways.len() as f64;
-    let [bits, shares] = ways.map(|ways| mean(&ways));
-    assert!((bits - shares).abs() > 1e-3, "{bits} mm, {shares} mm");
+    let [bits, fractions] = ways.map(|ways| mean(&ways));
+    assert!((bits - fractions).abs() > 1e-3, "{bits} mm, {fractions} mm");
 }
 
 /// What is kept of cells is taken for what it was made from, and for nothing else.

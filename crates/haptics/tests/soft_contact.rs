@@ -1,4 +1,4 @@
-//! Matter that gives way: the force between two answers of a deformation model.
+//! Soft tissue: the force between two answers of a deformation model.
 
 use glam::{DMat3, DVec3};
 use oorandom::Rand64;
@@ -153,7 +153,7 @@ fn an_answer_that_is_too_old_leaves_the_hard_contact() {
     assert!(!soft.is_felt());
 }
 
-/// Guarantee 4 where friction leads a probe that is caught in matter: the spring of the hard contact
+/// Guarantee 4 where friction leads a probe that is caught in tissue: the spring of the hard contact
 /// then pulls past the probe, which is cut off.
 #[test]
 fn a_hand_at_rest_beside_a_caught_probe_has_a_constant_force_after_a_stated_number_of_ticks() {

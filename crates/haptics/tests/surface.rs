@@ -220,7 +220,7 @@ fn a_hand_at_rest_feels_the_same_to_the_bit_whatever_is_beneath_it() {
 fn a_surface_that_is_set_anew_comes_to_a_hand_at_rest_within_a_quarter_second_and_stays() {
     let mut blend = SurfaceBlend::default();
     blend.follow(Some(feel(&LIVER)), 0.3, 1.0, 1.0);
-    blend.tell();
+    blend.note_new_settings();
     let mut last = LIVER.stiffness;
     for tick in 1..=256 {
         let now = blend

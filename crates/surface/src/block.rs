@@ -61,7 +61,8 @@ impl Blocks {
     /// Whether a block or one of its octants can change with the voxels of a box.
     pub(crate) fn is_touched(
         &self,
-        (block, part): (IVec3, u8),
+        block: IVec3,
+        part: u8,
         dirty: VoxelBox,
         settings: &SurfaceSettings,
     ) -> bool {

@@ -40,7 +40,7 @@ pub(crate) struct Blur {
     degree: usize,
     /// One blur along each axis.
     once: [Vec<f32>; 3],
-    /// All of them.
+    /// Kernel of all blurs together, along each axis.
     all: [Vec<f32>; 3],
 }
 
@@ -83,7 +83,7 @@ impl Blur {
         fall / (more - fall)
     }
 
-    /// Of all blurs, and of one more [cells²].
+    /// Variances of all blurs, and of one more [cells²].
     fn variances(&self) -> [f32; 2] {
         [self.degree, self.degree + 1].map(|degree| 2.0 * SPREAD * degree as f32)
     }
@@ -236,7 +236,8 @@ impl FieldScratch {
         &mut self,
         blur: &Blur,
         bits: &Samples,
-        (samples, beginning): (VoxelBox, &Beginning<'_>),
+        samples: VoxelBox,
+        beginning: &Beginning<'_>,
     ) -> &Field {
         let [field, other] = &mut self.fields;
         let all = samples.dilate(blur.margin());
@@ -296,7 +297,7 @@ impl Placement for Zeros<'_> {
         let [first, second] = [0, strides[axis]].map(|step| self.field.index(sample) + step);
         let values = &self.field.values;
         let (low, high) = self.limits(samples, axis, sample);
-        let share = zero_between(samples, sample, (values[first], values[second]));
+        let share = zero_between(samples, sample, [values[first], values[second]]);
         let share = share.clamp(low, high);
 
         let mut gradient = DVec3::ZERO;
@@ -344,10 +345,10 @@ impl Zeros<'_> {
 
 /// Share of the way at which values turn their sign, also where they do not do as the bits say.
 #[inline]
-fn zero_between(samples: &Samples, sample: IVec3, values: (f32, f32)) -> f64 {
+fn zero_between(samples: &Samples, sample: IVec3, values: [f32; 2]) -> f64 {
     // the first as the bits have it positive
     let sign = if samples.is_solid(sample) { 1.0 } else { -1.0 };
-    let [inner, outer] = [values.0, values.1].map(|value| sign * f64::from(value));
+    let [inner, outer] = values.map(|value| sign * f64::from(value));
     match (inner > 0.0, outer < 0.0) {
         (true, true) => inner / (inner - outer),
         (false, true) => 0.0,

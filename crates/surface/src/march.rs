@@ -60,14 +60,28 @@ impl Default for MarchScratch {
     }
 }
 
+/// Where vertices stand.
+pub(crate) struct Placing<'a, P> {
+    /// From samples to mm.
+    pub frame: &'a Frame,
+    /// Voxels along each side of a sample.
+    pub step: f64,
+    /// Where on its edge each vertex is.
+    pub placement: &'a P,
+}
+
 /// Makes the surface between the samples of a box.
 pub(crate) fn march(
     samples: &Samples,
     own: VoxelBox,
-    placed: (&Frame, f64, &impl Placement),
+    placing: Placing<'_, impl Placement>,
     scratch: &mut MarchScratch,
 ) -> Patch {
-    let (frame, step, placement) = placed;
+    let Placing {
+        frame,
+        step,
+        placement,
+    } = placing;
     let MarchScratch { vertices, patch } = scratch;
     patch.vertices.clear();
     patch.normals.clear();

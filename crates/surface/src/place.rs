@@ -2,7 +2,7 @@
 //!
 //! Every vertex stays on its edge between a solid and a free sample, whatever the smoothing: so
 //! the surface never leaves the bits by more than half a cell, never cuts itself and keeps its
-//! topology; only how far along the edge is a matter of degree.
+//! topology; only how far along the edge is a tissue of degree.
 
 use glam::{DVec3, IVec3};
 

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::block::{Blocks, PARTS, PatchId, patch_id};
 use crate::field::{Beginning, Blur, FieldScratch, Zeros};
 use crate::frame::Frame;
-use crate::march::{MarchScratch, march};
+use crate::march::{MarchScratch, Placing, march};
 use crate::patch::{Bounds, Patch};
 use crate::place::Midpoints;
 use crate::samples::{Samples, is_uniform};
@@ -29,7 +29,7 @@ use crate::voxel_source::VoxelSource;
 pub struct PatchChange {
     /// Which one.
     pub id: PatchId,
-    /// What it is now; none where nothing of the surface is left there.
+    /// The new patch; none where nothing of the surface is left there.
     pub patch: Option<Arc<Patch>>,
 }
 
@@ -64,7 +64,7 @@ impl SegmentSurface {
         })
     }
 
-    /// How it is made.
+    /// Settings of the surface.
     pub fn settings(&self) -> &SurfaceSettings {
         &self.settings
     }
@@ -119,7 +119,7 @@ impl SegmentSurface {
             .par_iter()
             .map_init(Scratch::default, |scratch, &block| {
                 let was_parted = self.is_parted(block);
-                extraction.patches_of(voxels, (block, was_parted), dirty, scratch)
+                extraction.patches_of(voxels, block, was_parted, dirty, scratch)
             })
             .collect();
 
@@ -203,7 +203,8 @@ impl Extraction {
     fn patches_of(
         &self,
         voxels: &VoxelSource<'_>,
-        (block, was_parted): (IVec3, bool),
+        block: IVec3,
+        was_parted: bool,
         dirty: &VoxelBox,
         scratch: &mut Scratch,
     ) -> Vec<(PatchId, Option<Patch>)> {
@@ -211,15 +212,13 @@ impl Extraction {
         let is_changed = |part: u8| {
             part == 0
                 || was_parted != is_dense
-                || self
-                    .blocks
-                    .is_touched((block, part), *dirty, &self.settings)
+                || self.blocks.is_touched(block, part, *dirty, &self.settings)
         };
         (0..=PARTS)
             .filter(|part| is_changed(*part))
             .map(|part| {
                 let is_made = is_dense == (part > 0);
-                let patch = || self.patch_of(voxels, (block, part), scratch);
+                let patch = || self.patch_of(voxels, block, part, scratch);
                 (patch_id(block, part), is_made.then(patch).flatten())
             })
             .collect()
@@ -247,7 +246,8 @@ impl Extraction {
     fn patch_of(
         &self,
         voxels: &VoxelSource<'_>,
-        (block, part): (IVec3, u8),
+        block: IVec3,
+        part: u8,
         scratch: &mut Scratch,
     ) -> Option<Patch> {
         let step = i32::from(self.settings.step);
@@ -265,10 +265,18 @@ impl Extraction {
         samples.load(voxels.bits, step, own.dilate(margin), first);
 
         let limits = self.settings.limits.filter(|_| voxels.values.is_some());
-        let step_mm = f64::from(step);
         let patch = if self.settings.smoothing == 0 && limits.is_none() {
             let midpoints = self.midpoints.get_or_init(|| Midpoints::new(&self.frame));
-            march(samples, own, (&self.frame, step_mm, midpoints), scratch)
+            march(
+                samples,
+                own,
+                Placing {
+                    frame: &self.frame,
+                    step: f64::from(step),
+                    placement: midpoints,
+                },
+                scratch,
+            )
         } else {
             let active = samples.crossed(own)?;
             let alone = self.settings.mode == SmoothingMode::Local && self.settings.smoothing > 0;
@@ -289,13 +297,22 @@ impl Extraction {
                 None => Beginning::Bits,
                 Some(_) => Beginning::Depths(&depths),
             };
-            let field = field.smooth(&self.blur, samples, (active, &beginning));
+            let field = field.smooth(&self.blur, samples, active, &beginning);
             let zeros = Zeros {
                 field,
                 frame: &self.frame,
                 keep_thin: self.settings.smoothing > 0,
             };
-            march(samples, own, (&self.frame, step_mm, &zeros), scratch)
+            march(
+                samples,
+                own,
+                Placing {
+                    frame: &self.frame,
+                    step: f64::from(step),
+                    placement: &zeros,
+                },
+                scratch,
+            )
         };
         (!patch.is_empty()).then_some(patch)
     }

@@ -8,12 +8,12 @@ pub const MAX_SMOOTHING: u8 = 12;
 /// Cells along the edge of a patch; the first patch along an axis has one more, at the border.
 pub const PATCH_CELLS: i32 = 32;
 
-/// How much of its surroundings the smoothing of a patch sees.
+/// Surroundings that the smoothing of a patch takes into account.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SmoothingMode {
     /// Only the patch: fewer patches follow an edit, but they do not meet at their borders.
     Local,
-    /// All that matters, (degree + 2) · step voxels around it: no seams.
+    /// All surroundings that tissue, (degree + 2) · step voxels around the patch: no seams.
     #[default]
     Global,
 }
@@ -36,7 +36,7 @@ pub enum SettingsError {
     /// Too smooth.
     #[error("smoothing degree {0} given; allowed: 0 to {MAX_SMOOTHING}")]
     Smoothing(u8),
-    /// No intensity is solid.
+    /// The limits enclose no intensity.
     #[error("limits {low} to {high} given; allowed: numbers, the low one below the high one")]
     Limits {
         /// The low one.
@@ -46,7 +46,7 @@ pub enum SettingsError {
     },
 }
 
-/// How a surface is made of a segment.
+/// Settings of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceSettings {
     /// Edge of a cell [voxels]: 1, 2 or 4. The thesis calls it dmc.

@@ -25,7 +25,7 @@ pub enum MeshError {
     Vertex {
         /// Which triangle.
         triangle: usize,
-        /// What it names.
+        /// Vertex that the triangle names.
         vertex: u32,
         /// The last vertex that there is.
         last: usize,
@@ -35,7 +35,7 @@ pub enum MeshError {
     Point {
         /// Which vertex.
         vertex: usize,
-        /// Where it is [grid].
+        /// Place of the vertex [grid].
         point: DVec3,
     },
 }
@@ -46,7 +46,7 @@ const FARTHEST: f64 = 1e6;
 /// What of a mesh is made voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filling {
-    /// All that it encloses.
+    /// All voxels that the mesh encloses.
     Solid,
     /// Only what its triangles meet.
     Shell,

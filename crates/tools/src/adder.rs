@@ -3,7 +3,7 @@
 //! Where the segments are obstacles, it never fills where the probe's body is: the probe
 //! would be inside an obstacle, and touch would hold the change back. Nor does it wall the
 //! probe in: what its ball still covers waits, and is filled as soon as ball and body have
-//! gone. So matter grows behind the probe as it moves away, and what both stand in at
+//! gone. So tissue grows behind the probe as it moves away, and what both stand in at
 //! release stays free. Where the segments are no obstacles, it fills at once.
 
 use std::collections::BTreeSet;
@@ -57,12 +57,7 @@ impl Adder {
     /// The ball around the probe in which nothing may be filled yet. Touch must take the
     /// change in without pushing the probe, which has moved on by then and knows its body by
     /// whole voxels: so the body, two voxels, and a way like the last.
-    fn kept_free(
-        &self,
-        grid: &Grid,
-        input: &ToolInput,
-        (from, to): (DVec3, DVec3),
-    ) -> Option<Sweep> {
+    fn kept_free(&self, grid: &Grid, input: &ToolInput, from: DVec3, to: DVec3) -> Option<Sweep> {
         let body = input.body_radius?.max(0.0) + 2.0 * grid.spacing().length();
         let radius = body.max(self.radius) + from.distance(to);
         Some(Sweep::new(grid, to, to, radius))
@@ -76,7 +71,7 @@ impl Tool for Adder {
         };
         let grid = grid_of(voxels, &self.segments);
         let sweep = Sweep::new(grid, from, to, self.radius);
-        let kept_free = self.kept_free(grid, input, (from, to));
+        let kept_free = self.kept_free(grid, input, from, to);
         let mut boxes = sweep.boxes().to_vec();
         let mut gone = BTreeSet::new();
         if let Some(kept_free) = &kept_free {

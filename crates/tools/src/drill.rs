@@ -1,6 +1,6 @@
-//! The drill: a burr that takes matter away by the work that it does.
+//! The drill: a burr that takes tissue away by the work that it does.
 //!
-//! Power on matter is P = μ F v, with the force F that presses the burr, the speed v of its
+//! Power on tissue is P = μ F v, with the force F that presses the burr, the speed v of its
 //! surface and the ratio μ of the cutting force along the surface to F. Volume goes at P / u,
 //! u the work per volume of the tissue (`specific_energy.rs`). That is Preston's law, removal
 //! in proportion to pressure and speed ("The theory and design of plate glass polishing
@@ -8,7 +8,7 @@
 //! takes twice the time for the same hole. Work that does not suffice for the next voxel is
 //! carried on to the next pass.
 //!
-//! **Which voxels.** The burr touches matter where the probe's body does: both have the same
+//! **Which voxels.** The burr touches tissue where the probe's body does: both have the same
 //! outermost point against the contact's normal. From there it reaches one voxel's diagonal
 //! further, since touch holds the body off by up to that. What is nearest to the burr's way
 //! goes first, from box to point, so that the hole is as round as the burr.
@@ -16,7 +16,7 @@
 //! **What is cut** are voxels of the chosen segments; all segments lose them but those that
 //! stand elsewhere in the scene, and the scan reads air there. Voxels of none of them stay: the probe passes them without force.
 //!
-//! A matter edit. Frame: patient (LPS mm); work in N·mm.
+//! A voxel edit. Frame: patient (LPS mm); work in N·mm.
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::{Edit, SegmentId};
@@ -24,7 +24,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::specific_energy::SpecificEnergy;
@@ -40,7 +40,7 @@ pub const MAX_FORCE: f64 = 100.0;
 /// Way of the burr in one pass that counts, at most [its radii]: the end of it.
 const MAX_WAY_IN_RADII: f64 = 4.0;
 
-/// How a drill works.
+/// Settings of a drill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrillSettings {
     /// Speed of the burr's surface [mm/s].
@@ -49,7 +49,7 @@ pub struct DrillSettings {
     pub cutting_ratio: f64,
     /// Work per volume.
     pub specific_energy: SpecificEnergy,
-    /// What the scan reads where matter went, in its own unit.
+    /// What the scan reads where tissue went, in its own unit.
     pub air: f64,
 }
 
@@ -105,7 +105,7 @@ impl DrillSettings {
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     voxel: IVec3,
-    /// From the burr's way to the voxel's box [mm].
+    /// Distance from the burr's path to the voxel's box [mm].
     distance: f64,
     /// [N·mm].
     cost: f64,
@@ -131,7 +131,8 @@ impl Drill {
         radius: f64,
         segments: Vec<SegmentId>,
         settings: DrillSettings,
-        (spared, locked): (SegmentSet, SegmentSet),
+        spared: SegmentSet,
+        locked: SegmentSet,
     ) -> Self {
         Self {
             radius,
@@ -210,7 +211,7 @@ impl Drill {
         }
         let (removed, left) = reached.split_at(count);
         let next = left.first().map_or(0.0, |voxel| voxel.cost);
-        // a burr that finds no more matter in its reach runs free: the rest is no work
+        // a burr that finds no more tissue in its reach runs free: the rest is no work
         let carried = budget.min(self.carried.max(next));
         let spent: f64 = removed.iter().map(|voxel| voxel.cost).sum();
         let done = spent + carried - self.carried;
@@ -230,11 +231,11 @@ impl Drill {
         let region = removed.iter().fold(VoxelBox::EMPTY, |region, reached| {
             region.union(&VoxelBox::of_voxel(reached.voxel))
         });
-        voxels.matter_edit(&region, |voxel, was| {
+        voxels.voxel_edit(&region, |voxel, was| {
             if places.binary_search(&key(voxel)).is_err() {
                 return was;
             }
-            Matter {
+            VoxelState {
                 stored,
                 segments: was.segments.intersect(&self.spared),
             }
@@ -252,7 +253,7 @@ impl Tool for Drill {
             .map(find)
             .collect::<Result<Vec<_>, _>>()?
             .into_iter()
-            // the scan's matter is none of what has a grid of its own
+            // the scan's tissue is none of what has a grid of its own
             .filter(|segment| segment.own_grid().is_none())
             .collect::<Vec<_>>();
         let Some((work, way)) = self.work(input) else {

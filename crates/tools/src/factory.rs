@@ -21,7 +21,7 @@ pub enum ToolKind {
     Eraser,
     /// Makes voxels of segments solid.
     Adder,
-    /// Removes matter by work.
+    /// Removes tissue by work.
     Drill,
     /// Goes into tissue and changes no voxel.
     Needle,
@@ -30,7 +30,7 @@ pub enum ToolKind {
 }
 
 impl ToolKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 5] = [
         Self::Eraser,
         Self::Adder,
@@ -39,7 +39,7 @@ impl ToolKind {
         Self::Painter,
     ];
 
-    /// As users write it.
+    /// Name in settings.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -61,7 +61,7 @@ impl ToolKind {
     }
 }
 
-/// How a tool works.
+/// Settings of a tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolSettings {
     /// Which one.
@@ -72,11 +72,11 @@ pub struct ToolSettings {
     /// for the needle, those that it can puncture; the painter gives the first one voxels of the
     /// others.
     pub segments: Vec<SegmentId>,
-    /// How the drill works; other tools pass it over.
+    /// Settings of the drill; other tools ignore them.
     pub drill: DrillSettings,
     /// What each of the segments is for the needle; other tools pass it over.
     pub tissues: Vec<Tissue>,
-    /// How the painter works; other tools pass it over.
+    /// Settings of the painter; other tools ignore them.
     pub paint: PaintSettings,
     /// Segments that lose nothing to the drill, since they were moved elsewhere.
     pub spared: SegmentSet,
@@ -115,7 +115,8 @@ impl ToolSettings {
                 self.radius,
                 segments,
                 self.drill,
-                (self.spared, self.locked),
+                self.spared,
+                self.locked,
             )),
             ToolKind::Needle => Box::new(Needle::default()),
             ToolKind::Painter => Box::new(Painter::new(self.radius, segments, self.paint)),

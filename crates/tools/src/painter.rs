@@ -26,7 +26,7 @@ pub const MAX_DEPTH_IN_VOXELS: f64 = 8.0;
 /// Way of the contact in one pass that counts, at most [radii of the ball]: the end of it.
 const MAX_WAY_IN_RADII: f64 = 4.0;
 
-/// How a painter paints.
+/// Settings of a painter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PaintSettings {
     /// Only voxels whose centres are no deeper below the surface are painted [mm]; all of the ball
@@ -37,7 +37,7 @@ pub struct PaintSettings {
 }
 
 impl PaintSettings {
-    /// Refuses a depth that is none, or needs too much work.
+    /// Refuses a depth that is not a positive number, or needs too much work.
     pub(crate) fn check(&self, grid: &Grid) -> Result<(), ToolError> {
         let allowed = MAX_DEPTH_IN_VOXELS * grid.smallest_spacing();
         match self.depth {

@@ -21,7 +21,7 @@ const CORTICAL_DENSITY: f64 = 1900.0;
 const DENSITY_AT_WATER: f64 = 131.0;
 /// Rise of the density [kg/m³ per HU].
 const DENSITY_PER_HU: f64 = 1.067;
-/// Density of the lightest matter that takes work [kg/m³]: the line falls below zero where a
+/// Density of the lightest tissue that takes work [kg/m³]: the line falls below zero where a
 /// scan reads less than fat, and nothing may be free of charge.
 const LEAST_DENSITY: f64 = 20.0;
 
@@ -30,7 +30,7 @@ const LEAST_DENSITY: f64 = 20.0;
 pub enum SpecificEnergy {
     /// Bone, by the Hounsfield units of each voxel: for CT.
     OfBone,
-    /// The same everywhere [N/mm²]: for scans whose values are no densities.
+    /// The same energy everywhere [N/mm²]: for scans whose values are not densities.
     Everywhere(f64),
 }
 

@@ -33,7 +33,7 @@ pub struct Stroke {
 impl Stroke {
     /// Adds the inverse of the newest edit, as `Voxels::apply` gives it.
     pub fn add(&mut self, inverse: Edit) {
-        self.is_matter |= inverse.kind == EditKind::Matter;
+        self.is_matter |= inverse.kind == EditKind::Voxel;
         self.dirty = self.dirty.union(&inverse.dirty);
         for (id, swaps) in inverse.segments {
             keep_first(self.segments.entry(id).or_default(), swaps);
@@ -52,7 +52,7 @@ impl Stroke {
     pub fn into_inverse(self) -> Edit {
         Edit {
             kind: if self.is_matter {
-                EditKind::Matter
+                EditKind::Voxel
             } else {
                 EditKind::Label
             },

@@ -28,7 +28,7 @@ pub const MAX_PASS: f64 = 0.1;
 pub struct ToolInput {
     /// Where the probe was in the last pass [mm].
     pub from: DVec3,
-    /// Where it is now [mm].
+    /// Where the probe is now [mm].
     pub to: DVec3,
     /// Radius of the probe's own body [mm], 0 for a point; none where nothing that the tool
     /// changes is an obstacle to it.
@@ -73,7 +73,7 @@ pub struct ToolReport {
     pub volume: f64,
     /// Time at work [s].
     pub time: f64,
-    /// Work done on matter [N·mm]; 0 for tools that do none.
+    /// Work done on tissue [N·mm]; 0 for tools that do none.
     pub energy: f64,
     /// Power of the newest pass [N·mm/s].
     pub load: f64,
@@ -91,7 +91,7 @@ pub trait Tool: Send + fmt::Debug {
     /// The button is released: what a stroke left open is forgotten.
     fn release(&mut self) {}
 
-    /// What it has done so far.
+    /// Report of what the tool has done so far.
     fn report(&self) -> ToolReport;
 }
 
@@ -111,17 +111,17 @@ pub enum ToolError {
     /// Not a radius, or too large.
     #[error("radius {given} mm given; allowed: above 0 to {allowed} mm")]
     Radius {
-        /// As given [mm].
+        /// The value given [mm].
         given: f64,
         /// The largest one in this scan [mm].
         allowed: f64,
     },
-    /// A number of the drill's that is none.
+    /// A setting of the drill that is out of range or not a number.
     #[error("{what} {given} of the drill given; allowed: {allowed}")]
     Drill {
         /// Which one.
         what: &'static str,
-        /// As given.
+        /// The value given.
         given: f64,
         /// What may be given.
         allowed: &'static str,
@@ -131,7 +131,7 @@ pub enum ToolError {
         "depth {given} mm given; allowed: above 0 to {allowed} mm, or none for all of the ball"
     )]
     Depth {
-        /// As given [mm].
+        /// The value given [mm].
         given: f64,
         /// The largest one for these voxels [mm].
         allowed: f64,
@@ -141,7 +141,7 @@ pub enum ToolError {
         "{0} segment given to the painter; allowed: one to paint with, and those to be painted"
     )]
     NothingToPaint(usize),
-    /// A tissue that is none.
+    /// A tissue whose figures are out of range.
     #[error(transparent)]
     Tissue(#[from] TissueError),
     /// A needle needs to know what it goes into.
@@ -154,7 +154,7 @@ pub enum ToolError {
         /// Segments given.
         segments: usize,
     },
-    /// Nothing to work on.
+    /// No segment is chosen.
     #[error("no segment given; allowed: one or more to work on")]
     NoSegment,
 }

@@ -17,7 +17,7 @@ pub struct UndoJournal<S> {
     redo: Vec<(S, usize)>,
     bytes: usize,
     budget: usize,
-    /// How many of the oldest were let go.
+    /// Number of the oldest steps that were dropped.
     forgotten: u64,
     made: u64,
 }
@@ -29,7 +29,7 @@ impl<S> Default for UndoJournal<S> {
 }
 
 impl<S> UndoJournal<S> {
-    /// Nothing was done; steps may hold on to `budget` bytes.
+    /// An empty journal whose steps may hold `budget` bytes.
     #[must_use]
     pub fn new(budget: usize) -> Self {
         Self {

@@ -74,7 +74,7 @@ impl Press {
         };
         let edit = tool.advance(voxels, &input).expect("it exists");
         if let Some(edit) = edit {
-            assert_eq!(edit.kind, EditKind::Matter);
+            assert_eq!(edit.kind, EditKind::Voxel);
             voxels.apply(edit).expect("it fits");
             return true;
         }

@@ -92,15 +92,12 @@ fn an_empty_stroke_is_told_and_a_matter_edit_makes_a_matter_stroke() {
 
     let grid = oblique_grid(UVec3::splat(9));
     let mut voxels = scan(grid, |_| 900, &[&crate::support::everywhere]);
-    let edit = voxels.matter_edit(&grid.bounds(), |voxel, mut was| {
+    let edit = voxels.voxel_edit(&grid.bounds(), |voxel, mut was| {
         was.stored = voxel.x as i16;
         was
     });
     stroke.add(voxels.apply(edit).expect("it fits"));
     let inverse = stroke.into_inverse();
-    assert_eq!(
-        (inverse.kind, inverse.segments.len()),
-        (EditKind::Matter, 0)
-    );
+    assert_eq!((inverse.kind, inverse.segments.len()), (EditKind::Voxel, 0));
     assert_eq!(inverse.dirty, grid.bounds());
 }

@@ -25,7 +25,7 @@ pub(crate) const FIRST_COLUMN: u64 = 0x0101_0101_0101_0101;
 pub(crate) type PlaneCounts = [[u8; 8]; 3];
 
 impl BitBrick {
-    /// No voxel is solid.
+    /// A brick without solid voxels.
     pub const EMPTY: Self = Self([0; 8]);
 
     /// Every voxel is solid.

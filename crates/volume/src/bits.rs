@@ -21,7 +21,7 @@ pub struct Bits {
 }
 
 impl Bits {
-    /// Nothing is solid.
+    /// Bits without solid voxels.
     pub fn empty(dimensions: UVec3) -> Self {
         let dimensions = checked(dimensions);
         Self {

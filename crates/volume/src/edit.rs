@@ -17,17 +17,17 @@ pub struct SegmentId(pub u8);
 pub enum EditKind {
     /// Bits of one segment: correcting a mask never touches the picture of the scan.
     Label,
-    /// Bits of all segments and intensities: matter went away, came or moved.
-    Matter,
+    /// Bits of all segments and intensities: what the scan shows was removed, added or moved.
+    Voxel,
 }
 
 /// Bricks to exchange and the voxels that differ by it.
 #[derive(Clone, Debug)]
 pub struct Edit {
-    /// What it may change.
+    /// Kind of the edit: what it may change.
     pub kind: EditKind,
     /// The smallest box of all voxels that it changes, in bits or intensity; of the grid that
-    /// its segments stand on, which is the scan's in a matter edit.
+    /// its segments stand on, which is the scan's in a voxel edit.
     pub dirty: VoxelBox,
     /// New bricks of segments, by rising number of the segment, each brick once.
     pub segments: Vec<(SegmentId, Vec<BrickSwap<BitBrick>>)>,

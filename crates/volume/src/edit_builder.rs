@@ -14,7 +14,7 @@ use crate::intensity_brick::IntensityBrick;
 use crate::segment::Segment;
 use crate::segment_set::SegmentSet;
 use crate::voxel_box::VoxelBox;
-use crate::voxel_state::Matter;
+use crate::voxel_state::VoxelState;
 use crate::voxels::Voxels;
 
 /// From here on, handing out work to threads costs less than it saves; a brick takes some
@@ -64,11 +64,11 @@ pub(crate) fn label_edit(
     collect(EditKind::Label, changes)
 }
 
-/// A matter edit: new intensities, and new bits of all segments.
-pub(crate) fn matter_edit(
+/// A voxel edit: new intensities, and new bits of all segments.
+pub(crate) fn voxel_edit(
     voxels: &Voxels,
     region: &VoxelBox,
-    change: impl Fn(IVec3, Matter) -> Matter + Sync,
+    change: impl Fn(IVec3, VoxelState) -> VoxelState + Sync,
 ) -> Edit {
     let bricks = voxels.overlay().bricks();
     let changes = changed_bricks(bricks, &[*region], |index, region| {
@@ -78,7 +78,7 @@ pub(crate) fn matter_edit(
         let mut dirty = VoxelBox::EMPTY;
 
         for voxel in region.voxels() {
-            let was = Matter {
+            let was = VoxelState {
                 stored: old_values.stored(voxel),
                 segments: segments_at(&old_bits, voxel),
             };
@@ -106,7 +106,7 @@ pub(crate) fn matter_edit(
                 .collect(),
         }
     });
-    collect(EditKind::Matter, changes)
+    collect(EditKind::Voxel, changes)
 }
 
 fn bits_of_all(voxels: &Voxels, index: u32) -> Vec<(SegmentId, BitBrick)> {

@@ -43,9 +43,9 @@ impl Hit {
 pub enum Outcome {
     /// Every voxel of the move is free, the end point's included.
     Free,
-    /// It met a solid voxel.
+    /// The move meets a solid voxel.
     Hit(Hit),
-    /// No visits are left; what it has seen is free.
+    /// No visits are left; all voxels visited are free.
     OutOfVisits {
         /// The last voxel visited; it is free.
         voxel: IVec3,
@@ -61,7 +61,7 @@ pub enum Outcome {
 pub struct Traversal {
     /// Voxels asked for.
     pub visits: u32,
-    /// How it ended.
+    /// End of the traversal.
     pub outcome: Outcome,
 }
 
@@ -83,7 +83,7 @@ pub fn first_solid(occupancy: &(impl Occupancy + ?Sized), start: DVec3, end: DVe
     }
 }
 
-/// The same with at most `max_visits` voxels, but always one.
+/// The first solid voxel among at most `max_visits` voxels, but always one.
 #[inline]
 pub fn first_solid_bounded(
     occupancy: &(impl Occupancy + ?Sized),
@@ -94,7 +94,7 @@ pub fn first_solid_bounded(
     occupancy.first_solid(start, end, max_visits)
 }
 
-/// The same by asking for each voxel.
+/// The traversal that asks for each voxel.
 #[inline]
 pub(crate) fn traversed(
     occupancy: &(impl Occupancy + ?Sized),

@@ -29,7 +29,7 @@ const DIRECTION_TOLERANCE: f64 = 1e-3;
 /// A scan's geometry that cannot be used.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum GridError {
-    /// No voxels, or too many.
+    /// The grid has no voxels, or too many.
     #[error(
         "dimensions {0} given; allowed: 1 to {MAX_DIMENSION} along each axis, {MAX_VOXELS} voxels in all"
     )]

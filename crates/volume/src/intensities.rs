@@ -1,4 +1,4 @@
-//! The scan's own values. They never change; matter edits stand in an `Overlay`.
+//! The scan's own values. They never change; voxel edits stand in an `Overlay`.
 //!
 //! Memory: i16, x fastest, then y, then z; shared between clones. Physical value = slope ·
 //! stored + intercept, in the scan's unit (HU where it is known to be CT).

@@ -1,4 +1,4 @@
-//! 8×8×8 stored values: the unit in which an overlay keeps what matter edits changed.
+//! 8×8×8 stored values: the unit in which an overlay keeps what voxel edits changed.
 //!
 //! Memory: i16, x fastest, then y, then z; 1 KiB. Values beyond the border of a grid are 0.
 

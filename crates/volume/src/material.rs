@@ -1,4 +1,4 @@
-//! What crates above share about how matter feels.
+//! What crates above share about how tissue feels.
 //!
 //! Units: stiffness N/mm, force N, lengths mm; friction coefficients have none.
 
@@ -26,7 +26,7 @@ pub struct LocalContact {
     pub force: DVec3,
     /// Change of the force with the tool's position [N/mm]; a spring has a negative one.
     pub stiffness: DMat3,
-    /// How far from `position` the law holds [mm].
+    /// Distance from `position` within which the law holds [mm].
     pub validity: f64,
 }
 

@@ -54,27 +54,29 @@ pub trait Occupancy {
         0.0
     }
 
-    /// Whether [`Self::share`] ever tells anything.
+    /// Whether [`Self::occupancy_fraction`] ever tells anything.
     #[inline]
-    fn knows_shares(&self) -> bool {
+    fn knows_fractions(&self) -> bool {
         false
     }
 
     /// How much of a voxel at the surface of [`Self::smooth_block`] is solid, 0..=1: at least ½
     /// of a solid one and at most ½ of a free one. None where nothing is known beyond its bit.
     #[inline]
-    fn share(&self, _voxel: IVec3, _solid: bool) -> Option<f32> {
+    fn occupancy_fraction(&self, _voxel: IVec3, _solid: bool) -> Option<f32> {
         None
     }
 
     /// By how much each of some voxels, told with whether it is solid, counts for more or less
-    /// than its bit: what [`Self::share`] is beyond that, and 0 where it tells nothing. Whoever
+    /// than its bit: what [`Self::occupancy_fraction`] is beyond that, and 0 where it tells nothing. Whoever
     /// can tell of several at once does so here.
     #[inline]
-    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         for (change, (voxel, solid)) in changes.iter_mut().zip(voxels) {
-            let beyond_bit = |share: f32| share - f32::from(u8::from(*solid));
-            *change = self.share(*voxel, *solid).map_or(0.0, beyond_bit);
+            let beyond_bit = |fraction: f32| fraction - f32::from(u8::from(*solid));
+            *change = self
+                .occupancy_fraction(*voxel, *solid)
+                .map_or(0.0, beyond_bit);
         }
     }
 }
@@ -138,25 +140,25 @@ impl<O: Occupancy> Occupancy for [O] {
     }
 
     #[inline]
-    fn knows_shares(&self) -> bool {
-        self.iter().any(Occupancy::knows_shares)
+    fn knows_fractions(&self) -> bool {
+        self.iter().any(Occupancy::knows_fractions)
     }
 
     /// The largest of the parts; one of which nothing more is known fills all or nothing.
     #[inline]
-    fn share(&self, voxel: IVec3, _solid: bool) -> Option<f32> {
-        let share_of = |part: &O| {
+    fn occupancy_fraction(&self, voxel: IVec3, _solid: bool) -> Option<f32> {
+        let fraction_of = |part: &O| {
             let is_solid = part.smooth_block(voxel).contains(IVec3::ZERO);
-            let share = part.share(voxel, is_solid);
+            let fraction = part.occupancy_fraction(voxel, is_solid);
             (
-                share.unwrap_or(f32::from(u8::from(is_solid))),
-                share.is_some(),
+                fraction.unwrap_or(f32::from(u8::from(is_solid))),
+                fraction.is_some(),
             )
         };
-        let shares = self.iter().map(share_of);
-        let (largest, is_known) = shares
-            .fold((0.0, false), |(largest, is_known), (share, known)| {
-                (f32::max(largest, share), is_known || known)
+        let fractions = self.iter().map(fraction_of);
+        let (largest, is_known) =
+            fractions.fold((0.0, false), |(largest, is_known), (fraction, known)| {
+                (f32::max(largest, fraction), is_known || known)
             });
         is_known.then_some(largest)
     }
@@ -207,19 +209,19 @@ impl<O: Occupancy> Occupancy for Option<O> {
     }
 
     #[inline]
-    fn knows_shares(&self) -> bool {
-        self.as_ref().is_some_and(O::knows_shares)
+    fn knows_fractions(&self) -> bool {
+        self.as_ref().is_some_and(O::knows_fractions)
     }
 
     #[inline]
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.as_ref()?.share(voxel, solid)
+    fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.as_ref()?.occupancy_fraction(voxel, solid)
     }
 
     #[inline]
-    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         match self {
-            Some(part) => part.share_changes(voxels, changes),
+            Some(part) => part.fraction_changes(voxels, changes),
             None => changes.fill(0.0),
         }
     }
@@ -268,21 +270,21 @@ macro_rules! pass_on {
             }
 
             #[inline]
-            fn knows_shares(&self) -> bool {
+            fn knows_fractions(&self) -> bool {
                 let $this = self;
-                $inner.knows_shares()
+                $inner.knows_fractions()
             }
 
             #[inline]
-            fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+            fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
                 let $this = self;
-                $inner.share(voxel, solid)
+                $inner.occupancy_fraction(voxel, solid)
             }
 
             #[inline]
-            fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+            fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
                 let $this = self;
-                $inner.share_changes(voxels, changes);
+                $inner.fraction_changes(voxels, changes);
             }
         }
     };

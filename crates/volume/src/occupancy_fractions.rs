@@ -1,29 +1,29 @@
 //! How much of each voxel at the surface of a segment is solid, where that is known.
 //!
-//! Bits tell which voxels are solid; where the surface goes through them, shares tell. They are
-//! stored in sparse bricks of bytes, like bits, and are touched only together with them: a share
-//! that disagrees with the bit of its voxel is no share.
+//! Bits tell which voxels are solid; where the surface goes through them, fractions tell. They are
+//! stored in sparse bricks of bytes, like bits, and are touched only together with them: a fraction
+//! that disagrees with the bit of its voxel is no fraction.
 //!
 //! Memory: a byte for each voxel, x fastest; 0 where nothing is known, else 1 + 252 times the
-//! share, so that quarters are whole. Frame: grid.
+//! fraction, so that quarters are whole. Frame: grid.
 
 use glam::{IVec3, UVec3};
 
 use crate::brick_grid::{BRICK, BrickGrid, BrickSwap};
 use crate::grid::is_inside;
 
-/// Bytes of a share of 0 and of one of 1.
+/// Bytes of a fraction of 0 and of one of 1.
 const LEAST: f32 = 1.0;
 const STEPS: f32 = 252.0;
 /// The byte of one half: solid voxels have no less, free ones no more.
 const HALF: u8 = 127;
 
-/// Shares of 8×8×8 voxels.
+/// Occupancy fractions of 8×8×8 voxels.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ShareBrick(pub [u8; 512]);
+pub struct FractionBrick(pub [u8; 512]);
 
-impl ShareBrick {
-    /// Nothing is known.
+impl FractionBrick {
+    /// A brick in which no fraction is known.
     pub const UNKNOWN: Self = Self([0; 512]);
 
     /// The byte of a voxel; only the low three bits of each number count.
@@ -39,10 +39,10 @@ impl ShareBrick {
     }
 }
 
-/// A share as it is stored, of a voxel that is solid or free: at least ½ or at most ½.
+/// A fraction as it is stored, of a voxel that is solid or free: at least ½ or at most ½.
 #[inline]
-pub fn byte_of(share: f32, solid: bool) -> u8 {
-    let byte = (LEAST + STEPS * share.clamp(0.0, 1.0)).round() as u8;
+pub fn byte_of(fraction: f32, solid: bool) -> u8 {
+    let byte = (LEAST + STEPS * fraction.clamp(0.0, 1.0)).round() as u8;
     if solid {
         byte.max(HALF)
     } else {
@@ -50,22 +50,22 @@ pub fn byte_of(share: f32, solid: bool) -> u8 {
     }
 }
 
-/// The share that is stored, if it agrees with what the voxel is.
+/// The fraction that is stored, if it agrees with what the voxel is.
 #[inline]
-pub fn share_of(byte: u8, solid: bool) -> Option<f32> {
+pub fn fraction_of(byte: u8, solid: bool) -> Option<f32> {
     let agrees = if solid { byte >= HALF } else { byte <= HALF };
     (byte != 0 && agrees).then_some((f32::from(byte) - LEAST) * (1.0 / STEPS))
 }
 
-/// The shares of a segment.
+/// The fractions of a segment.
 #[derive(Clone, Debug)]
-pub struct Shares {
+pub struct OccupancyFractions {
     dimensions: UVec3,
-    bricks: BrickGrid<ShareBrick>,
+    bricks: BrickGrid<FractionBrick>,
 }
 
-impl Shares {
-    /// Nothing is known, in a grid of so many voxels.
+impl OccupancyFractions {
+    /// No fraction is known, in a grid of these dimensions.
     pub fn unknown(dimensions: UVec3) -> Self {
         Self {
             dimensions,
@@ -79,7 +79,7 @@ impl Shares {
     }
 
     /// The bricks.
-    pub fn bricks(&self) -> &BrickGrid<ShareBrick> {
+    pub fn bricks(&self) -> &BrickGrid<FractionBrick> {
         &self.bricks
     }
 
@@ -92,21 +92,21 @@ impl Shares {
         self.bricks.at(voxel).map_or(0, |brick| brick.byte(voxel))
     }
 
-    /// The share of a voxel that is solid or free; none where it is not known.
+    /// The fraction of a voxel that is solid or free; none where it is not known.
     #[inline]
-    pub fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        share_of(self.byte(voxel), solid)
+    pub fn fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        fraction_of(self.byte(voxel), solid)
     }
 
-    /// The share of a voxel, whatever it is; none where it is not known.
-    pub fn any_share(&self, voxel: IVec3) -> Option<f32> {
+    /// The fraction of a voxel, whatever it is; none where it is not known.
+    pub fn any_fraction(&self, voxel: IVec3) -> Option<f32> {
         let byte = self.byte(voxel);
-        share_of(byte, byte >= HALF)
+        fraction_of(byte, byte >= HALF)
     }
 
     /// Exchanges one brick; see [`BrickGrid::swap`].
     #[inline]
-    pub fn swap(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap(&mut self, swap: &mut BrickSwap<FractionBrick>) {
         self.bricks.swap(swap);
     }
 
@@ -114,7 +114,7 @@ impl Shares {
     pub fn memory_bytes(&self) -> usize {
         let entries = self.bricks.entries();
         let own = entries.iter().flatten().count();
-        size_of_val(entries) + own * (size_of::<ShareBrick>() + 2 * size_of::<usize>())
+        size_of_val(entries) + own * (size_of::<FractionBrick>() + 2 * size_of::<usize>())
     }
 }
 

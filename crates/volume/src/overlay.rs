@@ -1,4 +1,4 @@
-//! Stored values that matter edits have put over those of the scan.
+//! Stored values that voxel edits have put over those of the scan.
 //!
 //! Memory: see `brick_grid.rs`; a brick holds all of its voxels, changed or not. Where
 //! there is none, the scan shows through.
@@ -19,7 +19,7 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Nothing is changed.
+    /// An overlay that changes nothing.
     pub fn empty(dimensions: UVec3) -> Self {
         Self {
             dimensions,

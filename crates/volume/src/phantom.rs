@@ -130,7 +130,7 @@ impl Painter {
         let mut visible = Vec::new();
         for first in self.blocks(bottom) {
             let end = (first + BLOCK).min(self.dimensions);
-            let corners = (self.centre(first), self.centre(end - 1));
+            let corners = [first, end - 1].map(|voxel| self.centre(voxel));
             list_visible(&self.parts, corners, self.blur(), &mut visible);
             for voxel in voxels_between(first, end) {
                 let (mean, tissue) = paint(&visible, self.centre(voxel), self.blur());
@@ -145,7 +145,7 @@ impl Painter {
     /// Which voxels of a brick are bone; those beyond the border are not.
     fn bones_in(&self, brick: VoxelBox) -> BitBrick {
         let [first, end] = [brick.min, brick.max].map(|corner| corner.as_uvec3());
-        let corners = (self.centre(first), self.centre(end - 1));
+        let corners = [first, end - 1].map(|voxel| self.centre(voxel));
         let mut visible = Vec::new();
         list_visible(&self.parts, corners, self.blur(), &mut visible);
         if visible.is_empty() {

@@ -35,7 +35,7 @@ use glam::{IVec3, UVec3, Vec3};
 use crate::bit_brick::BitBrick;
 use crate::bits::Bits;
 use crate::brick_grid::BrickSwap;
-use crate::occupancy_fractions::{ShareBrick, Shares, byte_of};
+use crate::occupancy_fractions::{FractionBrick, OccupancyFractions, byte_of};
 use crate::voxel_box::VoxelBox;
 use level::Level;
 
@@ -48,15 +48,15 @@ const WIDEST: f32 = 8.0;
 /// An axis is coarsened where cells are no longer than this along it, in their shortest side.
 const UNEVEN: f32 = 1.5;
 
-/// Shares of the voxels at the surface in a box of a mask, as bricks to put in the place of those
-/// that there are. Voxels outside the box keep the shares that they have in `known`, and what is
+/// Occupancy fractions of the voxels at the surface in a box of a mask, as bricks to put in the place of those
+/// that there are. Voxels outside the box keep the fractions that they have in `known`, and what is
 /// new goes on from there.
-pub fn relaxed_shares(
+pub fn relaxed_fractions(
     bits: &Bits,
     spacing: Vec3,
     core: &VoxelBox,
-    known: &Shares,
-) -> Vec<BrickSwap<ShareBrick>> {
+    known: &OccupancyFractions,
+) -> Vec<BrickSwap<FractionBrick>> {
     let core = core.intersect(&VoxelBox::of_dimensions(bits.dimensions()));
     if core.is_empty() {
         return Vec::new();
@@ -65,13 +65,13 @@ pub fn relaxed_shares(
     let bricks = bits.bricks();
     let brick = |index: u32| {
         let old = known.bricks().get(index);
-        let mut brick = old.map_or(ShareBrick::UNKNOWN, |brick| (**brick).clone());
+        let mut brick = old.map_or(FractionBrick::UNKNOWN, |brick| (**brick).clone());
         for voxel in bricks.box_of(index).intersect(&core).voxels() {
-            let share = field.as_ref().and_then(|field| field.share(bits, voxel));
-            let byte = share.map_or(0, |share| byte_of(share, bits.is_solid(voxel)));
+            let fraction = field.as_ref().and_then(|field| field.fraction(bits, voxel));
+            let byte = fraction.map_or(0, |fraction| byte_of(fraction, bits.is_solid(voxel)));
             brick.set(voxel, byte);
         }
-        let is_known = brick != ShareBrick::UNKNOWN;
+        let is_known = brick != FractionBrick::UNKNOWN;
         let changed = old.map_or(is_known, |old| **old != brick);
         changed.then(|| BrickSwap {
             index,
@@ -106,7 +106,12 @@ pub fn regions(bits: &Bits) -> Vec<VoxelBox> {
 }
 
 /// The field around a box, solved from the coarsest level on; none where there is no surface.
-fn relaxed(bits: &Bits, spacing: Vec3, core: &VoxelBox, known: &Shares) -> Option<Level> {
+fn relaxed(
+    bits: &Bits,
+    spacing: Vec3,
+    core: &VoxelBox,
+    known: &OccupancyFractions,
+) -> Option<Level> {
     let mut coarser: Option<Level> = None;
     for factor in factors(spacing).into_iter().rev() {
         let mut level = Level::around(bits, spacing, core, factor)?;

@@ -37,11 +37,11 @@ pub enum SegmentError {
 /// What is known of a box of voxels without asking for each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
-    /// None is solid.
+    /// No voxel is solid.
     Empty,
-    /// All are solid.
+    /// All voxels are solid.
     Full,
-    /// Each must be asked for.
+    /// Some voxels are solid: each must be asked for.
     Mixed,
 }
 
@@ -54,7 +54,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Nothing is solid.
+    /// A segment without solid voxels.
     pub fn empty(dimensions: UVec3) -> Self {
         Self::from_bits(Bits::empty(dimensions))
     }
@@ -96,7 +96,7 @@ impl Segment {
         self.own_grid.as_deref().unwrap_or(scan)
     }
 
-    /// Those of its voxels that are wanted, on the same grid; asked in parallel.
+    /// The voxels that `wanted` accepts, on the same grid; asked in parallel.
     #[must_use]
     pub fn part(&self, wanted: impl Fn(IVec3) -> bool + Sync) -> Self {
         let solid = |voxel| self.contains(voxel) && wanted(voxel);

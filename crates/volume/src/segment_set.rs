@@ -9,7 +9,7 @@ use crate::edit::SegmentId;
 pub struct SegmentSet([u64; 4]);
 
 impl SegmentSet {
-    /// No segment.
+    /// The empty set.
     pub const EMPTY: Self = Self([0; 4]);
 
     /// The set and this segment.
@@ -45,7 +45,7 @@ impl SegmentSet {
         Self(std::array::from_fn(|i| self.0[i] & other.0[i]))
     }
 
-    /// How many segments belong to it.
+    /// Number of segments in the set.
     #[must_use]
     pub fn len(&self) -> usize {
         self.0.iter().map(|bits| bits.count_ones() as usize).sum()

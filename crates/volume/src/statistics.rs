@@ -10,7 +10,7 @@ use crate::bit_brick::{BitBrick, PlaneCounts};
 use crate::brick_grid::{BRICK, BrickGrid};
 use crate::voxel_box::VoxelBox;
 
-/// How many voxels are solid, in all and per plane.
+/// Counts of solid voxels, in all and per plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statistics {
     count: u64,
@@ -18,7 +18,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Those of a segment with these bricks, counted in parallel.
+    /// Statistics of a segment with these bricks, counted in parallel.
     pub fn of_bricks(bricks: &BrickGrid<BitBrick>) -> Self {
         let size = bricks.size();
         (0..bricks.len() as u32)

@@ -30,13 +30,13 @@ pub struct Tissue {
     pub relaxation_secs: f64,
 }
 
-/// A tissue that is none.
+/// A figure of a tissue that is out of range or not a number.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{what} {given} of a tissue given; allowed: {allowed}")]
 pub struct TissueError {
     /// Which figure, with its unit.
     pub what: &'static str,
-    /// As given.
+    /// The value given.
     pub given: f64,
     /// What may be given.
     pub allowed: &'static str,

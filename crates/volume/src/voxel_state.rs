@@ -4,7 +4,7 @@ use crate::segment_set::SegmentSet;
 
 /// The state of one voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Matter {
+pub struct VoxelState {
     /// Stored intensity, the overlay's where there is one.
     pub stored: i16,
     /// Segments in which the voxel is solid.

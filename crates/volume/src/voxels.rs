@@ -20,7 +20,7 @@ use crate::overlay::Overlay;
 use crate::segment::Segment;
 use crate::threshold::threshold;
 use crate::voxel_box::VoxelBox;
-use crate::voxel_state::Matter;
+use crate::voxel_state::VoxelState;
 
 /// A change that does not fit the state.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub enum VoxelsError {
     /// They stand on different grids.
     #[error("segments {0} and {1} given, which stand on different grids; allowed: of one grid")]
     DifferentGrids(u8, u8),
-    /// All numbers are taken.
+    /// All 255 numbers of segments are taken.
     #[error("a 256th segment given; allowed: 255")]
     TooManySegments,
     /// The edit was made for another grid.
@@ -88,7 +88,7 @@ impl Voxels {
         &self.intensities
     }
 
-    /// What matter edits put over them.
+    /// What voxel edits put over them.
     pub fn overlay(&self) -> &Overlay {
         &self.overlay
     }
@@ -279,13 +279,13 @@ impl Voxels {
     /// for each voxel of the region inside the grid. Segments that do not exist are passed over,
     /// as are those that have a grid of their own.
     /// Nothing changes before [`Self::apply`].
-    pub fn matter_edit(
+    pub fn voxel_edit(
         &self,
         region: &VoxelBox,
-        change: impl Fn(IVec3, Matter) -> Matter + Sync,
+        change: impl Fn(IVec3, VoxelState) -> VoxelState + Sync,
     ) -> Edit {
         let region = region.intersect(&self.grid.bounds());
-        edit_builder::matter_edit(self, &region, change)
+        edit_builder::voxel_edit(self, &region, change)
     }
 
     /// Applies an edit and returns its inverse, which is to be applied to the state that

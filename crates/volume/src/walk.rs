@@ -60,9 +60,9 @@ struct Axis {
     following: u64,
     /// 1 or -1.
     step: i32,
-    /// From a voxel to the plane after the next: 2 or -1.
+    /// Offset from a voxel to the plane after the next: 2 or -1.
     to_following: i32,
-    /// From this voxel, one step leads to that of the end point.
+    /// The voxel from which one step leads to that of the end point.
     last_but_one: i32,
     start: f64,
     /// Fraction of the move per voxel length.
@@ -96,7 +96,7 @@ impl Walk {
         })
     }
 
-    /// Where it is.
+    /// The voxel that the walk is in.
     #[inline]
     pub fn voxel(&self) -> IVec3 {
         IVec3::new(self.x.voxel, self.y.voxel, self.z.voxel)

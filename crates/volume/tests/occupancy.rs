@@ -90,15 +90,15 @@ impl Occupancy for Probe {
         Self::RADIUS
     }
 
-    fn knows_shares(&self) -> bool {
+    fn knows_fractions(&self) -> bool {
         true
     }
 
-    fn share(&self, _voxel: IVec3, solid: bool) -> Option<f32> {
+    fn occupancy_fraction(&self, _voxel: IVec3, solid: bool) -> Option<f32> {
         Some(if solid { 0.75 } else { 0.25 })
     }
 
-    fn share_changes(&self, _voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    fn fraction_changes(&self, _voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         changes.fill(0.125);
     }
 }
@@ -115,15 +115,15 @@ fn check_wrapped(wrapped: &impl Occupancy, whole: bool) {
         wrapped.prepare_smooth_brick(IVec3::ZERO) && !wrapped.prepare_smooth_brick(IVec3::ZERO)
     );
     assert_eq!(wrapped.probe_radius_mm(), Probe::RADIUS);
-    assert!(wrapped.knows_shares());
-    assert_eq!(wrapped.share(IVec3::ZERO, true), Some(0.75));
+    assert!(wrapped.knows_fractions());
+    assert_eq!(wrapped.occupancy_fraction(IVec3::ZERO, true), Some(0.75));
     if whole {
         let visits = |of: &dyn Fn() -> Traversal| of().visits;
         let [start, end] = [DVec3::ZERO, DVec3::ONE];
         let expected = visits(&|| probe.first_solid(start, end, 9));
         assert_eq!(visits(&|| wrapped.first_solid(start, end, 9)), expected);
         let mut changes = [0.0];
-        wrapped.share_changes(&[(IVec3::ZERO, true)], &mut changes);
+        wrapped.fraction_changes(&[(IVec3::ZERO, true)], &mut changes);
         assert_eq!(changes, [0.125]);
     }
 }
@@ -141,12 +141,15 @@ fn a_wrapped_probe_keeps_its_radius_and_all_its_answers() {
 }
 
 #[test]
-fn a_union_takes_the_largest_radius_and_the_largest_share() {
+fn a_union_takes_the_largest_radius_and_the_largest_fraction() {
     let parts = [Probe::new(false), Probe::new(true)];
-    assert_eq!(parts.share(IVec3::ZERO, true), Some(0.75));
-    assert_eq!(parts[..1].share(IVec3::ZERO, false), Some(0.25));
+    assert_eq!(parts.occupancy_fraction(IVec3::ZERO, true), Some(0.75));
+    assert_eq!(
+        parts[..1].occupancy_fraction(IVec3::ZERO, false),
+        Some(0.25)
+    );
     assert_eq!(parts.probe_radius_mm(), Probe::RADIUS);
     let nothing: [Option<Probe>; 2] = [None, None];
-    assert!(!nothing.knows_shares() && nothing.share(IVec3::ZERO, false).is_none());
+    assert!(!nothing.knows_fractions() && nothing.occupancy_fraction(IVec3::ZERO, false).is_none());
     assert_eq!(nothing.probe_radius_mm(), 0.0);
 }

@@ -1,5 +1,5 @@
-//! Shares worked out from bits: flat slopes without stairs, bodies that keep their size, and never a
-//! share that disagrees with its bit.
+//! Occupancy fractions worked out from bits: flat slopes without stairs, bodies that keep their size, and never a
+//! fraction that disagrees with its bit.
 
 #![allow(
     clippy::unwrap_used,
@@ -9,8 +9,8 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
-use palpate_volume::occupancy_fractions::Shares;
-use palpate_volume::relax::{regions, relaxed_shares};
+use palpate_volume::occupancy_fractions::OccupancyFractions;
+use palpate_volume::relax::{regions, relaxed_fractions};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use proptest::prelude::*;
@@ -35,23 +35,23 @@ fn plane(degrees: f64) -> impl Fn(DVec3) -> f64 + Sync {
     move |point| outward.dot(point - CENTRE)
 }
 
-/// All shares of a mask.
-fn worked_out(bits: &Bits, spacing: DVec3) -> Shares {
-    let mut shares = Shares::unknown(bits.dimensions());
+/// All fractions of a mask.
+fn worked_out(bits: &Bits, spacing: DVec3) -> OccupancyFractions {
+    let mut fractions = OccupancyFractions::unknown(bits.dimensions());
     for region in regions(bits) {
-        let known = shares.clone();
-        for mut swap in relaxed_shares(bits, spacing.as_vec3(), &region, &known) {
-            shares.swap(&mut swap);
+        let known = fractions.clone();
+        for mut swap in relaxed_fractions(bits, spacing.as_vec3(), &region, &known) {
+            fractions.swap(&mut swap);
         }
     }
-    shares
+    fractions
 }
 
 /// How far what columns along an axis count is from the true surface, negative inside [mm], in the
 /// middle of the grid; only where columns go through the surface once.
 fn errors(
     bits: &Bits,
-    shares: &Shares,
+    fractions: &OccupancyFractions,
     (spacing, axis): (DVec3, usize),
     distance: impl Fn(DVec3) -> f64,
 ) -> Vec<f64> {
@@ -65,8 +65,8 @@ fn errors(
         .filter(|&voxel| bits.is_solid(voxel) && !bits.is_solid(voxel + step))
         .filter(|&voxel| (voxel + step)[axis] < size[axis])
         .map(|voxel| {
-            let solid = shares.share(voxel, true).unwrap();
-            let free = shares.share(voxel + step, false).unwrap();
+            let solid = fractions.fraction(voxel, true).unwrap();
+            let free = fractions.fraction(voxel + step, false).unwrap();
             let mut top = voxel.as_dvec3() + 0.5;
             top[axis] += f64::from(solid + free) - 0.5;
             distance(top * spacing)
@@ -98,8 +98,8 @@ fn flat_slopes_have_no_stairs_on_cubes_nor_on_slices() {
     ] {
         let spacing = grid.1;
         let bits = voxelised(grid, plane(degrees));
-        let shares = worked_out(&bits, spacing);
-        let errors = errors(&bits, &shares, (spacing, 2), plane(degrees));
+        let fractions = worked_out(&bits, spacing);
+        let errors = errors(&bits, &fractions, (spacing, 2), plane(degrees));
         let ripple = ripple(&errors) / spacing.min_element();
         let bias = mean(&errors) / spacing.min_element();
         assert!(ripple < most, "{degrees} degrees, {spacing}: {ripple} h");
@@ -116,8 +116,8 @@ fn a_slope_whose_steps_have_jogs_has_no_stairs() {
     let grid = CUBES;
     let slope = |point: DVec3| point.z - (40.0 + 0.09 * point.x + 0.02 * point.y);
     let bits = voxelised(grid, slope);
-    let shares = worked_out(&bits, grid.1);
-    let errors = errors(&bits, &shares, (grid.1, 2), slope);
+    let fractions = worked_out(&bits, grid.1);
+    let errors = errors(&bits, &fractions, (grid.1, 2), slope);
     let most = errors
         .iter()
         .fold(0.0, |most: f64, error| most.max(error.abs()));
@@ -131,13 +131,13 @@ fn a_ball_keeps_its_size_and_its_shape() {
         let spacing = grid.1;
         let distance = |point: DVec3| point.distance(CENTRE) - 20.0;
         let bits = voxelised(grid, distance);
-        let shares = worked_out(&bits, spacing);
+        let fractions = worked_out(&bits, spacing);
         // a cap on which columns go through the surface steeply
         let cap = |point: DVec3| {
             let steep = (point - CENTRE).normalize().z > 0.75;
             if steep { distance(point) } else { f64::NAN }
         };
-        let mut errors = errors(&bits, &shares, (spacing, 2), cap);
+        let mut errors = errors(&bits, &fractions, (spacing, 2), cap);
         errors.retain(|error| error.is_finite());
         assert!(errors.len() > 300, "{} columns", errors.len());
         let h = spacing.min_element();
@@ -154,13 +154,13 @@ fn faces_of_a_box_are_flat_and_where_they_are() {
         let high = IVec3::new(52, 60, 27);
         let inside = |voxel: IVec3| voxel.cmpge(low).all() && voxel.cmplt(high).all();
         let segment = Segment::from_fn(dimensions, inside);
-        let shares = worked_out(segment.occupancy(), spacing);
+        let fractions = worked_out(segment.occupancy(), spacing);
         // edges are rounded
         for x in low.x + 4..high.x - 4 {
             for y in low.y + 4..high.y - 4 {
                 let top = IVec3::new(x, y, high.z - 1);
-                let count =
-                    shares.share(top, true).unwrap() + shares.share(top + IVec3::Z, false).unwrap();
+                let count = fractions.fraction(top, true).unwrap()
+                    + fractions.fraction(top + IVec3::Z, false).unwrap();
                 assert!((count - 1.0).abs() < 0.01, "{top}, {spacing}: {count}");
             }
         }
@@ -178,11 +178,11 @@ fn walls_of_one_voxel_stay_closed_where_they_are() {
         below.is_solid(voxel) && !below.is_solid(voxel + IVec3::Z)
     });
     let bits = wall.occupancy();
-    let shares = worked_out(bits, grid.1);
+    let fractions = worked_out(bits, grid.1);
     for voxel in VoxelBox::of_dimensions(grid.0).dilate(-4).voxels() {
         if bits.is_solid(voxel) {
-            let share = shares.share(voxel, true).unwrap();
-            assert!((0.5..=1.0).contains(&share), "{voxel}: {share}");
+            let fraction = fractions.fraction(voxel, true).unwrap();
+            assert!((0.5..=1.0).contains(&fraction), "{voxel}: {fraction}");
         }
     }
 }
@@ -196,11 +196,11 @@ fn what_is_known_around_a_region_stays_and_is_gone_on_from() {
     let hole = VoxelBox::new(IVec3::splat(38), IVec3::splat(54));
     let mut holed = all.clone();
     let nothing = Bits::empty(bits.dimensions());
-    for mut swap in relaxed_shares(&nothing, spacing.as_vec3(), &hole, &all) {
+    for mut swap in relaxed_fractions(&nothing, spacing.as_vec3(), &hole, &all) {
         holed.swap(&mut swap);
     }
     assert!(hole.voxels().all(|voxel| holed.byte(voxel) == 0));
-    let again = relaxed_shares(&bits, spacing.as_vec3(), &hole, &holed);
+    let again = relaxed_fractions(&bits, spacing.as_vec3(), &hole, &holed);
     let mut mended = holed.clone();
     for swap in &again {
         mended.swap(&mut swap.clone());
@@ -230,32 +230,32 @@ fn noise(salt: u64, density: u64) -> Bits {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Of any mask, all voxels beside the surface have a share, which agrees with their bit, and no
+    /// Of any mask, all voxels beside the surface have a fraction, which agrees with their bit, and no
     /// other voxel has; whatever is worked out again, and from whatever was known.
     #[test]
-    fn shares_agree_with_bits(salt: u64, density in 1_u64..99, stale: u64, uneven: bool) {
+    fn fractions_agree_with_bits(salt: u64, density in 1_u64..99, stale: u64, uneven: bool) {
         let bits = noise(salt, density);
         let spacing = if uneven { DVec3::new(0.7, 0.7, 2.5) } else { DVec3::ONE };
-        // shares of other voxels are no reason to disagree
+        // fractions of other voxels are no reason to disagree
         let before = worked_out(&noise(stale, density), spacing);
-        let mut shares = before.clone();
+        let mut fractions = before.clone();
         let whole = VoxelBox::of_dimensions(bits.dimensions());
         let halves = [
             VoxelBox::new(whole.min, whole.max.with_x(6)),
             VoxelBox::new(whole.min.with_x(6), whole.max),
         ];
         for half in halves {
-            let known = shares.clone();
+            let known = fractions.clone();
             let swaps: Vec<BrickSwap<_>> =
-                relaxed_shares(&bits, spacing.as_vec3(), &half, &known);
-            swaps.into_iter().for_each(|mut swap| shares.swap(&mut swap));
+                relaxed_fractions(&bits, spacing.as_vec3(), &half, &known);
+            swaps.into_iter().for_each(|mut swap| fractions.swap(&mut swap));
         }
         for voxel in whole.voxels() {
             let solid = bits.is_solid(voxel);
             let is_surface = AXES.into_iter().flat_map(|axis| [voxel - axis, voxel + axis])
                 .any(|beside| whole.contains(beside) && bits.is_solid(beside) != solid);
-            prop_assert_eq!(shares.byte(voxel) != 0, is_surface);
-            prop_assert_eq!(shares.share(voxel, solid).is_some(), is_surface);
+            prop_assert_eq!(fractions.byte(voxel) != 0, is_surface);
+            prop_assert_eq!(fractions.fraction(voxel, solid).is_some(), is_surface);
         }
     }
 }

@@ -10,7 +10,7 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 const DIMENSIONS: UVec3 = UVec3::new(25, 18, 33);
@@ -72,18 +72,18 @@ fn random_edit(voxels: &Voxels, random: &mut Random) -> Edit {
     let centre = random.voxel(0, 18).as_dvec3();
     let near = move |voxel: IVec3| voxel.as_dvec3().distance(centre) < reach;
     let id = SegmentId(random.integer(1, 4) as u8);
-    let drilled = Matter {
+    let drilled = VoxelState {
         stored: AIR,
         segments: SegmentSet::EMPTY,
     };
     match random.integer(0, 4) {
         0 => voxels.label_edit(id, &region, |_, _| true),
         1 => voxels.label_edit(id, &region, |voxel, was| was && !near(voxel)),
-        2 => Ok(voxels.matter_edit(
+        2 => Ok(voxels.voxel_edit(
             &region,
             |voxel, was| if near(voxel) { drilled } else { was },
         )),
-        _ => Ok(voxels.matter_edit(&region, |voxel, was| Matter {
+        _ => Ok(voxels.voxel_edit(&region, |voxel, was| VoxelState {
             stored: was.stored.wrapping_add(voxel.x as i16),
             segments: if near(voxel) {
                 was.segments.with(id)
@@ -168,11 +168,11 @@ fn a_drilled_voxel_is_air_and_belongs_to_no_segment() {
         let mut voxels = voxels(&mut random);
         let scan = voxels.intensities().clone();
         let (before, region) = (Dense::of(&voxels), random.voxel_box(DIMENSIONS));
-        let edit = voxels.matter_edit(&region, |_, _| Matter {
+        let edit = voxels.voxel_edit(&region, |_, _| VoxelState {
             stored: AIR,
             segments: SegmentSet::EMPTY,
         });
-        assert_eq!(edit.kind, EditKind::Matter);
+        assert_eq!(edit.kind, EditKind::Voxel);
         let undo = voxels.apply(edit).expect("it fits");
 
         let mut expected = before.clone();
@@ -202,7 +202,7 @@ fn matter_moved_takes_its_segments_along() {
     let before = voxels.clone();
     let region = grid().bounds();
     let source = |voxel: IVec3| IVec3::new(DIMENSIONS.x as i32 - 1 - voxel.x, voxel.y, voxel.z);
-    let edit = voxels.matter_edit(&region, |voxel, _| Matter {
+    let edit = voxels.voxel_edit(&region, |voxel, _| VoxelState {
         stored: before.stored(source(voxel)).expect("inside"),
         segments: before
             .segments()
@@ -330,7 +330,7 @@ fn a_threshold_sees_what_edits_made_of_the_scan() {
     let mut random = Random::new(128);
     let mut voxels = voxels(&mut random);
     let hole = VoxelBox::new(IVec3::splat(3), IVec3::splat(14));
-    let edit = voxels.matter_edit(&hole, |_, was| Matter { stored: AIR, ..was });
+    let edit = voxels.voxel_edit(&hole, |_, was| VoxelState { stored: AIR, ..was });
     voxels.apply(edit).expect("it fits");
     let bone = voxels.threshold(500.0, f64::INFINITY);
     for voxel in voxels.grid().bounds().voxels() {

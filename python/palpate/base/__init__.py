@@ -1,1 +1,1 @@
-"""What every other part stands on: errors, progress, the console, whole files, the state folder."""
+"""Foundations of the package: errors, progress, the console, complete files, the state folder."""

@@ -1,6 +1,6 @@
-"""What the command line shows while it works, and how it fails: one line on stderr.
+"""Progress and errors on the command line: one line on stderr.
 
-Progress is shown for what takes longer than a second, and only where stderr is a terminal.
+Progress is shown for work longer than a second, and only where stderr is a terminal.
 """
 
 from __future__ import annotations
@@ -20,32 +20,32 @@ if TYPE_CHECKING:
 __all__ = ["WRONG_INPUT", "Display", "fail", "quiet_libraries", "warn"]
 
 QUIET_SECONDS = 1.0
-"""Work shorter than this is not shown."""
+"""Work shorter than this is not shown [s]."""
 
 WRONG_INPUT = 2
-"""Exit code where something given cannot be used."""
+"""Exit code for invalid input."""
 
 
 def fail(message: str) -> int:
-    """Prints why something cannot be done, in one line; returns the exit code."""
+    """Prints an error in one line; returns the exit code."""
     sys.stderr.write(f"palpate: {_one_line(message)}\n")
     return WRONG_INPUT
 
 
 def warn(message: str) -> None:
-    """Prints what a person should know, in one line."""
+    """Prints a warning in one line."""
     sys.stderr.write(f"palpate: warning: {_one_line(message)}\n")
 
 
 def _one_line(message: str) -> str:
-    """Returns a message without line breaks and without characters that steer a terminal."""
+    """Returns a message without line breaks and control characters."""
     words = " ".join(message.split())
     return "".join(letter if letter.isprintable() else "?" for letter in words)
 
 
 @contextmanager
 def quiet_libraries() -> Iterator[None]:
-    """Keeps what image libraries print by themselves off stderr; ours goes on to be shown."""
+    """Keeps messages of image libraries off stderr; those of Palpate are still shown."""
     shown = sys.stderr
     shown.flush()
     kept = os.dup(2)
@@ -93,7 +93,7 @@ class Display:
                 self._bar.stop()
 
     def __call__(self, what: str, share: float | None, /) -> None:
-        """Takes what is being done and which share of it is done."""
+        """Takes what is being done and which fraction of it is done."""
         with self._lock:
             self._now = (what, share)
             self._update()

@@ -1,7 +1,7 @@
-"""What can go wrong with what a person gives: one exception per kind, one line each.
+"""Errors in what a user provides: one exception for each kind, each with a one-line message.
 
-A message says what was given and what is allowed. The command line prints it and ends with
-exit code 2; it is never a traceback.
+A message says what was given and what is allowed. The command line prints it and ends with exit
+code 2, without a traceback.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = [
 
 
 class PalpateError(Exception):
-    """Something given to Palpate cannot be used; the message says why and what can."""
+    """Base of all errors in what a user provides; the message says what is allowed."""
 
 
 class OptionError(PalpateError, ValueError):
@@ -28,28 +28,28 @@ class OptionError(PalpateError, ValueError):
 
 
 class VolumeFormatError(PalpateError, ValueError):
-    """A file or folder that cannot be read as one three-dimensional scan."""
+    """A file or folder cannot be read as one three-dimensional scan."""
 
 
 class SeriesChoiceError(VolumeFormatError):
-    """A folder holds several series, or not the one asked for."""
+    """A folder holds several series, or not the requested one."""
 
 
 class EmptySegmentError(PalpateError, ValueError):
-    """A threshold that selects no voxel."""
+    """A threshold or mesh selects no voxel."""
 
 
 class MeshFormatError(PalpateError, ValueError):
-    """A file that is no mesh, or a mesh that cannot be used."""
+    """A file is not a mesh, or a mesh cannot be used."""
 
 
 class RecordingFormatError(PalpateError, ValueError):
-    """A file that is no recording, or a damaged one."""
+    """A file is not a recording, or is damaged."""
 
 
 class SceneFormatError(PalpateError, ValueError):
-    """A file that is no scene, a damaged one, or one whose scan is gone."""
+    """A file is not a scene, is damaged, or its scan is missing."""
 
 
 class DicomWebError(PalpateError):
-    """A server that is not there, refuses, or does not send what it was asked for."""
+    """A DICOMweb server is not reachable, refuses, or does not send what was requested."""

@@ -1,6 +1,6 @@
-"""Names that a package offers from its modules, imported when first asked for.
+"""Names that a package exports from its modules, imported on first access.
 
-So a package starts fast, whatever its modules need.
+This keeps the import of a package fast, whatever its modules need.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ def lazy_exports(package: str, homes: Mapping[str, str]) -> Callable[[str], obje
 
     Args:
         package: Its name.
-        homes: The module below it of each name.
+        homes: For each name, the module of the package that defines it.
     """
 
     def exported(name: str) -> object:

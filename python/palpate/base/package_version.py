@@ -1,4 +1,4 @@
-"""Which Palpate this is."""
+"""The version of Palpate."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""How long work reports where it is: a function that takes a sentence and a share.
+"""Progress of long work: a function that takes a sentence and a fraction.
 
-The library is silent; the command line shows what is reported.
+The library prints nothing; the command line shows what is reported.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ __all__ = ["Progress", "silent"]
 
 
 class Progress(Protocol):
-    """Told what is being done and which share, 0..1, is done; None where it is not known."""
+    """Takes what is being done, and the fraction that is done: 0 to 1, None if unknown."""
 
     def __call__(self, what: str, share: float | None, /) -> None:
-        """Takes what is being done."""
+        """Reports progress."""
 
 
 def silent(what: str, share: float | None, /) -> None:

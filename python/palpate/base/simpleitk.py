@@ -14,7 +14,7 @@ __all__ = ["Grid", "Image", "Reader", "Transform", "image_on", "reason_of", "sim
 
 
 class Grid(Protocol):
-    """How voxels lie in the patient, LPS [mm], as ``palpate.volumes.volume.Volume`` tells it."""
+    """Geometry of a scan in the patient, LPS [mm]; see ``palpate.volumes.volume.Volume``."""
 
     @property
     def spacing(self) -> tuple[float, float, float]: ...  # noqa: D102
@@ -25,7 +25,7 @@ class Grid(Protocol):
 
 
 class Image(Protocol):
-    """What is used of ``SimpleITK.Image``; numbers in the order x, y, z."""
+    """The part of ``SimpleITK.Image`` that is used; numbers are in the order x, y, z."""
 
     def GetSpacing(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
     def GetOrigin(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
@@ -33,7 +33,7 @@ class Image(Protocol):
 
 
 class Transform(Protocol):
-    """What is used of ``SimpleITK.Transform``; points are patient, LPS [mm]."""
+    """The part of ``SimpleITK.Transform`` that is used; points are patient, LPS [mm]."""
 
     def GetDimension(self) -> int: ...  # noqa: N802, D102
     def IsLinear(self) -> bool: ...  # noqa: N802, D102
@@ -41,7 +41,7 @@ class Transform(Protocol):
 
 
 class Reader(Protocol):
-    """What is used of ``SimpleITK.ImageFileReader``."""
+    """The part of ``SimpleITK.ImageFileReader`` that is used."""
 
     def GetSize(self) -> tuple[int, ...]: ...  # noqa: N802, D102
     def GetSpacing(self) -> tuple[float, ...]: ...  # noqa: N802, D102
@@ -55,14 +55,14 @@ class Reader(Protocol):
 
 
 def simpleitk() -> ModuleType:
-    """Returns the module SimpleITK; what its warnings tell stands in a volume's ``warnings``."""
+    """Returns the module SimpleITK; its warnings are part of a volume's ``warnings``."""
     module = import_module("SimpleITK")
     module.ProcessObject.SetGlobalWarningDisplay(False)  # noqa: FBT003  # its only form
     return module
 
 
 def image_on(grid: Grid, array: NDArray[Any]) -> Any:  # noqa: ANN401  # SimpleITK has no types
-    """Returns an array [z, y, x] on a grid as ``SimpleITK.Image``."""
+    """Returns an array [z, y, x] on a grid as a ``SimpleITK.Image``."""
     image = simpleitk().GetImageFromArray(array)
     image.SetSpacing(grid.spacing)
     image.SetOrigin(grid.origin)
@@ -71,6 +71,6 @@ def image_on(grid: Grid, array: NDArray[Any]) -> Any:  # noqa: ANN401  # SimpleI
 
 
 def reason_of(error: RuntimeError) -> str:
-    """Returns the last line of ITK's message, without addresses of its objects."""
+    """Returns the last line of a message of ITK, without the addresses of its objects."""
     last = str(error).strip().splitlines()[-1].strip()
     return re.sub(r"ITK ERROR: |sitk::ERROR: |\(0x[0-9a-f]+\)", "", last).rstrip(".")

@@ -1,6 +1,6 @@
 """The folder of the program's state, and small JSON files in it.
 
-A damaged file counts as none; a disk that refuses one only means that nothing is remembered.
+A damaged file counts as missing; where a file cannot be written, nothing is remembered.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 def state_folder() -> Path:
-    """Returns where state is kept: ``PALPATE_STATE``, or the user's folder for state."""
+    """Returns the folder: ``PALPATE_STATE``, or the user's folder for state."""
     if given := os.environ.get("PALPATE_STATE"):
         return Path(given)
     if sys.platform == "darwin":
@@ -32,7 +32,7 @@ def state_folder() -> Path:
 
 
 def kept(path: Path, form: type[T]) -> T | None:
-    """Returns what a file of the folder holds; None where it is not there, or damaged."""
+    """Returns the content of a file in the folder; None where it is missing or damaged."""
     try:
         return msgspec.json.decode(path.read_bytes(), type=form)
     except (OSError, msgspec.DecodeError):
@@ -40,7 +40,7 @@ def kept(path: Path, form: type[T]) -> T | None:
 
 
 def keep(path: Path, value: object) -> None:
-    """Writes a file of the folder, all of it or nothing."""
+    """Writes a file in the folder, completely or not at all."""
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as unfinished:

@@ -1,4 +1,4 @@
-"""Numbers as people type them: thresholds, points, sizes of voxels."""
+"""Parsing of numbers that users type: thresholds, points, sizes of voxels."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from palpate.base.errors import OptionError
 __all__ = ["Bounds", "parse_point", "parse_threshold", "parse_voxel_size"]
 
 Bounds = tuple[float, float | None]
-"""Lowest and highest value; None is no upper bound."""
+"""Lowest and highest value; None for no upper bound."""
 
 
 def parse_threshold(given: str | None) -> Bounds | None:
-    """Returns the bounds that LOW or LOW,HIGH stands for; None where none is given.
+    """Parses a threshold, LOW or LOW,HIGH; None where none is given.
 
     Raises:
-        OptionError: It is neither.
+        OptionError: It has another form.
     """
     if given is None:
         return None
@@ -32,10 +32,10 @@ def parse_threshold(given: str | None) -> Bounds | None:
 
 
 def parse_point(given: str) -> tuple[float, float, float]:
-    """Returns the point that X,Y,Z stands for [mm].
+    """Parses a point, X,Y,Z [mm].
 
     Raises:
-        OptionError: It is none.
+        OptionError: It has another form.
     """
     try:
         x, y, z = (float(part) for part in given.split(","))
@@ -47,10 +47,10 @@ def parse_point(given: str) -> tuple[float, float, float]:
 
 
 def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
-    """Returns the lengths that X,Y,Z stands for [mm]; None where none are given.
+    """Parses a voxel size, X,Y,Z [mm]; None where none is given.
 
     Raises:
-        OptionError: They are no three numbers.
+        OptionError: It has another form.
     """
     if given is None:
         return None

@@ -1,6 +1,6 @@
-"""Files and folders that appear under their name when they are whole, never before.
+"""Files and folders that appear under their name only once they are complete.
 
-What stands under the name already stays as it is until then, also where the disk is full.
+Until then, an existing file of that name stays as it is, even where the disk is full.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ __all__ = ["check_target", "whole_file", "whole_folder"]
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Gives a new file beside a path, with the same ending, to write; then it takes the path.
+    """Yields a temporary file beside a path, with the same extension; then renames it to the path.
 
     Raises:
-        OSError: The disk refuses it; then nothing is left behind.
+        OSError: The file cannot be written; nothing is left behind then.
     """
     unfinished = _beside(path)
     try:
@@ -36,11 +36,11 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def whole_folder(path: Path) -> Iterator[Path]:
-    """Gives a new folder beside a path to fill; then it takes the path.
+    """Yields a temporary folder beside a path; then renames it to the path.
 
     Raises:
-        OptionError: There are files under the path already.
-        OSError: The disk refuses it; then nothing is left behind.
+        OptionError: There are files at the path already.
+        OSError: The folder cannot be written; nothing is left behind then.
     """
     if path.exists() and not (path.is_dir() and not any(path.iterdir())):
         raise OptionError(f"{path} is there already; allowed: a new folder, or an empty one")
@@ -67,7 +67,7 @@ def check_target(path: Path, suffixes: tuple[str, ...]) -> None:
     """Refuses a file that could not be written, before anything is computed.
 
     Raises:
-        OptionError: Its name ends with nothing known, or its folder is not there.
+        OptionError: The extension is not known, or the folder does not exist.
     """
     if not path.name.lower().endswith(suffixes):
         raise OptionError(f"{path.name!r} given; allowed: a name with {', '.join(suffixes)}")

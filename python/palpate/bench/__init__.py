@@ -1,1 +1,1 @@
-"""Benchmarks: what they measure, the goals they are held against, and how they report."""
+"""Benchmarks: what they measure, their goals, and their reports."""

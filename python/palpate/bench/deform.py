@@ -1,9 +1,9 @@
-"""``palpate bench deform``: how fast models of deformation are, and how true their force.
+"""``palpate bench deform``: speed of the deformation models, and accuracy of their force.
 
-The bonded lattice under a ball that presses and slides a quarter of a node a frame, on one core;
-what one of its nodes costs in small and large boxes; its border beside a box of 81³. Pairs of
-Lennard-Jones a second beside LAMMPS from the same places and velocities in the same run. And what
-the thesis' particles cannot do, in figures.
+The bonded lattice under a ball that presses and slides a quarter of a node each frame, on one core;
+the cost of one of its nodes in small and large boxes; the effect of its border, compared with a box
+of 81³. Pairs of Lennard-Jones particles per second, compared with LAMMPS from the same positions
+and velocities in the same run. And the limits of the thesis' particles.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ NODES = 21
 ITERATIONS = 160
 """Iterations of a frame."""
 PAIRS = 27.0
-"""Of a particle within the cut, each counted once, whatever lists hold."""
+"""Pairs of a particle within the cut-off, each counted once, whatever neighbour lists hold."""
 
 CANNOT = (
     "fcc-lj and cuboid-lj are there for comparison. Neither has a strength or a Poisson's ratio "
@@ -51,14 +51,14 @@ class Effort:
     """How much is measured."""
 
     updates: float = 2e7
-    """Updates of nodes for the cost of one."""
+    """Updates of nodes to time one."""
     warm_up: int = 100
     steps: int = 400
-    """Steps of the smaller crystal; the larger one takes as many particle-steps."""
+    """Steps of the smaller crystal; the larger one gets as many steps times particles."""
     rounds: int = 5
-    """Runs of each crystal, ours and LAMMPS in turn; the quickest of each counts."""
+    """Runs of each crystal, alternately with LAMMPS; the fastest of each counts."""
     large: int = 81
-    """Nodes along the edge of the box that counts as endless."""
+    """Nodes along the edge of the box that counts as infinite."""
 
 
 QUICK = Effort(updates=2e5, warm_up=20, steps=40, rounds=1, large=41)
@@ -67,12 +67,12 @@ QUICK = Effort(updates=2e5, warm_up=20, steps=40, rounds=1, large=41)
 def measure(
     amount: Effort, progress: Progress = silent, *, lammps: bool = True
 ) -> tuple[list[Row], list[str]]:
-    """Measures all; returns the rows, and what could not be measured.
+    """Runs all measurements; returns the rows, and what could not be measured.
 
     Args:
-        amount: How much.
-        progress: Told what is measured.
-        lammps: Whether LAMMPS runs beside.
+        amount: How much is measured.
+        progress: Takes the progress.
+        lammps: Whether to compare with LAMMPS.
     """
     reports: dict[str, dict[str, float]] = {}
     for done, layers in enumerate(LATTICE_CASES):
@@ -113,7 +113,7 @@ def _frames(case: LatticeCase) -> dict[str, float]:
 
 
 def _crystal(cells: int, particles: int, amount: Effort, *, lammps: bool) -> dict[str, float]:
-    """Returns the figures of a crystal, and those of LAMMPS where it runs beside."""
+    """Returns the figures of a crystal, and those of LAMMPS where it is compared."""
     smaller = min(CRYSTALS.values())
     steps = max(10, amount.steps * smaller // particles)
     report: dict[str, float] = {"ours": 0.0, "lammps": 0.0}
@@ -128,12 +128,12 @@ def _crystal(cells: int, particles: int, amount: Effort, *, lammps: bool) -> dic
         rate = PAIRS * particles * steps / theirs.seconds
         report["lammps"] = max(report["lammps"], rate)
         report["lammps_builds"] = theirs.builds
-        for key, energy in (
-            ("at_start", "potential_at_start"),
-            ("after_warm_up", "potential_after_warm_up"),
-            ("at_end", "total_at_end"),
+        for key, our_energy, their_energy in (
+            ("at_start", ours["potential_at_start"], theirs.potential_at_start),
+            ("after_warm_up", ours["potential_after_warm_up"], theirs.potential_after_warm_up),
+            ("at_end", ours["total_at_end"], theirs.total_at_end),
         ):
-            apart = abs(ours[energy] / getattr(theirs, energy) - 1.0)
+            apart = abs(our_energy / their_energy - 1.0)
             report[f"apart_{key}"] = max(report.get(f"apart_{key}", 0.0), apart)
     if lammps:
         report["ratio"] = report["ours"] / report["lammps"]

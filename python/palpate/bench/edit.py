@@ -1,18 +1,17 @@
-"""``palpate bench edit``: how long an edit takes from the engine to the GPU of a page.
+"""``palpate bench edit``: latency of an edit from the engine to the GPU of a page.
 
-The eraser is led in circles through the bone of a scan that is shown as a surface and from its
-voxels. What counts is the time from an edit's being applied by the engine to its last upload's
-being issued by the page. It is measured twice: with drawing suspended, so that the machine does
-all but drawing, and while the picture is drawn in software, which takes all cores. In the second
-case the time that an edit waits for a frame that is being drawn is told apart. Without drawing the
-picture follows every edit; with it as often as the page finds time for.
+The eraser moves in circles through the bone of a scan that is shown both as a surface and from its
+voxels. The latency is the time from when the engine applies an edit to when the page issues its
+last upload. It is measured twice: with drawing suspended, so that the machine does everything
+except drawing, and while the picture is drawn in software, which takes all cores. In the second
+case the time that an edit waits for a frame in progress is reported separately. Without drawing the
+picture follows every edit, with it as often as the page has time for.
 
-A third case presses the same bone, made as soft as liver, in circles with the probe, drawing
-suspended: each answer of the lattice changes voxels, surface and the field of what stands beside
-its voxels.
+In a third case the probe presses the same bone, made as soft as liver, in circles, with drawing
+suspended: each answer of the lattice changes voxels, surface and displacement field.
 
-The switch that suspends drawing is there for this benchmark only (``window.palpate``): uploads go
-out as always, and no picture is drawn.
+The switch that suspends drawing exists for this benchmark only (``window.palpate``): uploads happen
+as always, and no picture is drawn.
 """
 
 from __future__ import annotations
@@ -34,33 +33,33 @@ from palpate.bench.report import Row, row_of
 __all__ = ["erased", "figures_of", "measure", "pressed", "rows_of"]
 
 SIZE = {"width": 960, "height": 400}
-"""Of the browser's window [pixels]."""
+"""Size of the browser's window [pixels]."""
 SECONDS = 8.0
-"""Of each case."""
+"""Duration of each case [s]."""
 CIRCLE = 15.0
-"""Radius of the circles in which the eraser is led [mm]."""
+"""Radius of the circles of the eraser [mm]."""
 DEEPER = 1.0
-"""How fast it goes deeper [mm/s]."""
+"""Speed at which the eraser goes deeper [mm/s]."""
 PRESS_DEPTH, PRESS_CIRCLE = 4.0, 6.0
-"""How deep soft matter is pressed, and in circles of which radius [mm]."""
+"""Depth and radius of the circles in which soft tissue is pressed [mm]."""
 SOFT = "liver"
-"""The material that is pressed."""
+"""Material of the pressed tissue."""
 
 FIRST_SEGMENT = 1
 """Number of the bone."""
 
 Times = list[dict[str, float]]
-"""What edits took on their way [ms]: ``way``, ``wait``, ``work``."""
+"""Times of edits [ms]: ``way``, ``wait``, ``work``."""
 
 
 def measure(
     scan: Path | None = None, *, seconds: float = SECONDS, progress: Progress = silent
 ) -> list[Row]:
-    """Measures edits of a scan's bone, by default CThead's.
+    """Measures edits of the bone of a scan; the default is CThead.
 
     Raises:
         OptionError: There is no browser, or the scan has no bone in its middle.
-        MissingDataError: The default scan is not there.
+        MissingDataError: The default scan is missing.
     """
     chromium()
     path = data_file(CTHEAD) if scan is None else scan
@@ -81,13 +80,13 @@ def measure(
 
 
 def rows_of(found: dict[str, Times]) -> list[Row]:
-    """Returns the figures of times by their case."""
+    """Returns the rows of a report."""
     reports = {case: figures_of(times) for case, times in found.items()}
     return [row_of(goal, reports[goal.case]) for goal in GOALS["edit"]]
 
 
 def figures_of(times: Times) -> dict[str, float]:
-    """Returns median, 95 % and worst [s], with waiting for the picture and without, and parts."""
+    """Returns median, 95 % and maximum [s], with and without the wait for a frame, and parts."""
     way, wait, work = (np.array([one[part] for one in times]) / 1e3 for part in PARTS)
     figures = {"edits": float(len(times))}
     for name, taken in (("all", way + wait + work), ("undrawn", way + work)):
@@ -107,7 +106,7 @@ PARTS = ("way", "wait", "work")
 
 
 def erased(page: Page, seconds: float) -> Times:
-    """Erases for a while; returns what the edits took, and takes them back."""
+    """Erases for a while; returns the times of the edits, and undoes them."""
     page.wait("window.palpate.finished || window.palpate.drawingSuspended")
     seen, axes = _aim(page)
     first = page.read("window.palpate.lastEdit")
@@ -125,7 +124,7 @@ def erased(page: Page, seconds: float) -> Times:
 
 
 def pressed(page: Page, seconds: float) -> Times:
-    """Presses soft matter for a while; returns what its changes took, and leaves it hard again."""
+    """Presses soft tissue for a while; returns the times of changes, and makes it rigid again."""
     page.wait("window.palpate.finished || window.palpate.drawingSuspended")
     seen, axes = _aim(page)
     _choose(page, f"material-{FIRST_SEGMENT}", SOFT)
@@ -150,7 +149,7 @@ def _lead(
     radius: float,
     depth: Callable[[float], float],
 ) -> None:
-    """Leads the hand in circles about what is seen, as deep [mm] as it is after some seconds."""
+    """Moves the hand in circles around the aimed point, at a depth [mm] that depends on time."""
     began = time.monotonic()
     while (passed := time.monotonic() - began) < seconds:
         across, along = (radius * turn(2.0 * passed) for turn in (math.cos, math.sin))
@@ -163,7 +162,7 @@ def _lead(
 
 
 def _choose(page: Page, testid: str, value: str) -> None:
-    """Chooses from a list, as a person does."""
+    """Selects an entry of a list, as a user does."""
     page.read(
         f"(() => {{ const list = document.querySelector('[data-testid={testid}]');"
         f" list.value = '{value}';"
@@ -172,7 +171,7 @@ def _choose(page: Page, testid: str, value: str) -> None:
 
 
 def _aim(page: Page) -> tuple[list[float], list[list[float]]]:
-    """Returns the point of the bone in the picture's middle, and the axes of the view."""
+    """Returns the point of the bone in the middle of the picture, and the axes of the view."""
     middle = page.read(
         "(({width, height}) => [width / 2, height / 2])"
         "(document.querySelector('[data-testid=canvas]').getBoundingClientRect())"

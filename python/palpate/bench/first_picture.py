@@ -1,4 +1,4 @@
-"""When a page's first picture stands, and what the browser works until then."""
+"""Time until the first picture of a page, and processor time of the browser until then."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from palpate.bench.page import Page, opened, served
 __all__ = ["RUNS", "first_picture", "used_until_picture"]
 
 RUNS = 3
-"""The median counts."""
+"""Number of runs, of which the median counts."""
 
 
 def first_picture(scan: Path, *, width: int, height: int) -> dict[str, float]:
-    """Returns when the picture stood after the page was opened, and processor time until it [s].
+    """Returns the time from opening a page to its picture, and the processor time until it [s].
 
-    The scan is as it was read: pages of a session that was worked in have more to draw.
+    The scan is freshly read: pages of a session with edits have more to draw.
     """
     found: dict[str, list[float]] = defaultdict(list)
     with served(scan) as url:
@@ -30,7 +30,7 @@ def first_picture(scan: Path, *, width: int, height: int) -> dict[str, float]:
 
 
 def used_until_picture(page: Page, url: str) -> dict[str, float]:
-    """Opens an address; returns the processor time that the browser uses until its picture [s]."""
+    """Opens an address; returns the processor time of the browser until its picture [s]."""
     before = page.spent()
     page.glimpse(url)
     return {share: until - before[share] for share, until in page.spent().items()}

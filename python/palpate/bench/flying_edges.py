@@ -1,6 +1,6 @@
-"""The surface of the same bits by VTK, which ``palpate bench surface`` measures itself against.
+"""The surface of the same voxels by VTK, with which ``palpate bench surface`` compares.
 
-VTK is an optional package, only for this benchmark.
+VTK is an optional package, for this benchmark only.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class FlyingEdges:
     """Filters of VTK on one mask, with shared vertices and normals."""
 
     def __init__(self, mask: NDArray[np.uint8], spacing: tuple[float, float, float]) -> None:
-        """Gives VTK a mask, shape [depth, height, width], with a border of free voxels.
+        """Passes a mask to VTK, shape [depth, height, width], with a border of free voxels.
 
         Raises:
             OptionError: VTK is not installed.
@@ -47,10 +47,10 @@ class FlyingEdges:
 
     @staticmethod
     def check() -> None:
-        """Refuses to go on without VTK.
+        """Checks that VTK is installed.
 
         Raises:
-            OptionError: It is not installed; says how to.
+            OptionError: It is not installed; the message says how to install it.
         """
         try:
             import_module("vtk")
@@ -60,13 +60,13 @@ class FlyingEdges:
             ) from None
 
     def use_threads(self, threads: int) -> None:
-        """Takes so many threads from now on."""
+        """Sets the number of threads."""
         tools = self._vtk.vtkSMPTools
         tools.SetBackend("Sequential" if threads == 1 else "STDThread")
         tools.Initialize(threads)
 
     def run_of(self, kind: str) -> Callable[[], float]:
-        """Returns what makes the surface anew and returns how long that took [s]."""
+        """Returns a function that makes the surface again and returns the time it took [s]."""
         made = self._filters[kind]
 
         def run() -> float:
@@ -78,12 +78,12 @@ class FlyingEdges:
         return run
 
     def triangle_count(self, kind: str) -> int:
-        """Returns how many triangles the last run made."""
+        """Returns the number of triangles of the last run."""
         return int(self._filters[kind].GetOutput().GetNumberOfCells())
 
     def shape(self) -> tuple[float, float]:
         """Returns area [mm²] and volume [mm³]."""
-        told = self._vtk.vtkMassProperties()
-        told.SetInputData(self._filters[FLYING[0]].GetOutput())
-        told.Update()
-        return float(told.GetSurfaceArea()), float(told.GetVolume())
+        properties = self._vtk.vtkMassProperties()
+        properties.SetInputData(self._filters[FLYING[0]].GetOutput())
+        properties.Update()
+        return float(properties.GetSurfaceArea()), float(properties.GetVolume())

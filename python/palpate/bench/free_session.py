@@ -1,9 +1,9 @@
-"""``palpate bench session``: the thesis' tables 5.1 to 5.4 with our models.
+"""``palpate bench session``: the thesis' tables 5.1 to 5.4 with the models of Palpate.
 
-A segment is pressed and stroked while it gives way. The servo ticks as often as it can, the model
-answers as fast as the session asks it, 100 times a second at most. Samples are of one second; the
-average of all and the least and the most are told. What gives way is made of the thesis' soft
-tissue, whatever it is in the scan.
+A deformable segment is pressed and stroked. The servo ticks as fast as it can, and the model
+answers as fast as the session asks it, at most 100 times a second. Samples last one second; mean,
+minimum and maximum of all samples are reported. The segment has the thesis' soft tissue as its
+material, whatever it is in the scan.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ TORSO_SIZE = (512, 512, 520)
 
 @dataclass(frozen=True)
 class Pace:
-    """How long, and whether loops take turns."""
+    """Duration, and whether loops alternate."""
 
     seconds: int = 60
     ticks_in_step: int | None = None
-    """Ticks of a second where all loops take turns; then everything is a count."""
+    """Ticks per simulated second where all loops alternate; the results are counts then."""
 
 
 def measure(
     grounds: Sequence[str], pace: Pace, progress: Progress = silent, *, models: Sequence[str] = ()
 ) -> tuple[list[Row], list[str]]:
-    """Measures grounds with models; returns the rows, and the data sets that are not there.
+    """Measures scans with models; returns the rows, and the missing data sets.
 
     Raises:
-        OptionError: A ground, a model or the pace is not allowed.
+        OptionError: A scan, a model or the pace is not allowed.
     """
     chosen = _among("data", tuple(LOADS), grounds)
     with_models = _among("model", (NO_MODEL, *MODELS), models)
@@ -75,7 +75,7 @@ def measure(
 
 
 def _among(what: str, allowed: Sequence[str], wanted: Sequence[str]) -> list[str]:
-    """Returns what is wanted, in the order of the tables; all of it where nothing is named."""
+    """Returns what is selected, in the order of the tables; everything where nothing is named."""
     for one in wanted:
         if one not in allowed:
             raise OptionError(f"{what} {one!r} given; allowed: {', '.join(allowed)}")
@@ -83,7 +83,7 @@ def _among(what: str, allowed: Sequence[str], wanted: Sequence[str]) -> list[str
 
 
 def figures(segment: Segment, model: str, pace: Pace) -> dict[str, float]:
-    """Returns what one segment gives with one model.
+    """Returns the figures of one segment with one model.
 
     Raises:
         OptionError: There is no surface, or the pace is not allowed.
@@ -121,4 +121,4 @@ LOADS: dict[str, Callable[[], Segment]] = {
     "LIDC bone": lambda: read(data_file(LIDC)).offered_bone(),
     "phantom 520×512×512": lambda: phantom(TORSO_SIZE).volume.offered_bone(),  # noqa: PLW0108
 }
-assert tuple(LOADS) == tuple(SESSION_GROUNDS)  # noqa: S101  # rows are told in this order
+assert tuple(LOADS) == tuple(SESSION_GROUNDS)  # noqa: S101  # the order of the rows

@@ -1,7 +1,7 @@
 """``palpate bench fuzz-import``: readers of scans, segments and meshes on damaged real files.
 
-Each case damages one small real file, by its seed alone, and reads it in a process of its own with
-limits of memory and time. A reader may give what it read, or say in a sentence why it cannot; a
+Each case damages one small real file, decided by its seed alone, and reads it in a process of its
+own with limits of memory and time. A reader may succeed, or refuse the file with a message; a
 crash, a hang, or any other exception is a violation, and its seed repeats it.
 """
 
@@ -40,13 +40,13 @@ from palpate.volumes.mesh_read import read_mesh
 __all__ = ["Found", "Limits", "Sample", "damaged", "measure", "samples_in", "tried"]
 
 LARGEST_SAMPLE = 600_000
-"""Bytes: larger files take long and are damaged in the same places."""
+"""Largest file [bytes]; larger ones take long and would be damaged in the same places."""
 MOST_VOXELS = 1 << 25
 MOST_OF_A_FOLDER = 6
 ENDINGS = tuple(ending for _, some in FORMATS.values() for ending in some)
 MESHES = (".stl", ".ply", ".obj", ".glb")
 EXTREMES = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF)
-"""Numbers that lengths and sizes are changed to."""
+"""Extreme numbers that replace lengths and sizes."""
 
 
 @dataclass(frozen=True)
@@ -57,29 +57,29 @@ class Sample:
     kind: str
     """scan, series, archive, labels or mesh."""
     scan: Path | None = None
-    """That labels belong to."""
+    """Scan to which labels belong."""
 
     @property
     def said(self) -> str:
-        """What a person calls it."""
+        """Name in reports."""
         return f"{self.kind} {self.path.parent.name}/{self.path.name}"
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Of one case."""
+    """Limits of one case."""
 
     memory: int = 2 << 30
-    """Beyond what the process holds when it begins [bytes]."""
+    """Memory beyond what the process holds at its start [bytes]."""
     processor: int = 30
-    """Time of the processor [s]."""
+    """Processor time [s]."""
     wall: float = 300.0
-    """For what waits without working [s]."""
+    """Elapsed time, for what waits without working [s]."""
 
 
 @dataclass
 class Found:
-    """What cases came to."""
+    """Results of all cases."""
 
     outcomes: Counter[str] = field(default_factory=Counter)
     violations: list[tuple[int, str, str]] = field(default_factory=list)
@@ -87,7 +87,7 @@ class Found:
 
     @property
     def cases(self) -> int:
-        """How many were tried."""
+        """Number of cases."""
         return sum(self.outcomes.values())
 
 
@@ -100,10 +100,10 @@ def measure(
     limits: Limits | None = None,
     progress: Progress = silent,
 ) -> Found:
-    """Tries cases with rising seeds, so many or for so long.
+    """Runs cases with increasing seeds, up to a number or a time.
 
     Raises:
-        OptionError: The folder holds no file to damage, or this system has no limits for processes.
+        OptionError: The folder has no file to damage, or the system has no limits for processes.
     """
     if sys.platform == "win32":
         raise OptionError("this system has no limits for processes; allowed: Linux or macOS")
@@ -131,12 +131,12 @@ def measure(
 
 
 def samples_in(folder: Path, made: Path) -> list[Sample]:
-    """Lists small real files below a folder with the ways to read them, always in one order.
+    """Lists small real files below a folder with the ways to read them, always in the same order.
 
-    Some are written anew into ``made``, in formats that are not there.
+    Formats that are missing are written into ``made``.
 
     Raises:
-        OptionError: There is none.
+        OptionError: There is no file.
     """
     files = sorted(
         path
@@ -168,7 +168,7 @@ def samples_in(folder: Path, made: Path) -> list[Sample]:
 
 
 def sample_of(samples: list[Sample], seed: int) -> Sample:
-    """Returns the sample of a case: each kind as often as any other."""
+    """Returns the sample of a case; all kinds are equally frequent."""
     generator = np.random.default_rng([seed, 0])
     kinds = sorted({sample.kind for sample in samples})
     kind = kinds[int(generator.integers(len(kinds)))]
@@ -177,7 +177,7 @@ def sample_of(samples: list[Sample], seed: int) -> Sample:
 
 
 def damaged(content: bytes, seed: int) -> bytes:
-    """Returns content with one to three damages, which the seed alone decides."""
+    """Returns content with one to three damages, decided by the seed alone."""
     generator = np.random.default_rng([seed, 1])
     for _ in range(int(generator.integers(1, 4))):
         if not content:
@@ -188,7 +188,7 @@ def damaged(content: bytes, seed: int) -> bytes:
 
 
 def _place(content: bytes, generator: np.random.Generator) -> int:
-    """Returns a place: in the header more often than elsewhere."""
+    """Returns a position, in the header more often than elsewhere."""
     head = generator.random() < 0.7
     return int(generator.integers(min(len(content), 4096) if head else len(content)))
 
@@ -205,7 +205,7 @@ def _flipped(content: bytes, generator: np.random.Generator) -> bytes:
 
 
 def _extreme(content: bytes, generator: np.random.Generator) -> bytes:
-    """Sets two or four bytes, as of a length or a size, to an extreme number."""
+    """Sets two or four bytes to an extreme number, as of a length or a size."""
     width = (2, 4)[int(generator.integers(2))]
     number = EXTREMES[int(generator.integers(len(EXTREMES)))] & (1 << 8 * width) - 1
     place = _place(content, generator)
@@ -214,7 +214,7 @@ def _extreme(content: bytes, generator: np.random.Generator) -> bytes:
 
 
 def _swapped(content: bytes, generator: np.random.Generator) -> bytes:
-    """Exchanges two neighbouring pieces, as tags in the wrong order."""
+    """Exchanges two neighbouring pieces, like tags in the wrong order."""
     first, width = _place(content, generator), int(generator.integers(1, 64))
     one, two = content[first : first + width], content[first + width : first + 2 * width]
     return content[:first] + two + one + content[first + 2 * width :]
@@ -276,22 +276,22 @@ def tried(sample: Sample, seed: int, *, limits: Limits, context: ForkServerConte
         # the end of the process then ends the pipe
         theirs.close()
         try:
-            told = str(mine.recv()) if mine.poll(limits.wall) else None
-            if told is None:
+            result = str(mine.recv()) if mine.poll(limits.wall) else None
+            if result is None:
                 process.kill()
         except EOFError:
-            told = ""
+            result = ""
         process.join()
         mine.close()
-    if told:
-        return told
-    if told is None or process.exitcode == -signal.SIGXCPU:
+    if result:
+        return result
+    if result is None or process.exitcode == -signal.SIGXCPU:
         return f"hang: more than {limits.processor} s of work, or {limits.wall:g} s of waiting"
     return f"crash: the process ended with code {process.exitcode}"
 
 
 def _laid(sample: Sample, seed: int, folder: Path) -> Path:
-    """Writes a damaged sample with what belongs to it; returns what is to be read."""
+    """Writes a damaged sample with the files that belong to it; returns the path to read."""
     content = damaged(sample.path.read_bytes(), seed)
     place = folder / sample.path.name
     if sample.kind == "series":
@@ -305,8 +305,8 @@ def _laid(sample: Sample, seed: int, folder: Path) -> Path:
     return folder if sample.kind == "series" else place
 
 
-def _child(laid: tuple[Sample, Path], limits: Limits, told: Connection) -> None:
-    """Reads, in a process of its own, within limits; tells what came of it."""
+def _child(laid: tuple[Sample, Path], limits: Limits, results: Connection) -> None:
+    """Reads a file in a process of its own, within limits; reports the result."""
     import resource
 
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
@@ -319,15 +319,15 @@ def _child(laid: tuple[Sample, Path], limits: Limits, told: Connection) -> None:
     try:
         _read(*laid)
     except (PalpateError, OSError, MemoryError) as error:
-        told.send(f"refused: {error}")
+        results.send(f"refused: {error}")
     except BaseException:  # noqa: BLE001  # that is what is looked for
-        told.send(f"uncaught: {traceback.format_exc()}")
+        results.send(f"uncaught: {traceback.format_exc()}")
     else:
-        told.send("read")
+        results.send("read")
 
 
 def _address_space() -> int:
-    """Returns the bytes that this process has laid out; 0 where the system does not tell."""
+    """Returns the address space of this process [bytes]; 0 where the system does not report it."""
     try:
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     except OSError:

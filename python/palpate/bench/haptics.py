@@ -1,13 +1,13 @@
-"""``palpate bench haptics``: contact detection alone, the contact model, the complete tick.
+"""``palpate bench haptics``: collision detection alone, the contact model, the complete tick.
 
-Each works on bones of scans and of the phantom, warm, with a path that presses and slides 0.2 h
-per update and repeats no sample; detection goes along rays of 1, 4 and 10 voxels near the surface
-that meet nothing. The loops run in the engine, on one thread, on what the servo touches.
+Each is timed on bones of scans and of the phantom, warm, on a path that presses and slides 0.2 h
+per update and repeats no sample; detection is timed on rays of 1, 4 and 10 voxels near the surface
+that meet nothing. The loops run in the engine, on one thread, on the data structures of the servo.
 
-"hard proxy" is the contact model alone; "complete tick" adds smoothing, friction, coupling and
-the safety stage. The thesis' models as printed follow the same path in the same run; they have
-points only, so balls are of ``exact`` alone. Radii are in h, the smallest spacing; a ball presses
-as deep as a point, measured from its own surface. A ratio is that of calls per second.
+"hard proxy" is the contact model alone; "complete tick" adds smoothing, friction, coupling and the
+safety stage. The thesis' models as printed follow the same path in the same run; they only have
+points, so balls are measured with ``exact`` only. Radii are in h, the smallest spacing; a ball
+presses as deep as a point, measured from its own surface. A ratio is one of calls per second.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def effort(*, count: int | None, quick: bool) -> Effort:
 
 
 def sources(names: Sequence[str]) -> tuple[Source, ...]:
-    """Returns the data sets of these names, all where there is none; a path is a scan's.
+    """Returns the data sets of these names, or all of them; a path is one of a scan.
 
     Raises:
         OptionError: It is neither a name nor a path.
@@ -110,12 +110,12 @@ def _scan(path: Path) -> Source:
 
 
 def measure(names: Sequence[str], amount: Effort, *, progress: Progress = silent) -> list[Row]:
-    """Measures touch on data sets, and the embedded body where that is among them.
+    """Measures touch on data sets, and the embedded body where it is among them.
 
     Args:
-        names: Which; none is all. What is not there is left out with a row that says so.
-        amount: How much.
-        progress: Told what is measured.
+        names: Names of data sets; none for all. A missing one gives a row that says so.
+        amount: How much is measured.
+        progress: Takes the progress.
     """
     rows: list[Row] = []
     for source in sources(names):
@@ -137,13 +137,13 @@ def measure(names: Sequence[str], amount: Effort, *, progress: Progress = silent
 def measure_ground(
     name: str, ground: _core.Ground | Segment, count: int, *, progress: Progress = silent
 ) -> list[Row]:
-    """Measures all cases on one ground.
+    """Measures all cases on one data set.
 
     Args:
-        name: What it is called.
-        ground: What is touched.
+        name: Name in the report.
+        ground: The segments to touch.
         count: Calls of each case.
-        progress: Told which case is measured.
+        progress: Takes the progress.
 
     Raises:
         OptionError: There is no surface, or the count is not allowed.
@@ -164,14 +164,14 @@ def measure_ground(
         beside = reports.get(TouchCase(case.work, IMPROVED, case.radius))
         if beside is not None:
             report[RATIO] = report["per_second"] / beside["per_second"]
-    told = {f"{name}{SEPARATOR}{case.name}": report for case, report in reports.items()}
-    return [row_of(goal, told[goal.case]) for goal in haptics_rows(name)]
+    by_case = {f"{name}{SEPARATOR}{case.name}": report for case, report in reports.items()}
+    return [row_of(goal, by_case[goal.case]) for goal in haptics_rows(name)]
 
 
 def measure_embedded(
     small: _core.Ground, amount: Effort, *, progress: Progress = silent
 ) -> list[Row]:
-    """Measures the same body and path in its own scan and amid a large one.
+    """Measures the same body and path in its own scan and inside a large one.
 
     Raises:
         OptionError: There is no surface, or the count is not allowed.
@@ -185,16 +185,22 @@ def measure_embedded(
             report = _core.bench_embedded(
                 small, large, WORKS[work], amount.count, amount.cold_count, SEED
             )
-            reports[f"{EMBEDDED}: {work}"] = report
-            for size, key in (("small", "small_cold"), ("1024³", "large_cold")):
-                reports[f"{EMBEDDED}: hard proxy, cold random starts, {size}"] = report[key]
+            reports[f"{EMBEDDED}: {work}"] = {
+                "small_per_second": report["small_per_second"],
+                "large_per_second": report["large_per_second"],
+                "ratio": report["ratio"],
+                "contact_share": report["contact_share"],
+            }
+            cold = f"{EMBEDDED}: hard proxy, cold random starts"
+            reports[f"{cold}, small"] = report["small_cold"]
+            reports[f"{cold}, 1024³"] = report["large_cold"]
     except ValueError as error:
         raise OptionError(str(error)) from None
     return [row_of(goal, reports[goal.case]) for goal in EMBEDDED_ROWS]
 
 
 def published() -> list[Row]:
-    """Returns what others tell of other machines."""
+    """Returns published figures of other programs on other machines."""
     return [
         row_of(
             Goal(f"{PUBLISHED_BY_OTHERS}: {case}", "rate", "rate", 1.0, "M/s", None, "higher"),
@@ -205,14 +211,14 @@ def published() -> list[Row]:
 
 
 def _left_out(name: str, error: MissingDataError) -> Row:
-    """Returns the row of a data set that is not there, of which nothing was timed."""
+    """Returns the row of a missing data set, without any time."""
     return Row(name, f"{LEFT_OUT}: no {error} (PALPATE_DATA)", 0.0, "calls", None, "higher")
 
 
 # --- tables ------------------------------------------------------------------------------
 
 WIDTH = 132
-"""Letters that a line of the table takes."""
+"""Width of the table in characters."""
 
 EXPLAINED = (
     "Times in µs; red misses its goal. r and h in the smallest spacing; balls are of "
@@ -221,7 +227,7 @@ EXPLAINED = (
 
 
 def print_tables(rows: Iterable[Row]) -> None:
-    """Prints a table for each ground: a line per case."""
+    """Prints a table for each data set, with a line for each case."""
     from rich.console import Console
     from rich.table import Table
 
@@ -232,15 +238,15 @@ def print_tables(rows: Iterable[Row]) -> None:
     console = Console()
     console.width = max(console.width, WIDTH)
     for ground, cases in grounds.items():
-        metrics = list(dict.fromkeys(row.metric for told in cases.values() for row in told))
+        metrics = list(dict.fromkeys(row.metric for rows in cases.values() for row in rows))
         table = Table(title=ground, title_justify="left", box=None, padding=(0, 1))
         table.add_column("", no_wrap=True)
-        units = {row.metric: row.unit for told in cases.values() for row in told}
+        units = {row.metric: row.unit for rows in cases.values() for row in rows}
         for metric in metrics:
             head = metric.replace("ratio to ", "ratio to\n")
             table.add_column(f"{head}\n{units[metric]}", justify="right")
-        for case, told in cases.items():
-            figures = {row.metric: _figure(row) for row in told}
+        for case, of_case in cases.items():
+            figures = {row.metric: _figure(row) for row in of_case}
             table.add_row(case, *(figures.get(metric, "") for metric in metrics))
         console.print(table)
         console.print()
@@ -248,9 +254,9 @@ def print_tables(rows: Iterable[Row]) -> None:
 
 
 def _figure(row: Row) -> str:
-    told = f"{row.value:.3g}"
+    text = f"{row.value:.3g}"
     if row.goal is None:
-        return told
+        return text
     sign = "≥" if row.better == "higher" else "≤"
-    told = f"{told} ({sign} {row.goal:g})"
-    return f"[red]{told}[/red]" if row.met is False else told
+    text = f"{text} ({sign} {row.goal:g})"
+    return f"[red]{text}[/red]" if row.met is False else text

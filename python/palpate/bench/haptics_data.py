@@ -1,7 +1,7 @@
-"""What ``palpate bench haptics`` touches: bones of scans, of the phantom, of a whole chest.
+"""Data sets of ``palpate bench haptics``: bones of scans, of the phantom, of a whole chest.
 
-Scans lie in the folder ``PALPATE_DATA``, by default ``../shared/data``; one that is not there
-is left out, and told. ``r`` and ``h`` are counted in the smallest spacing of each.
+Scans are in the folder ``PALPATE_DATA``, by default ``../shared/data``; missing ones are left out
+and reported. ``r`` and ``h`` are in units of the smallest spacing of each scan.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ LIDC_LABELS = "lidc0001_totalseg/mask.nii.gz"
 LIDC_NAMES = "lidc0001_totalseg/structures.csv"
 
 CTHEAD_BONE = 1351.0
-"""CThead is not in HU; bone is what is above 1350."""
+"""Threshold of bone in CThead, which is not in HU."""
 
 BODY_HU = -300.0
-"""Between air and skin."""
+"""Threshold between air and skin."""
 
 SKIN_MM = 3.0
 
@@ -53,30 +53,30 @@ BONES = (
     *("sacrum", "vertebrae", "humerus", "scapula", "clavicula", "femur", "hip"),
     *("skull", "rib", "sternum", "carpal"),
 )
-"""How the names of bones begin among the structures of LIDC."""
+"""Beginnings of the names of bones among the structures of LIDC."""
 
 EMBEDDED_IN = (1024, 1024, 1024)
 
 
 class MissingDataError(Exception):
-    """A file of a data set is not there; says which."""
+    """A file of a data set is missing; the message says which."""
 
 
 def folder() -> Path:
-    """Returns the folder of the scans, whether or not it is there."""
+    """Returns the folder of the scans, whether or not it exists."""
     return Path(os.environ.get("PALPATE_DATA") or "../shared/data")
 
 
 @dataclass(frozen=True)
 class Source:
-    """A data set, loaded when it is its turn."""
+    """A data set, loaded on demand."""
 
     name: str
     load: Callable[[], _core.Ground]
 
 
 def ground_of(*segments: Segment) -> _core.Ground:
-    """Returns what is touched, of segments of one scan."""
+    """Returns segments of one scan for touch."""
     volume = segments[0].volume
     return _core.Ground(
         volume._internal,  # noqa: SLF001
@@ -91,17 +91,17 @@ def cthead_bone() -> _core.Ground:
 
 
 def amos_bone() -> _core.Ground:
-    """Returns bone as it is offered."""
+    """Returns the default segment of bone."""
     return ground_of(read(data_file(AMOS)).offered_bone())
 
 
 def lidc_bone() -> _core.Ground:
-    """Returns bone as it is offered."""
+    """Returns the default segment of bone."""
     return ground_of(read(data_file(LIDC)).offered_bone())
 
 
 def lidc_bones_and_skin() -> _core.Ground:
-    """Returns each labelled bone and the skin, as segments of their own."""
+    """Returns each labelled bone and the skin as segments."""
     volume = read(data_file(LIDC))
     sitk = simpleitk()
     labels = sitk.GetArrayFromImage(sitk.ReadImage(str(data_file(LIDC_LABELS))))
@@ -134,13 +134,13 @@ SOURCES = (
     Source(TORSO, phantom_torso),
     Source(LARGE, phantom_1024),
 )
-"""In the order of their report."""
+"""All data sets, in the order of the report."""
 
 
 def skin(volume: Volume) -> NDArray[np.bool_]:
-    """Returns the outer 3 mm of the largest body component, shape as the volume's.
+    """Returns the outer 3 mm of the largest body component, of the shape of the volume.
 
-    Air inside counts to the body, slice by slice: airways open where the scan ends. Where the
+    Air inside counts as body, slice by slice, since airways are open where the scan ends. Where the
     scan cuts the body there is no skin.
     """
     sitk = simpleitk()
@@ -166,7 +166,7 @@ def data_file(name: str) -> Path:
     """Returns a file of the data sets.
 
     Raises:
-        MissingDataError: It is not there.
+        MissingDataError: It is missing.
     """
     path = folder() / name
     if not path.is_file():

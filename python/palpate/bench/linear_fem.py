@@ -1,6 +1,6 @@
-"""Linear elasticity by finite elements, beside which ``palpate bench truth-cube`` stands.
+"""Linear elasticity by finite elements, with which ``palpate bench truth-cube`` compares.
 
-scikit-fem is an optional package, only for this benchmark. Hexahedra with linear shape functions.
+scikit-fem is an optional package, for this benchmark only. Hexahedra with linear shape functions.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class LinearFem:
         """Assembles the stiffness of a mesh with E = 1.
 
         Args:
-            nodes: Places [mm], shape [z, y, x, 3].
+            nodes: Positions [mm], shape [z, y, x, 3].
             poisson: Poisson's ratio.
 
         Raises:
@@ -45,10 +45,10 @@ class LinearFem:
 
     @staticmethod
     def check() -> None:
-        """Refuses to go on without scikit-fem.
+        """Checks that scikit-fem is installed.
 
         Raises:
-            OptionError: It is not installed; says how to.
+            OptionError: It is not installed; the message says how to install it.
         """
         try:
             import_module("skfem")
@@ -59,7 +59,7 @@ class LinearFem:
             ) from None
 
     def pressed(self, stroke: float) -> NDArray[np.float64]:
-        """Returns how far nodes move [mm], shape as theirs, where the lower plate goes so far."""
+        """Returns the nodes' displacements [mm], of their shape, for that of the lower plate."""
         dofs = self._basis.nodal_dofs
         layer = self._place[0]
         low, high = layer == 0, layer == self._shape[0] - 1

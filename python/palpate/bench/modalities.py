@@ -1,13 +1,13 @@
-"""``palpate bench register``: how well mutual information brings CT and MR together.
+"""``palpate bench register``: registration of CT and MR by mutual information.
 
-There is no such pair among the scans, so the MR is a stand-in made of a head by CT: values by a
-map that goes up and down (air and bone are dark, fat is bright, soft tissue lies between), blurred,
-seen through an uneven field, with noise, on a grid of its own, turned, shifted and for an affine
-transform scaled and sheared. Where it lies is known, so the error is that of the eight corners of
-the fixed scan, from several starts that are wrong by a given length and angle. Correlation, which
-asks that values follow one another linearly, runs beside.
+There is no such pair among the data sets, so a stand-in for MR is made from a CT of a head: its
+values go through a map that is not monotonic (air and bone are dark, fat is bright, soft tissue
+lies between), are blurred, multiplied by an uneven field and get noise, on a grid of their own that
+is rotated, shifted and, for an affine transform, scaled and sheared. The true transform is known,
+so the error is that of the eight corners of the fixed scan, from several starts with a given error
+of translation and rotation. Correlation, which assumes a linear relation of values, is compared.
 
-Frames: LPS [mm]; a matrix takes points of the CT to the stand-in, shape [4, 4].
+Frames: LPS [mm]; a matrix maps points of the CT to the stand-in, shape [4, 4].
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ TISSUES = (
 BLUR = 0.8
 """Standard deviation [mm]."""
 UNEVEN = 0.35
-"""Of the field, from its mean, at most about."""
+"""Largest deviation of the field from its mean, about."""
 NOISE = 30.0
-"""Of both channels, whose length is seen [brightness]."""
+"""Standard deviation of the noise of both channels, of whose vector the length is taken."""
 SPACING = (1.9, 1.9, 3.1)
-"""Of the stand-in [mm]."""
+"""Spacing of the stand-in [mm]."""
 DIRECTIONS = 4
-"""Starts that are wrong by the same length and angle, to other sides."""
+"""Number of starts with the same error of translation and rotation, in different directions."""
 
 
 def _turned(degrees: float, axis: Sequence[float]) -> Points:
-    """Returns a turn about an axis, shape [3, 3] (Rodrigues)."""
+    """Returns a rotation about an axis, shape [3, 3] (Rodrigues)."""
     x, y, z = np.asarray(axis, np.float64) / np.linalg.norm(axis)
     across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     angle = np.radians(degrees)
@@ -60,7 +60,7 @@ def _turned(degrees: float, axis: Sequence[float]) -> Points:
 
 
 TURN, SHIFT = _turned(9.0, (1.0, -2.0, 3.0)), np.array([11.0, -7.0, 5.0])
-"""About the middle of the CT; and how that lies away [mm]."""
+"""Rotation about the middle of the CT, and displacement of that [mm]."""
 SCALED = np.array([[1.04, 0.03, 0.0], [0.0, 0.96, 0.02], [0.0, 0.0, 1.03]])
 
 TRUTHS: dict[Kind, Points] = {"rigid": TURN, "affine": TURN @ SCALED}
@@ -68,24 +68,24 @@ TRUTHS: dict[Kind, Points] = {"rigid": TURN, "affine": TURN @ SCALED}
 
 @dataclass(frozen=True)
 class Pair:
-    """A scan by CT, and one that is like MR."""
+    """A CT scan, and a stand-in for MR."""
 
     fixed: Volume
     moving: Volume
     matrix: Points
-    """Where points of the fixed scan truly lie in the moving one."""
+    """True transform from the fixed scan to the moving one."""
 
 
 @dataclass(frozen=True)
 class Apart:
-    """How far corners of the fixed scan are from where they truly lie, at most [mm]."""
+    """Largest error of the corners of the fixed scan [mm]."""
 
     before: float
     after: float
 
 
 def like_mr(ct: Volume, kind: Kind, *, seed: int = 1) -> Pair:
-    """Returns a scan [HU] beside one that is like MR of the same head, elsewhere."""
+    """Returns a scan [HU] and a stand-in for MR of the same head, displaced."""
     sitk = simpleitk()
     middle = _middle(ct)
     matrix = _about(middle, TRUTHS[kind], SHIFT)
@@ -125,9 +125,9 @@ def apart_from(  # one for each thing that is varied
     options: SearchOptions | None = None,
     progress: Progress = silent,
 ) -> Apart:
-    """Registers from a start that is off by a length [mm] and an angle [degrees], to some side.
+    """Registers from a start with an error of translation [mm] and rotation [degrees].
 
-    What is refused leaves the moving scan where it was.
+    A registration that fails leaves the moving scan at the start.
     """
     length, degrees = off
     random = np.random.default_rng(direction)
@@ -154,7 +154,7 @@ def apart_from(  # one for each thing that is varied
 
 
 def head_of(path: Path) -> Volume:
-    """Returns the head of CThead [HU], half as fine across: its file is in HU + 1024."""
+    """Returns the head of CThead [HU] at half the resolution in plane; the file is in HU + 1024."""
     head = read(path)
     fine = Volume(
         head.array,
@@ -167,7 +167,7 @@ def head_of(path: Path) -> Volume:
 
 
 def measure_modalities(ct: Volume, progress: Progress = silent) -> list[Row]:
-    """Registers a scan [HU] with its stand-in for MR in all ways, and returns the errors."""
+    """Registers a scan [HU] with its stand-in for MR in all ways; returns the errors."""
     reports: dict[str, dict[str, float]] = {}
     for kind in TRUTHS:
         pair = like_mr(ct, kind)
@@ -184,7 +184,7 @@ def measure_modalities(ct: Volume, progress: Progress = silent) -> list[Row]:
 
 
 def coarser(ct: Volume, factors: tuple[int, int, int]) -> Volume:
-    """Returns a scan on a coarser grid, by so many voxels along x, y, z."""
+    """Returns a scan on a grid that is coarser by so many voxels along x, y, z."""
     sitk = simpleitk()
     image = sitk.BinShrink(image_on(ct, ct.array), list(factors))
     return Volume(
@@ -204,7 +204,7 @@ def _summary(found: Iterable[Apart]) -> dict[str, float]:
 
 
 def _field(shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Returns how bright a coil sees each place, about 1, shape [z, y, x]."""
+    """Returns the sensitivity of a coil, about 1, shape [z, y, x]."""
     z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, count) for count in shape), indexing="ij")
     field = 1.0 + UNEVEN * (0.6 * x - 0.7 * y * y + 0.5 * z * x + 0.3)
     return field.astype(np.float32)

@@ -1,9 +1,9 @@
-"""``palpate bench open``: how long a DICOM series takes from the command to its first picture.
+"""``palpate bench open``: time from the command to the first picture of a DICOM series.
 
-The series is written anew: 275 slices of 512 x 512, uncompressed as scanners write them, with
-values of a chest between whose slices they are interpolated. A browser waits; then the command
-starts, reads and serves, and the page draws in software. Reading alone is measured beside
-SimpleITK's reader of series, in turn, in this process; the files are in the system's cache.
+The series is written for the benchmark: 275 slices of 512 x 512, uncompressed as scanners write
+them, interpolated between the slices of a chest. A browser waits; then the command starts, reads
+and serves, and the page draws in software. Reading alone is compared with SimpleITK's reader of
+series, alternately, in this process; the files are in the system's cache.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from palpate.bench.first_picture import used_until_picture
 from palpate.bench.goals.opening import OPEN_CASE, OPEN_ROWS
 from palpate.bench.haptics_data import LIDC, data_file
 from palpate.bench.page import chromium, opened, served
-from palpate.bench.report import Row, rows_told
+from palpate.bench.report import Row, rows_in
 from palpate.io.reading import read
 from palpate.volumes.volume import Volume
 
@@ -36,17 +36,17 @@ __all__ = ["measure", "rows_of", "write_series"]
 
 SLICES = 275
 RUNS = 3
-"""The median counts."""
+"""Number of runs, of which the median counts."""
 SIZE = {"width": 1280, "height": 800}
-"""Of the browser's window [pixels]."""
+"""Size of the browser's window [pixels]."""
 
 
 def measure(*, slices: int = SLICES, runs: int = RUNS, progress: Progress = silent) -> list[Row]:
-    """Measures the opening of a series made of the LIDC chest.
+    """Measures the opening of a series made from the LIDC chest.
 
     Raises:
         OptionError: There is no browser.
-        MissingDataError: The chest is not there.
+        MissingDataError: The chest is missing.
     """
     chromium()
     times: dict[str, list[float]] = defaultdict(list)
@@ -66,17 +66,17 @@ def measure(*, slices: int = SLICES, runs: int = RUNS, progress: Progress = sile
 
 
 def rows_of(times: Mapping[str, list[float]], memory: int) -> list[Row]:
-    """Returns the figures of times [s] and of the memory of the values [bytes]."""
+    """Returns the rows of times [s] and of the memory of the values [bytes]."""
     report = {name: median(taken) for name, taken in times.items()}
     report["ratio"] = report["itk"] / report["read"]
     report["bytes"] = float(memory)
-    return rows_told(OPEN_ROWS, {OPEN_CASE: report})
+    return rows_in(OPEN_ROWS, {OPEN_CASE: report})
 
 
 def _pictures(folder: Path) -> dict[str, float]:
-    """Returns after how long the page is served, has a picture, and has that of all slices [s].
+    """Returns the times until the page is served, has a picture, and has that of all slices [s].
 
-    Until the picture the browser's processor time is told too.
+    The processor time of the browser until its picture is among them.
     """
     with opened(None, **SIZE) as page:
         began = time.perf_counter()
@@ -90,10 +90,10 @@ def _pictures(folder: Path) -> dict[str, float]:
 
 
 def _itk_reads(folder: Path, expected: Volume) -> float:
-    """Returns how long SimpleITK takes for the same values [s].
+    """Returns the time of SimpleITK for the same values [s].
 
     Raises:
-        RuntimeError: They are not the same.
+        RuntimeError: The values differ.
     """
     sitk = simpleitk()
     began = time.perf_counter()
@@ -110,7 +110,7 @@ def _itk_reads(folder: Path, expected: Volume) -> float:
 
 
 def write_series(volume: Volume, folder: Path, *, slices: int) -> None:
-    """Writes a scan as uncompressed DICOM slices, as many as asked for over its length."""
+    """Writes a scan as a number of uncompressed DICOM slices over its length."""
     from pydicom.uid import generate_uid
 
     series, frame = generate_uid(), generate_uid()

@@ -1,7 +1,7 @@
-"""A page in an installed Chromium, for benchmarks: driven through its debugging port.
+"""A page in an installed Chromium, for benchmarks, controlled through its debugging port.
 
-What is read are expressions of the page. Its canvas is drawn by software GL where there is no GPU,
-and the page around it as Chromium does then: without GL.
+Values are read as expressions of the page. Without a GPU its canvas is drawn by software GL, and
+the page around it without GL, as Chromium does then.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ FLAGS = (
     "--remote-debugging-port=0",
 )
 PATIENCE = 300.0
-"""Seconds for a start, or for something to become true: pictures are slow on a busy machine."""
+"""Longest wait for a start or a condition [s]; pictures are slow on a busy machine."""
 
 
 def chromium() -> str:
@@ -71,7 +71,7 @@ class Page:
         """Returns the value of an expression in the page; waits for a promise.
 
         Raises:
-            RuntimeError: It has none.
+            RuntimeError: The expression throws.
         """
         found = self._ask(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
@@ -93,22 +93,22 @@ class Page:
             time.sleep(0.03)
 
     def go(self, url: str) -> None:
-        """Opens an address and waits until the picture of all of the scan is there."""
+        """Opens an address and waits for the picture of the whole scan."""
         self.glimpse(url)
         self.wait("window.palpate?.ready === true")
 
     def glimpse(self, url: str) -> None:
-        """Opens an address and waits until a picture is there, of a large scan a coarse one."""
+        """Opens an address and waits for a picture, which is coarse for a large scan."""
         self._ask("Page.navigate", url=url)
         self.wait("typeof window.palpate?.firstPicture === 'number'")
 
     def before(self, script: str) -> None:
-        """Runs a script in pages that are opened from now on, before any of their own."""
+        """Runs a script in pages that are opened from now on, before their own scripts."""
         self._ask("Page.enable")
         self._ask("Page.addScriptToEvaluateOnNewDocument", source=script)
 
     def resize(self, width: int, height: int) -> None:
-        """Gives the page another size [CSS pixels]."""
+        """Changes the size of the page [CSS pixels]."""
         self._ask(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -118,19 +118,20 @@ class Page:
         )
 
     def heap(self) -> float:
-        """Returns the memory that the page's scripts hold [bytes], without what is garbage."""
+        """Returns the memory of the page's scripts after garbage collection [bytes]."""
         self._ask("HeapProfiler.collectGarbage")
         return float(self._ask("Runtime.getHeapUsage")["usedSize"])
 
     def spent(self) -> dict[str, float]:
-        """Returns the processor time that the browser has used until now [s]."""
+        """Returns the processor time of the browser until now [s]."""
         return spent(self._browser)
 
     def close(self) -> None:
-        """Ends the connection."""
+        """Closes the connection."""
         self._socket.close()
 
     def _ask(self, method: str, **parameters: object) -> dict[str, Any]:
+        # what a method of the browser returns is the browser's to say
         self._number += 1
         asked = {"id": self._number, "method": method, "params": parameters}
         self._socket.send(json.dumps(asked))
@@ -147,7 +148,7 @@ class Page:
 
 @contextmanager
 def opened(url: str | None, *, width: int, height: int) -> Iterator[Page]:
-    """Opens an address in a browser of its own, and ends it; None leaves the page empty.
+    """Opens an address in a browser of its own, and closes it; None leaves the page empty.
 
     Raises:
         OptionError: There is no browser.
@@ -173,7 +174,7 @@ def opened(url: str | None, *, width: int, height: int) -> Iterator[Page]:
 
 @contextmanager
 def served(scan: Path) -> Iterator[str]:
-    """Runs ``palpate open`` in a process of its own; gives the address.
+    """Runs ``palpate open`` in a process of its own; yields the address.
 
     Raises:
         RuntimeError: It does not start.
@@ -187,21 +188,21 @@ def served(scan: Path) -> Iterator[str]:
 
 @contextmanager
 def _running(
-    command: list[str], told: str, environment: dict[str, str] | None = None
+    command: list[str], stream: str, environment: dict[str, str] | None = None
 ) -> Iterator[tuple[subprocess.Popen[str], IO[str]]]:
-    """Runs a program whose output is read, and ends it whatever happens."""
+    """Runs a program with its output connected, and ends it in any case."""
     streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT}
-    streams |= {told: subprocess.PIPE}
+    streams |= {stream: subprocess.PIPE}
     process = subprocess.Popen(command, env=environment, text=True, **streams)  # type: ignore[call-overload]  # noqa: S603
     with process:
         try:
-            yield process, getattr(process, told)
+            yield process, getattr(process, stream)
         finally:
             process.kill()
 
 
 def _found_in(output: IO[str], pattern: str, who: str) -> re.Match[str]:
-    """Returns the first line's match; what comes later is read and forgotten."""
+    """Returns the match of the first line that has one; reads and discards what follows."""
     from threading import Thread
 
     seen = ""

@@ -1,10 +1,10 @@
-"""``palpate bench passivity``: whether touch gives the hand energy.
+"""``palpate bench passivity``: whether touch supplies energy to the hand.
 
-Simulated devices with the limits, damping, encoder steps and delay of real ones press, tap and
-slide on a flat wall and on the bone of a scan, felt by its values where a threshold made it, each
-at the stiffness that it begins with; then the largest stiffness is searched at which no contact
-gains anything. The loops are those of a session, with device and servo at one rate, and run in the
-engine, in simulated time.
+Simulated devices with the limits, damping, encoder resolution and delay of real ones press, tap and
+slide on a flat wall and on the bone of a scan, whose surface comes from its values where a
+threshold made it, each at its initial stiffness; then the largest stiffness is searched at which no
+contact gains energy. The loops are those of a session, with device and servo at one rate, and run
+in the engine, in simulated time.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SEARCH_SECONDS = 3.0
 """Length of each motion while the largest stiffness is searched."""
 
 WIDTH = 120
-"""Letters that a line of the table takes."""
+"""Width of the table in characters."""
 
 
 def measure(
@@ -40,13 +40,13 @@ def measure(
     """Measures devices on a flat wall and on a segment.
 
     Args:
-        bone: What is touched beside the wall.
-        seconds: Length of each run, a third for each motion.
-        devices: Which devices.
-        progress: Told which case is measured.
+        bone: The segment.
+        seconds: Duration of each run [s], a third for each motion.
+        devices: Names of the devices.
+        progress: Takes the progress.
 
     Raises:
-        OptionError: The segment has no surface, or something given is not allowed.
+        OptionError: The segment has no surface, or an argument is not allowed.
     """
     reports: dict[str, dict[str, float]] = {}
     count = len(devices) * len(WALLS) * len(RATES_KHZ)
@@ -72,7 +72,7 @@ def rub(
     """Returns the engine's figures of one device at one rate, on a flat wall or a segment.
 
     Raises:
-        OptionError: The segment has no surface, or something given is not allowed.
+        OptionError: The segment has no surface, or an argument is not allowed.
     """
     wall = None
     if segment is not None:
@@ -104,5 +104,5 @@ def print_table(rows: Iterable[Row]) -> None:
 
 
 def _figure(row: Row) -> str:
-    told = f"{row.value:.3g}"
-    return f"[red]{told}[/red]" if row.met is False else told
+    text = f"{row.value:.3g}"
+    return f"[red]{text}[/red]" if row.met is False else text

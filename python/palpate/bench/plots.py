@@ -1,7 +1,7 @@
 """Plots of benchmarks, for ``--plot FILE``; they need matplotlib (``pip install palpate[plot]``).
 
-Colours are those of Okabe and Ito, which people with any colour vision can tell apart; every
-series has a marker of its own as well.
+The colours are those of Okabe and Ito, distinguishable with any colour vision; every series also
+has a marker of its own.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ BLUE, SKY, VERMILION, ORANGE, GREEN, GREY = (
     "#595959",
 )
 
+# arguments of matplotlib, which has no types for them
 STYLE: dict[str, dict[str, Any]] = {
     "exact": {"color": BLUE, "marker": "o"},
     "exact, intensities": {"color": GREEN, "marker": "D"},
@@ -69,20 +70,21 @@ QUALITY = (
     ("lag", "largest lag [h]", 0.01),
     ("force step", "force step [h]", 0.01),
 )
-"""What is plotted of touch-quality, a row of panels each, and the least that is told apart."""
+"""Plotted figures of touch-quality, one row of panels each, and the smallest value that is shown.
+"""
 
 LOST = 50.0
-"""Below this share of updates in contact [%] nothing is said of a force."""
+"""Forces are not plotted below this fraction of updates in contact [%]."""
 
 LEAST = 1e-3
-"""Smaller figures are plotted as this one, on axes that have no zero."""
+"""Smaller figures are plotted as this value, on logarithmic axes."""
 
 
 def check_plot(path: Path | None) -> None:
-    """Refuses what would fail after measuring.
+    """Refuses what would fail after the measurement.
 
     Raises:
-        OptionError: It is no kind of picture, or matplotlib is missing.
+        OptionError: The extension is not one of a picture, or matplotlib is missing.
     """
     if path is None:
         return
@@ -95,9 +97,9 @@ def check_plot(path: Path | None) -> None:
 
 
 def plot_haptics(rows: Iterable[Row], path: Path) -> None:
-    """Draws calls a second and how long 99.9 % of them take: a line per case, a mark per ground.
+    """Plots calls per second and their 99.9th percentile: a line per case, a mark per data set.
 
-    What others publish of other machines stands below, without a ratio.
+    Published figures of other machines are below, without a ratio.
     """
     table: dict[str, dict[str, dict[str, Row]]] = {}
     for row in rows:
@@ -113,10 +115,10 @@ def plot_haptics(rows: Iterable[Row], path: Path) -> None:
         style = {"color": colour, "marker": marker, "markersize": 5, "linestyle": "none"}
         drawn = [(place, table[ground].get(case, {})) for place, case in enumerate(cases)]
         for panel, metric in ((left, "rate"), (right, "p99.9")):
-            told = [(place, row[metric]) for place, row in drawn if metric in row]
-            values = [max(LEAST, row.value) for _, row in told]
-            panel.plot(values, [place for place, _ in told], label=ground, **style)
-            for place, row in told:
+            plotted = [(place, row[metric]) for place, row in drawn if metric in row]
+            values = [max(LEAST, row.value) for _, row in plotted]
+            panel.plot(values, [place for place, _ in plotted], label=ground, **style)
+            for place, row in plotted:
                 if row.goal is not None:
                     panel.plot([row.goal] * 2, [place - 0.4, place + 0.4], color=GREY, linewidth=2)
     places = range(len(cases), len(cases) + len(others))
@@ -133,12 +135,12 @@ def plot_haptics(rows: Iterable[Row], path: Path) -> None:
 
 
 def _timed(cases: dict[str, dict[str, Row]]) -> list[str]:
-    """Returns the cases of a ground of which single calls were timed."""
+    """Returns the cases of a data set with times of single calls."""
     return [case for case, figures in cases.items() if {"rate", "p99.9"} <= figures.keys()]
 
 
 def plot_quality(rows: Iterable[Row], path: Path) -> None:
-    """Draws what is felt on each body, a panel for each figure and grid; 5 h deep, 0.2 h a move."""
+    """Plots touch on each body, a panel for each figure and grid; 5 h deep, 0.2 h per update."""
     by_key = {(row.case, row.metric): row for row in rows}
     figure = _figure(11.0, 2.2 * len(QUALITY) + 1.2)
     axes = figure.subplots(len(QUALITY), len(GRIDS), sharex=True, sharey="row", squeeze=False)
@@ -159,7 +161,7 @@ def plot_quality(rows: Iterable[Row], path: Path) -> None:
 def _points(
     by_key: dict[tuple[str, str], Row], touch: Touch, grid: str, *, metric: str
 ) -> list[tuple[int, Row]]:
-    """Returns the place of each body and its figure, where there is a force to speak of."""
+    """Returns the position of each body and its figure, where there is enough contact."""
     cases = [quality_case(touch, body, grid, stroke=(5.0, 0.2)) for body in BODIES]
     return [
         (place, by_key[case, metric])
@@ -182,7 +184,7 @@ def _draw_touch(
 
 
 def plot_truth_cube(cube: Cube, moved: Mapping[str, Points], path: Path) -> None:
-    """Draws the beads' errors by compression, and where beads of the middle slice went."""
+    """Plots errors of beads by compression, and displacements in the middle slice."""
     from palpate.bench.truth_cube import errors_of
 
     figure = _figure(11.0, 5.2)

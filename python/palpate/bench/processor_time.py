@@ -1,6 +1,6 @@
-"""Processor time of a running browser, by what its processes are for: as Linux's kernel tells it.
+"""Processor time of a running browser by the role of its processes, as the Linux kernel reports it.
 
-On a busy machine it tells more than the clock: others make a page wait, not work more.
+On a busy machine it says more than elapsed time: other programs make a page wait, not work more.
 """
 
 from __future__ import annotations
@@ -17,30 +17,30 @@ PROC = Path("/proc")
 
 
 def spent(browser: int) -> dict[str, float]:
-    """Returns what a browser's processes have used until now [s]; nothing where no kernel tells.
+    """Returns the processor time of a browser's processes until now [s]; empty on other systems.
 
-    ``page`` runs scripts, lays out and paints, ``graphics`` is the process of the GPU, which draws
-    in software where there is none. What has ended is no longer counted.
+    ``page`` runs scripts, lays out and paints; ``graphics`` is the GPU process, which draws in
+    software where there is no GPU. Processes that have ended do not count.
     """
     if not PROC.is_dir():
         return {}
     running = (int(path.name) for path in PROC.iterdir() if path.name.isdecimal())
-    told = {number: stat for number in running if (stat := _stat(number)) is not None}
+    stats = {number: stat for number in running if (stat := _stat(number)) is not None}
     times: dict[str, float] = {"page": 0.0, "graphics": 0.0, "rest": 0.0}
-    for number, (_, seconds) in told.items():
-        if _is_below(number, browser, told):
+    for number, (_, seconds) in stats.items():
+        if _is_below(number, browser, stats):
             times[_share(number)] += seconds
     return times
 
 
-def _is_below(number: int, browser: int, told: dict[int, tuple[int, float]]) -> bool:
-    while number in told and number != browser:
-        number = told[number][0]
+def _is_below(number: int, browser: int, stats: dict[int, tuple[int, float]]) -> bool:
+    while number in stats and number != browser:
+        number = stats[number][0]
     return number == browser
 
 
 def _stat(number: int) -> tuple[int, float] | None:
-    """Returns a process's parent and its time [s]; None where it has ended meanwhile."""
+    """Returns the parent and the time of a process [s]; None where it has ended meanwhile."""
     try:
         stat = (PROC / str(number) / "stat").read_text(encoding="utf-8", errors="replace")
     except OSError:

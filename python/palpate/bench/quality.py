@@ -1,14 +1,14 @@
-"""``palpate bench touch-quality``: how well touch tells the shape of bodies that are known exactly.
+"""``palpate bench touch-quality``: accuracy of touch on bodies whose surface is known exactly.
 
 Planes, a sphere, a torus, a cylinder from outside and inside, a ramp, steps, a wedge and thin
-shells are voxelised on cubes and on thick slices; a device is led under their surfaces, and what
-is felt is held against the true surface. The loops run in the engine, on one thread.
+shells are voxelised on cubes and on thick slices; a device moves below their surfaces, and force
+and probe are compared with the true surface. The loops run in the engine, on one thread.
 
-``exact`` is what the servo does with a point on what a mask made; "exact, intensities" what it
-does where a threshold made the segment: bodies then are partial volumes, of which half is the
-threshold. "exact, r N" is a ball of N h, whose middle goes as deep and is held against the body
-dilated by it. ``stairs`` is ``exact`` with the force of the hard proxy; the thesis' models as
-printed get the same device paths.
+``exact`` is the servo with a point on a segment made from a mask; "exact, intensities" is one on a
+segment made by a threshold: bodies then are partial volumes with the threshold at one half. "exact,
+r N" is a ball of N h, whose centre goes as deep and is compared with the body dilated by it.
+``stairs`` is ``exact`` with the force of the hard proxy; the thesis' models as printed follow the
+same paths.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ __all__ = ["all_cases", "feel", "measure", "print_tables"]
 SEPARATOR = ": "
 
 WIDTH = 150
-"""Letters that a line of the table takes."""
+"""Width of the table in characters."""
 
 
 def measure(*, touches: Sequence[Touch] = TOUCHES, progress: Progress = silent) -> list[Row]:
-    """Measures ways of touch on all bodies.
+    """Measures models of touch on all bodies.
 
     Args:
-        touches: Which ways of touch.
-        progress: Told which case is measured.
+        touches: Names of the models.
+        progress: Takes the progress.
     """
     goals = [goal for goal in GOALS["touch-quality"] if _parts(goal.case)[0] in touches]
     cases = list(dict.fromkeys(goal.case for goal in goals))
@@ -47,15 +47,15 @@ def measure(*, touches: Sequence[Touch] = TOUCHES, progress: Progress = silent) 
 
 
 def all_cases() -> list[str]:
-    """Lists the engine's cases, in the order of their report."""
+    """Returns the names of the engine's cases, in the order of their report."""
     return _core.touch_quality_cases()
 
 
 def feel(case: str, touch: Touch) -> dict[str, float]:
-    """Returns the engine's figures of one case in one way of touch.
+    """Returns the engine's figures of one case with one model of touch.
 
     Raises:
-        OptionError: The case or the way of touch does not exist.
+        OptionError: The case or the model does not exist.
     """
     try:
         return _core.bench_touch_quality(case, touch)
@@ -64,7 +64,7 @@ def feel(case: str, touch: Touch) -> dict[str, float]:
 
 
 def _parts(case: str) -> tuple[Touch, str]:
-    """Returns the way of touch and the engine's name of a case."""
+    """Returns the model of touch and the engine's name of a case."""
     for touch in TOUCHES:
         if case.startswith(f"{touch}{SEPARATOR}"):
             return touch, case.removeprefix(f"{touch}{SEPARATOR}")
@@ -78,7 +78,7 @@ EXPLAINED = (
 
 
 def print_tables(rows: Iterable[Row]) -> None:
-    """Prints a table for each way of touch, grid and stroke: a line per body.
+    """Prints a table for each model, grid and stroke, with a line for each body.
 
     Figures that miss their goal are red.
     """
@@ -105,5 +105,5 @@ def print_tables(rows: Iterable[Row]) -> None:
 
 
 def _figure(row: Row) -> str:
-    told = f"{row.value:.3g}"
-    return f"[red]{told}[/red]" if row.met is False else told
+    text = f"{row.value:.3g}"
+    return f"[red]{text}[/red]" if row.met is False else text

@@ -1,9 +1,9 @@
-"""``palpate bench register``: how far landmarks are apart after registration, beside elastix.
+"""``palpate bench register``: distance of landmarks after registration, compared with elastix.
 
-The pair is a lung by CT at two dates, with ten places marked in both (elastix' own test data).
-elastix runs with its own default parameter maps, affine and then B-spline, in the same process;
-both get the same files and no masks, and begin as their defaults say. Landmarks never take part
-in the search. CT and MR are measured by ``palpate.bench.modalities``.
+The pair is a CT of a lung at two dates, with ten landmarks in both (elastix' own test data).
+elastix runs with its default parameter maps, affine and then B-spline, in the same process; both
+get the same files and no masks, and use their default start. Landmarks are not used in the search.
+CT and MR are measured by ``palpate.bench.modalities``.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ __all__ = ["landmarks_of", "measure", "rows_of"]
 FOLDER = "elastix_lung_pair"
 FIXED, MOVING = "3DCT_lung_baseline", "3DCT_lung_followup"
 STAGES = ("affine", "bspline")
-"""elastix' default parameter maps that are used, one after the other."""
+"""Default parameter maps of elastix that are used, one after the other."""
 
 Points = NDArray[np.float64]
 
 
 def landmarks_of(path: Path, volume: Volume) -> Points:
-    """Reads points that are given as indices of voxels, shape [count, 3] [mm].
+    """Reads points that are given as indices of voxels; returns them [mm], shape [count, 3].
 
     Raises:
         OptionError: The file has another form.
@@ -54,10 +54,10 @@ def landmarks_of(path: Path, volume: Volume) -> Points:
 
 
 def check() -> None:
-    """Refuses to measure beside what is not there.
+    """Checks that elastix is installed.
 
     Raises:
-        OptionError: elastix is not installed.
+        OptionError: It is not installed.
     """
     try:
         there = find_spec("itk")
@@ -70,10 +70,10 @@ def check() -> None:
 
 
 def measure(progress: Progress = silent) -> list[Row]:
-    """Registers the pair in each way and returns how far landmarks are apart.
+    """Registers the pair in each way; returns the distances of landmarks.
 
     Raises:
-        MissingDataError: The pair is not there.
+        MissingDataError: The pair is missing.
         OptionError: elastix is not installed.
     """
     check()
@@ -97,7 +97,7 @@ def measure(progress: Progress = silent) -> list[Row]:
 
 
 def rows_of(found: dict[str, tuple[Points, float]], here: Points, there: Points) -> list[Row]:
-    """Returns the figures of where each way takes landmarks, and its time [s]."""
+    """Returns the rows of where each method moves landmarks, and of its time [s]."""
     errors = {case: np.linalg.norm(places - there, axis=1) for case, (places, _) in found.items()}
     before = float(np.linalg.norm(here - there, axis=1).mean())
     reports = {
@@ -114,7 +114,7 @@ def rows_of(found: dict[str, tuple[Points, float]], here: Points, there: Points)
 
 
 def _elastix(files: list[Path], points: Points) -> Points:
-    """Returns where elastix' defaults take points of the fixed scan [mm]."""
+    """Returns where elastix moves points of the fixed scan [mm]."""
     itk = import_module("itk")
     fixed, moving = (itk.imread(str(file), itk.F) for file in files)
     parameters = itk.ParameterObject.New()
@@ -132,10 +132,10 @@ def _elastix(files: list[Path], points: Points) -> Points:
         itk.transformix_pointset(
             moving, transform, fixed_point_set_file_name=str(given), output_directory=made
         )
-        told = (Path(made) / "outputpoints.txt").read_text(encoding="utf-8")
-    return np.array([_output(line) for line in told.splitlines() if line.strip()])
+        text = (Path(made) / "outputpoints.txt").read_text(encoding="utf-8")
+    return np.array([_output(line) for line in text.splitlines() if line.strip()])
 
 
 def _output(line: str) -> list[float]:
-    told = line.partition("OutputPoint = [")[2].partition("]")[0]
-    return [float(word) for word in told.split()]
+    point = line.partition("OutputPoint = [")[2].partition("]")[0]
+    return [float(word) for word in point.split()]

@@ -1,19 +1,19 @@
-"""``palpate bench render``: how long pictures take, what an edit sends, and vtk.js beside it.
+"""``palpate bench render``: times of pictures, data sent for an edit, and vtk.js for comparison.
 
-The first picture is that of a chest of 512×512×133, or of the given scan, as it was read: timed
-from the page's address on. For all else a page in a headless Chromium shows a scan, by default
-CThead. Three times are told of each mode and size: from picture to picture while the view turns, at
-the resolution that the page chooses then; from the last turn until the picture has the full quality
-that the page chooses; and of one whole picture at full resolution with one step a voxel, drawn away
-from the screen. GL calls and bytes of edits are counted in a page of its
-own, since counting costs time.
+The first picture is that of a chest of 512×512×133, or of the given scan, freshly read, timed from
+opening the page's address. For everything else a page in a headless Chromium shows a scan, by
+default CThead. Three times are reported for each mode and size: between pictures while the view
+rotates, at the resolution that the page chooses then; from the last rotation until the picture has
+the full quality that the page chooses; and of one whole picture at full resolution with one step
+per voxel, drawn off screen. GL calls and bytes of edits are counted in a separate page, since
+counting costs time.
 
 vtk.js draws the same values in the same page, with the same camera, size, transfer function and
-step, the segment as tissue. How good a picture is: its mean difference from one of the same
-renderer with eight times as many steps. For equal quality vtk.js gets the fewest steps, of 1, 2,
-4 and 8 a voxel, with which it is as near to its own reference as ours is to its own, or else 8. It
-is no part of the package: the source tree builds it (``npm run build:bench``), else nothing is
-compared.
+step, and the segment as tissue. The quality of a picture is its mean difference from one of the
+same renderer with eight times as many steps. For equal quality vtk.js gets the fewest steps, of 1,
+2, 4 and 8 per voxel, with which it is as near to its own reference as Palpate is to its own, or
+else 8. It is not part of the package: the source tree builds it (``npm run build:bench``), else
+there is no comparison.
 """
 
 from __future__ import annotations
@@ -42,22 +42,22 @@ from palpate.bench.goals.render import (
 )
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
-from palpate.bench.report import Row, rows_told
+from palpate.bench.report import Row, rows_in
 
 __all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
 
 PEER_SIZE = (320, 240)
-"""Of the pictures that are compared [pixels]; fine ones of vtk.js take minutes in software."""
+"""Size of the compared pictures [pixels]; accurate ones of vtk.js take minutes in software."""
 WINDOW = {"width": 1366, "height": 768}
-"""Of the browser at first [pixels]; panels beside the picture have room in it."""
+"""Initial size of the browser's window [pixels], with room for panels beside the picture."""
 FINE = 8
-"""Steps a voxel of a reference, by those of the picture that is held against it."""
+"""Steps of a reference picture, relative to those of the picture that is compared with it."""
 PEER_STEPS = (1, 2, 4, 8)
-"""Steps a voxel that vtk.js is tried with."""
+"""Steps per voxel that are tried with vtk.js."""
 STEP_ANGLE = 0.02
-"""Turn of the view from picture to picture [rad]."""
+"""Rotation of the view from picture to picture [rad]."""
 BEFORE_REST = 20
-"""Frames that the view turns before it rests."""
+"""Frames of rotation before the view rests."""
 
 Report = dict[str, dict[str, float]]
 """Figures by their case."""
@@ -68,13 +68,13 @@ class Effort:
     """How much is measured."""
 
     turning: int = 60
-    """Pictures while the view turns."""
+    """Pictures while the view rotates."""
     whole: int = 7
     """Whole pictures."""
     rests: int = 3
     """Times that the view comes to rest."""
     edits: float = 2.0
-    """Seconds of erasing."""
+    """Time of erasing [s]."""
     sizes: tuple[tuple[int, int], ...] = SIZES
     modes: tuple[str, ...] = MODES
 
@@ -95,14 +95,14 @@ def measure(
     effort: Effort | None = None,
     progress: Progress = silent,
 ) -> tuple[list[Row], str]:
-    """Measures pictures of a scan; beside ``peer``, a script that draws with vtk.js.
+    """Measures pictures of a scan, and of ``peer``, a script that draws with vtk.js.
 
     Returns:
-        The figures, and what drew, as the browser names it.
+        The figures, and the renderer as the browser names it.
 
     Raises:
-        OptionError: There is no browser, no such script, or nothing in the scan's middle.
-        MissingDataError: The default scan is not there.
+        OptionError: There is no browser, no such script, or nothing in the middle of the scan.
+        MissingDataError: The default scan is missing.
     """
     chromium()
     if peer is not None and not peer.is_file():
@@ -110,6 +110,7 @@ def measure(
     effort = effort or Effort()
     path = data_file(CTHEAD) if scan is None else scan
     report: Report = {}
+    # JSON of the page
     support: dict[str, Any] = {"software": True, "renderer": "nothing"}
     with served(path) as url:
         progress("counting what edits send", 0.0)
@@ -134,8 +135,8 @@ def measure(
 
 
 def rows_of(report: Report, *, on_gpu: bool) -> list[Row]:
-    """Returns the figures of all cases that were measured; some goals are those of a GPU."""
-    rows = rows_told(RENDER_ROWS, report)
+    """Returns the rows of all measured cases; some goals are for a GPU."""
+    rows = rows_in(RENDER_ROWS, report)
     if on_gpu:
         return rows
     return [replace(row, goal=None) if row.metric == RESTING else row for row in rows]
@@ -145,7 +146,7 @@ def rows_of(report: Report, *, on_gpu: bool) -> list[Row]:
 
 
 def _fit(page: Page, size: tuple[int, int]) -> None:
-    """Has the 3-D view be of a size, and nothing in it be random."""
+    """Sets the size of the 3-D view, and removes all randomness from it."""
     page.read("window.palpate.setJitter(false)")
     for _ in range(4):  # panels are narrower in a narrow window
         found = page.read(
@@ -160,7 +161,7 @@ def _fit(page: Page, size: tuple[int, int]) -> None:
 
 
 FRAMES = "new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve)))"
-"""Waits until what was changed is handed to the picture."""
+"""Waits until changes have reached the picture."""
 
 
 SURFACES = {
@@ -169,17 +170,18 @@ SURFACES = {
     "surface and voxels": ("both", 1, "shaded"),
     "surface before a MIP": ("surface", 1, "mip"),
 }
-"""How bone is shown in what is no blend mode, its opacity, and the blend mode of all else."""
+"""How bone is shown in modes that are not blend modes, its opacity, and the blend mode of the rest.
+"""
 CHOOSE = """(() => {
   const control = document.querySelector('[data-testid=%s]');
   control.value = '%s';
   for (const name of ['input', 'change']) control.dispatchEvent(new Event(name, {bubbles: true}));
 })()"""
-"""Gives a list or a slider a value."""
+"""Sets the value of a list or a slider."""
 
 
 def _show(page: Page, mode: str) -> None:
-    """Has the page draw in a mode."""
+    """Makes the page draw in a mode."""
     shown, opacity, blend = SURFACES.get(mode, ("volume", None, mode))
     page.read(f"document.querySelector('[data-testid=shown-as-{shown}]')?.click()")
     if opacity is not None:
@@ -231,7 +233,7 @@ TURNING = """new Promise((resolve) => {
   };
   requestAnimationFrame(step);
 })"""
-"""Turns a view that rests, with every frame: times to the first picture and between them [ms]."""
+"""Rotates a resting view with every frame: times to the first picture and between pictures [ms]."""
 
 
 RESTING_TIME = """new Promise((resolve) => {
@@ -246,9 +248,9 @@ RESTING_TIME = """new Promise((resolve) => {
   };
   requestAnimationFrame(step);
 })"""
-"""Turns a view with some frames; time from the last turn until the picture is final [ms].
+"""Rotates a view with some frames: time from the last rotation until the picture is final [ms].
 
-A turn is handed to the picture within 50 ms, and until then the one before may be final.
+A rotation reaches the picture within 50 ms, and until then the previous picture may be final.
 """
 
 
@@ -316,14 +318,14 @@ COUNTING = """(() => {
     };
   }
 })()"""
-"""Counts calls, bytes that are sent, and the room that 3-D textures take [bytes]."""
+"""Counts calls, bytes that are sent, and the size of 3-D textures [bytes]."""
 
 
 # --- vtk.js -------------------------------------------------------------------------------
 
 
 def _beside(page: Page, script: str, effort: Effort) -> Report:
-    """Compares pictures of the same scene, the segment as tissue."""
+    """Compares pictures of the same scene, with the segment as tissue."""
     # vtk.js is given no surfaces, which the page may show by now
     _show(page, PEER_MODES[0])
     page.read("document.querySelector('[data-testid=inside-plain]')?.click()")
@@ -361,7 +363,7 @@ def _beside(page: Page, script: str, effort: Effort) -> Report:
 
 
 def _show_suspended(page: Page, mode: str) -> None:
-    """Has the page draw in a mode as soon as it draws again, and looks hand it over now."""
+    """Sets a mode for when the page draws again, and passes the appearance on now."""
     page.read(
         "(() => { const list = document.querySelector('[data-testid=blend]');"
         f" list.value = '{mode}'; list.dispatchEvent(new Event('change', {{bubbles: true}})); }})()"
@@ -373,17 +375,17 @@ def _show_suspended(page: Page, mode: str) -> None:
 class _Renderer:
     page: Page
     call: str
-    """JavaScript that draws, up to the wish."""
+    """JavaScript that draws, up to the options."""
     repeats: int
 
     def time(self, steps: int) -> float:
-        """Returns the median of whole pictures [s]."""
+        """Returns the median time of whole pictures [s]."""
         expression = f"{self._drawn(steps)}.milliseconds"
         self.page.read(expression)
         return median(float(self.page.read(expression)) for _ in range(self.repeats)) / 1e3
 
     def off(self, steps: int) -> float:
-        """Returns the mean difference from a picture of finer steps; colours are 0..1."""
+        """Returns the mean difference from a picture with more steps; colours are 0 to 1."""
         found: Any = self.page.read(
             f"(() => {{ const one = {self._drawn(steps)}.colours.map(shown);"
             f" const fine = {self._drawn(FINE * steps)}.colours.map(shown);"
@@ -397,7 +399,7 @@ class _Renderer:
 
     @property
     def _coded(self) -> str:
-        """What a colour is on the screen: ours are linear light, vtk.js's are as they are shown."""
+        """Screen value of a colour: Palpate's are linear light, those of vtk.js are encoded."""
         if "vtk" in self.call:
             return "c"
         return "c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055"

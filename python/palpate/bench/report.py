@@ -1,4 +1,4 @@
-"""Rows of figures: as a table for people, as JSON for programs."""
+"""Rows of figures: as a table, and as JSON."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 
 from palpate.bench.goals import Goal
 
-__all__ = ["Row", "print_rows", "row_of", "rows_told", "write_rows"]
+__all__ = ["Row", "print_rows", "row_of", "rows_in", "write_rows"]
 
 
 @dataclass(frozen=True)
 class Row:
-    """One figure, and the goal it is held against."""
+    """One figure and its goal."""
 
     case: str
     metric: str
@@ -32,13 +32,13 @@ class Row:
 
 
 def row_of(goal: Goal, report: dict[str, float]) -> Row:
-    """Returns the figure that a goal asks for, from the engine's report."""
+    """Returns the figure of a goal from the engine's report."""
     value = report[goal.key] * goal.scale
     return Row(goal.case, goal.metric, value, goal.unit, goal.goal, goal.better)
 
 
-def rows_told(goals: Iterable[Goal], report: dict[str, dict[str, float]]) -> list[Row]:
-    """Returns those of the rows of which a report, figures by case, tells."""
+def rows_in(goals: Iterable[Goal], report: dict[str, dict[str, float]]) -> list[Row]:
+    """Returns the rows of the goals that a report has figures for."""
     return [
         row_of(goal, report[goal.case]) for goal in goals if goal.key in report.get(goal.case, {})
     ]
@@ -46,8 +46,8 @@ def rows_told(goals: Iterable[Goal], report: dict[str, dict[str, float]]) -> lis
 
 def write_rows(bench: str, rows: Iterable[Row], path: Path) -> None:
     """Writes the figures of a benchmark as one JSON object."""
-    told = {"bench": bench, "rows": [asdict(row) for row in rows]}
-    path.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+    content = {"bench": bench, "rows": [asdict(row) for row in rows]}
+    path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 def print_rows(bench: str, rows: Iterable[Row]) -> None:

@@ -1,16 +1,14 @@
-"""``palpate bench segment``: how soon a threshold, a grown organ and many segments are there.
+"""``palpate bench segment``: times of a threshold, region growing and many segments.
 
-A threshold is asked for in a running session whose surfaces follow, as a page asks for it: until
-all of its surface is handed over. The scan is the LIDC chest, drawn out to 275 slices between which
-values are interpolated; its files are in the system's cache. On a machine that others use, too,
-processor time tells more.
+A threshold is requested in a running session with a surface, as a page does, until its whole
+surface is delivered. The scan is the LIDC chest, interpolated to 275 slices; its files are in the
+system's cache. On a machine that other programs use, processor time says more.
 """
 
 from __future__ import annotations
 
 import time
 from statistics import median
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +20,7 @@ from palpate.bench.report import Row, row_of
 from palpate.io.reading import read
 from palpate.labels.labels import read_labels
 from palpate.segmentation.operations import grown
+from palpate.session.picture_change import SurfacePatch
 from palpate.session.session import Session
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
@@ -30,27 +29,27 @@ __all__ = ["drawn_out", "measure", "rows_of", "surface_seconds"]
 
 SLICES = 275
 RUNS = 3
-"""The median counts."""
+"""Number of runs, of which the median counts."""
 
 BONE = 250.0
 OTHER_BONE = 200.0
-"""The threshold before, so that there is another surface to be made [HU]."""
+"""Threshold before, so that a different surface has to be made [HU]."""
 
 CLICK = (-83.0, 278.0, 1170.0)
-"""Within the liver of AMOS 0336, off its middle [patient]."""
+"""Point in the liver of AMOS 0336, off its centre, in the patient, LPS [mm]."""
 
 AMOS_LABELS = "amos_0336/labels_from_meshes.nii.gz"
 LIVER_LABEL = 6
 
 PATIENCE = 120.0
-"""Seconds until a surface counts as lost."""
+"""Longest wait for a surface [s]."""
 
 
 def measure(*, runs: int = RUNS, progress: Progress = silent) -> list[Row]:
-    """Measures all of it.
+    """Runs all measurements.
 
     Raises:
-        MissingDataError: A data set is not there.
+        MissingDataError: A data set is missing.
     """
     lidc, amos, liver, labels = (data_file(name) for name in (LIDC, AMOS, AMOS_LABELS, LIDC_LABELS))
     report: dict[str, float] = {}
@@ -77,12 +76,12 @@ def measure(*, runs: int = RUNS, progress: Progress = silent) -> list[Row]:
 
 
 def rows_of(report: dict[str, float]) -> list[Row]:
-    """Returns the figures of a report by the keys of the goals."""
+    """Returns the rows of a report."""
     return [row_of(goal, report) for goal in SEGMENT_ROWS]
 
 
 def drawn_out(volume: Volume, slices: int) -> Volume:
-    """Returns a scan with so many slices over the same length, values interpolated between them."""
+    """Returns a scan with another number of slices over the same length, interpolated."""
     ends = len(volume.array) - 1
     values = np.empty((slices, *volume.shape[1:]), np.int16)
     for number in range(slices):
@@ -107,10 +106,10 @@ def drawn_out(volume: Volume, slices: int) -> Volume:
 def surface_seconds(
     volume: Volume, thresholds: tuple[float, float], *, runs: int
 ) -> dict[str, float]:
-    """Returns how long a threshold and its surface take [s], and how many triangles it has.
+    """Returns the times of a threshold and its surface [s], and the number of triangles.
 
     Raises:
-        RuntimeError: The surface does not come.
+        RuntimeError: The surface does not arrive.
     """
     first, wanted = thresholds
     scene = Scene(volume)
@@ -135,7 +134,7 @@ def surface_seconds(
 
 
 def _next_surface(session: Session, heard: int) -> int:
-    """Waits until surfaces have followed a change, all of it in one go; returns what was heard."""
+    """Waits until surfaces have followed a change completely; returns the new count of changes."""
     ends = time.perf_counter() + PATIENCE
     while time.perf_counter() < ends:
         heard = session.wait_for_changes(heard, 0.1)
@@ -144,8 +143,8 @@ def _next_surface(session: Session, heard: int) -> int:
     raise RuntimeError(f"no surface came within {PATIENCE:g} s")
 
 
-def _triangles(patch: dict[str, Any]) -> int:
-    """Counts the triangles of a patch: three vertex numbers each, see ``protocol.SurfacePatch``."""
+def _triangles(patch: SurfacePatch) -> int:
+    """Returns the number of triangles of a patch, packed as in ``protocol.SurfacePatch``."""
     wide = len(patch["vertices"]) // 6 > 1 << 16
     return len(patch["triangles"]) // (12 if wide else 6)
 

@@ -1,9 +1,9 @@
-"""``palpate bench servo``: how late the ticks of the real servo thread begin.
+"""``palpate bench servo``: lateness of the ticks of the real servo thread.
 
-A session on the built-in phantom runs at each rate: at rest and beside processes that keep all
-cores busy, while the hand is led in circles through the bone; and with the lattice at work, while
-it is led into the liver and out again. Lateness is counted by the thread itself, in bins; quantiles
-are read off between the ends of a bin.
+A session on the built-in phantom runs at each rate: at rest and while other processes keep all
+cores busy, with the hand moving in circles through bone; and with the lattice at work, with the
+hand moving into the liver and out again. The thread itself counts its lateness, in bins; quantiles
+are interpolated between the ends of a bin.
 """
 
 from __future__ import annotations
@@ -17,32 +17,32 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import BUSY, GIVING, GOALS, LOADS, RATES, servo_case
+from palpate.bench.goals import BUSY, DEFORMING, GOALS, LOADS, RATES, servo_case
 from palpate.bench.report import Row, row_of
+from palpate.session.frame_state import ThreadLateness
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.phantom import Phantom, phantom
 from palpate.volumes.scene import Scene
 
-__all__ = ["Lateness", "measure", "rows_of", "told"]
+__all__ = ["Lateness", "histogram", "measure", "rows_of"]
 
 LEAST_SECONDS = 0.1
 MOST_SECONDS = 3600.0
 HAND_RATE = 60.0
-"""Hand targets a second, as a page sends them."""
+"""Hand targets per second, as a page sends them."""
 BAR = 40
-"""Letters of the longest bar of a histogram."""
+"""Characters of the longest bar of a histogram."""
 
 
 @dataclass(frozen=True)
 class Lateness:
-    """How late the servo was in one case."""
+    """Lateness of the servo in one case."""
 
     case: str
     real_time: bool
@@ -50,16 +50,16 @@ class Lateness:
     ticks: int
     missed: int
     late: int
-    """Ticks that began more than 2 ms late, or fell out when that late."""
+    """Ticks that began more than 2 ms late, or were left out when that late."""
     ends_us: tuple[int, ...]
     """Upper ends of the bins [µs]; one more bin holds the rest."""
     counts: tuple[int, ...]
     worst_ms: float
     answers_hz: float = 0.0
-    """How often a model of deformation answered [1/s]."""
+    """Answers of the deformation model per second."""
 
     def quantile_ms(self, share: float) -> float:
-        """Returns the lateness [ms] that this share of the ticks keeps below."""
+        """Returns the lateness [ms] that this fraction of the ticks does not exceed."""
         ends = [*(end / 1000.0 for end in self.ends_us), math.inf]
         begins = [0.0, *ends[:-1]]
         left = share * sum(self.counts)
@@ -71,7 +71,7 @@ class Lateness:
         return self.worst_ms
 
     def report(self) -> dict[str, float]:
-        """Returns the figures that rows are made of."""
+        """Returns the figures of the rows."""
         return {
             "p50_ms": self.quantile_ms(0.5),
             "p99_ms": self.quantile_ms(0.99),
@@ -84,12 +84,12 @@ class Lateness:
 
 
 @dataclass(frozen=True)
-class Way:
-    """A circle on which the hand is led, patient frame LPS [mm]."""
+class HandCircle:
+    """A circle of the hand, patient frame LPS [mm]."""
 
     centre: NDArray[np.float64]
     arms: tuple[NDArray[np.float64], NDArray[np.float64]]
-    """From its middle to two of its points, a right angle apart."""
+    """From its centre to two of its points, at a right angle."""
 
     def at(self, angle: float) -> tuple[float, float, float]:
         """Returns the point at an angle [rad]."""
@@ -98,7 +98,11 @@ class Way:
 
 
 def measure(seconds: float, progress: Progress = silent) -> list[Lateness]:
-    """Measures every rate and load, each for so long [s].
+    """Measures every rate and load.
+
+    Args:
+        seconds: Duration of each case [s].
+        progress: Takes the progress.
 
     Raises:
         OptionError: The time is not allowed.
@@ -120,15 +124,15 @@ def measure(seconds: float, progress: Progress = silent) -> list[Lateness]:
 
 def _watch(made: Phantom, rate: int, load: str, *, seconds: float) -> Lateness:
     scene = Scene(made.volume)
-    scene.add(made.part("liver") if load == GIVING else made.volume.offered_bone())
-    way = _into_liver(made) if load == GIVING else _through_bone(made)
+    scene.add(made.part("liver") if load == DEFORMING else made.volume.offered_bone())
+    circle = _into_liver(made) if load == DEFORMING else _through_bone(made)
     with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
-        if load == GIVING:
+        if load == DEFORMING:
             session.set_material(1, "liver")
             session.set_deformation("lattice")
         begins, step = time.monotonic(), 0
         while (passed := time.monotonic() - begins) < seconds:
-            session.hand(way.at(step * math.tau / 80.0))
+            session.hand(circle.at(step * math.tau / 80.0))
             time.sleep(1.0 / HAND_RATE)
             step += 1
         servo, frame = session.lateness()["servo"], session.frame()
@@ -140,28 +144,28 @@ def _watch(made: Phantom, rate: int, load: str, *, seconds: float) -> Lateness:
     )
 
 
-def _through_bone(made: Phantom) -> Way:
+def _through_bone(made: Phantom) -> HandCircle:
     half = [count / 2.0 for count in made.volume.dimensions]
-    return _way(made, half, 40.0, across=(1.0, 0.0, 0.0))
+    return _circle(made, half, 40.0, across=(1.0, 0.0, 0.0))
 
 
-def _into_liver(made: Phantom) -> Way:
-    """Returns a circle half in the liver and half before it, about the front of its middle."""
+def _into_liver(made: Phantom) -> HandCircle:
+    """Returns a circle half inside the liver and half in front of it."""
     liver = np.argwhere(made.labels == made.names["liver"])
     z, _, x = np.round(liver.mean(axis=0)).astype(int).tolist()
     front = liver[(liver[:, 0] == z) & (liver[:, 2] == x), 1].min()
-    return _way(made, [x + 0.5, float(front), z + 0.5], 5.0, across=(0.0, 1.0, 0.0))
+    return _circle(made, [x + 0.5, float(front), z + 0.5], 5.0, across=(0.0, 1.0, 0.0))
 
 
-def _way(
+def _circle(
     made: Phantom, middle: list[float], radius: float, *, across: tuple[float, float, float]
-) -> Way:
-    """Returns an upright circle about a place of the grid [voxels], its radius in mm."""
+) -> HandCircle:
+    """Returns an upright circle around a place of the grid [voxels], with a radius in mm."""
     centre = (made.volume.patient_from_grid @ [*middle, 1.0])[:3]
-    return Way(centre, (radius * np.array(across), radius * np.array([0.0, 0.0, 1.0])))
+    return HandCircle(centre, (radius * np.array(across), radius * np.array([0.0, 0.0, 1.0])))
 
 
-def _lateness(case: str, servo: dict[str, Any], *, real_time: bool, answers_hz: float) -> Lateness:
+def _lateness(case: str, servo: ThreadLateness, *, real_time: bool, answers_hz: float) -> Lateness:
     return Lateness(
         case=case,
         real_time=real_time,
@@ -193,7 +197,7 @@ def _busy(count: int) -> Iterator[None]:
 
 
 def rows_of(found: Sequence[Lateness]) -> list[Row]:
-    """Returns the figures; without real-time priority nothing is held against a goal."""
+    """Returns the rows; without real-time priority they have no goals."""
     by_case = {one.case: one for one in found}
     rows = []
     for goal in GOALS["servo"]:
@@ -203,7 +207,7 @@ def rows_of(found: Sequence[Lateness]) -> list[Row]:
     return rows
 
 
-def told(one: Lateness) -> str:
+def histogram(one: Lateness) -> str:
     """Returns the histogram of a case as text."""
     priority = "with" if one.real_time else "without"
     names = [f"≤ {end / 1000:g} ms" for end in one.ends_us]

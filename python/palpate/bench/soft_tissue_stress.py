@@ -1,8 +1,8 @@
-"""``palpate bench stress --deform MODEL``: work in matter that gives way, checked at every tick.
+"""``palpate bench stress --deform MODEL``: work in soft tissue, checked at every tick.
 
-Pressing, sliding, drilling and needles in blocks of skin, soft tissue and bone, the loops of the
-session in step; the design's guarantees of touch are checked after each tick. Runs are made of a
-seed and a number, as those of ``palpate bench stress``.
+Pressing, sliding, drilling and needles in blocks of skin, soft tissue and bone, with the loops of
+the session in step; the guarantees of touch are checked after each tick. Runs are determined by a
+seed and a number, like those of ``palpate bench stress``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from palpate.bench.report import Row, row_of
 __all__ = ["Worked", "checked_models", "rows_of", "work"]
 
 TICKS = 10_000
-"""Of a run."""
+"""Ticks of a run."""
 
 COUNTS = (
     "ticks",
@@ -37,7 +37,7 @@ COUNTS = (
 
 @dataclass
 class Worked:
-    """What came of the runs with a model."""
+    """Results of the runs with a model."""
 
     model: str
     counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTS, 0))
@@ -64,10 +64,10 @@ def work(
     threads: int | None = None,
     progress: Progress = silent,
 ) -> Worked:
-    """Makes runs with a model until there are so many ticks, or a violation.
+    """Runs a model until there are so many ticks, or a violation.
 
     Raises:
-        OptionError: Something given is not allowed.
+        OptionError: An argument is not allowed.
     """
     if moves < 1:
         raise OptionError(f"{moves} moves given; allowed: 1 or more")
@@ -83,8 +83,9 @@ def work(
         except (ValueError, OverflowError) as error:
             raise OptionError(str(error)) from None
         first += count
-        for name in COUNTS:
-            worked.counts[name] += report[name]
+        for name, number in report.items():
+            if isinstance(number, int):
+                worked.counts[name] += number
         if report["violation"] is not None:
             worked.violation = (
                 "guarantee {guarantee} violated in run {run} after {tick} ticks: {what}".format(
@@ -95,7 +96,7 @@ def work(
 
 
 def rows_of(found: Sequence[Worked]) -> list[Row]:
-    """Returns the figures of the models that worked."""
+    """Returns the rows of the models."""
     reports = {
         stress_case(worked.model): {
             **{name: float(count) for name, count in worked.counts.items()},

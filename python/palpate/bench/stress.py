@@ -1,7 +1,7 @@
 """``palpate bench stress``: random fast moves with every guarantee of touch checked at each.
 
-Runs are made of a seed and a number, so that a violation is told by these two and found again
-by ``--replay``, however many threads there were. The loops and the checker run in the engine.
+Runs are determined by a seed and a number, so that these two identify a violation and ``--replay``
+repeats it, whatever the number of threads. The loops and the checker run in the engine.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.bench.goals import GOALS
 from palpate.bench.report import Row, row_of
+from palpate.bench.results import StressResult, StressViolation
 from palpate.volumes.segment import Segment
 
 __all__ = ["Found", "Plan", "again", "measure", "rows_of", "write_case"]
 
 CHUNK_SECONDS = 2.0
-"""Between two calls of the engine Ctrl-C is heard, progress shown, and a core may be idle."""
+"""Time between two calls of the engine, for Ctrl-C and progress [s]; a core may idle there."""
 
 MOST_RUNS = 2**32
 
@@ -35,30 +36,30 @@ class Plan:
     seed: int
     model: str = "exact"
     data: str | None = None
-    """The scan; the phantom where there is none."""
+    """Path of the scan; None for the phantom."""
     run: int = 0
-    """The first run."""
+    """Number of the first run."""
 
     def __post_init__(self) -> None:
-        """Refuses seeds that the engine does not know."""
+        """Refuses seeds that the engine does not accept."""
         if not (0 <= self.seed < 2**64 and 0 <= self.run < MOST_RUNS):
             raise OptionError(f"seed {self.seed} given; allowed: 0 to {2**64 - 1}")
 
     @classmethod
     def of_file(cls, path: Path) -> Self:
-        """Returns the run of a violation that was written.
+        """Returns the run of a violation from its file.
 
         Raises:
-            OptionError: The file is no such case.
+            OptionError: The file is not such a case.
         """
         try:
-            told = json.loads(path.read_text(encoding="utf-8"))
-            data = told["data"]
+            content = json.loads(path.read_text(encoding="utf-8"))
+            data = content["data"]
             return cls(
-                seed=int(told["seed"]),
-                model=str(told["model"]),
+                seed=int(content["seed"]),
+                model=str(content["model"]),
                 data=None if data is None else str(data),
-                run=int(told["run"]),
+                run=int(content["run"]),
             )
         except (KeyError, TypeError, ValueError) as error:
             raise OptionError(
@@ -69,7 +70,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Found:
-    """What came of some runs."""
+    """Results of some runs."""
 
     plan: Plan
     moves: int = 0
@@ -78,15 +79,16 @@ class Found:
     poses: int = 0
     cuts: int = 0
     seconds: float = 0.0
-    violation: dict[str, Any] | None = None
+    violation: StressViolation | None = None
 
-    def told(self) -> str:
+    def message(self) -> str:
         """Says what was violated."""
-        told = self.violation or {}
+        if self.violation is None:
+            return "no guarantee violated"
         return (
-            f"guarantee {told.get('guarantee')} violated in run {told.get('run')} of seed "
-            f"{self.plan.seed} after {told.get('move')} moves: {told.get('what')}\n"
-            f"{told.get('plan')}"
+            f"guarantee {self.violation['guarantee']} violated in run {self.violation['run']} "
+            f"of seed {self.plan.seed} after {self.violation['move']} moves: "
+            f"{self.violation['what']}\n{self.violation['plan']}"
         )
 
 
@@ -104,8 +106,8 @@ def measure(
         bone: Parts of it are some of the worlds.
         plan: Seed and model.
         moves: Least number of moves.
-        threads: How many work at it; by default as many as there are cores.
-        progress: Told how far it is.
+        threads: Number of threads; the default is the number of cores.
+        progress: Takes the progress.
 
     Raises:
         OptionError: The number of moves or of threads or the model is not allowed.
@@ -133,13 +135,13 @@ def measure(
 
 
 def again(bone: Segment, plan: Plan) -> Found:
-    """Makes one run again."""
+    """Repeats one run."""
     begun = time.monotonic()
     found = _and(Found(plan), _runs(bone, plan, run=plan.run, count=1, threads=1))
     return replace(found, seconds=time.monotonic() - begun)
 
 
-def _runs(bone: Segment, plan: Plan, *, run: int, count: int, threads: int) -> dict[str, Any]:
+def _runs(bone: Segment, plan: Plan, *, run: int, count: int, threads: int) -> StressResult:
     try:
         return _core.bench_stress(
             plan.seed,
@@ -154,8 +156,8 @@ def _runs(bone: Segment, plan: Plan, *, run: int, count: int, threads: int) -> d
         raise OptionError(str(error)) from None
 
 
-def _and(found: Found, report: dict[str, Any]) -> Found:
-    """Adds what further runs gave."""
+def _and(found: Found, report: StressResult) -> Found:
+    """Adds the results of further runs."""
     return replace(
         found,
         moves=found.moves + report["moves"],
@@ -168,7 +170,7 @@ def _and(found: Found, report: dict[str, Any]) -> Found:
 
 
 def rows_of(found: Found) -> list[Row]:
-    """Returns the figures."""
+    """Returns the rows."""
     report = {
         "violations": float(found.violation is not None),
         "moves": float(found.moves),
@@ -182,6 +184,6 @@ def rows_of(found: Found) -> list[Row]:
 
 
 def write_case(found: Found, path: Path) -> None:
-    """Writes a violation so that its run can be made again."""
-    told = {"bench": "stress", **asdict(found.plan), **(found.violation or {})}
-    path.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+    """Writes a violation so that its run can be repeated."""
+    content = {"bench": "stress", **asdict(found.plan), **(found.violation or {})}
+    path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")

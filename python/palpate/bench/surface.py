@@ -1,9 +1,9 @@
-"""``palpate bench surface``: how fast surfaces are made, beside VTK in the same run.
+"""``palpate bench surface``: speed of surface extraction, compared with VTK in the same run.
 
-The whole surface of bones, with shared vertices and normals on both sides, as the bits are:
-VTK gets them as bytes with a border of free voxels, so that both surfaces are closed. Runs of
-Palpate and of VTK alternate, and the quickest of each counts. A drill takes balls of 5 voxels
-from the surface of bone, and the time until the smoothed patches are ready again is told.
+The whole surface of bones from voxels, with shared vertices and normals for both: VTK gets the
+voxels as bytes with a border of free voxels, so that both surfaces are closed. Runs of Palpate and
+of VTK alternate, and the fastest of each counts. A drill removes balls of 5 voxels from the surface
+of bone, and the time until the smoothed patches are up to date is reported.
 """
 
 from __future__ import annotations
@@ -37,31 +37,31 @@ from palpate.volumes.segment import Segment
 __all__ = ["Bone", "bone_of", "drill", "measure", "spheres", "whole_surface"]
 
 ROUNDS = 5
-"""Runs of which the quickest counts."""
+"""Number of runs, of which the fastest counts."""
 EDITS = 200
 RADIUS = 5
-"""Of the drill [voxels]."""
+"""Radius of the drill [voxels]."""
 UPRIGHT = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 PHANTOM_SIZE = (512, 512, 512)
 FIELD_OF_VIEW = (400.0, 280.0, 540.0)
-"""Of the phantom [mm]."""
+"""Size of the phantom [mm]."""
 
 
 @dataclass(frozen=True)
 class Bone:
-    """What has a surface."""
+    """The voxels of a bone."""
 
     segment: _core.Segment
     spacing: tuple[float, float, float]
 
     def surface(self, smoothing: int | None) -> _core.Surface:
-        """Returns its surface; without a degree, smoothed as usual."""
+        """Returns its surface; None for the default smoothing."""
         zero = (0.0, 0.0, 0.0)
         return _core.Surface(self.segment, self.spacing, zero, UPRIGHT, 1, smoothing, False)  # noqa: FBT003
 
 
 def measure(progress: Progress = silent) -> tuple[list[Row], list[str]]:
-    """Measures all; returns the rows, and the data sets that are not there.
+    """Runs all measurements; returns the rows, and the missing data sets.
 
     Raises:
         OptionError: VTK is not installed.
@@ -86,7 +86,7 @@ def measure(progress: Progress = silent) -> tuple[list[Row], list[str]]:
 
 
 def whole_surface(name: str, bone: Bone) -> dict[str, dict[str, float]]:
-    """Returns the figures of a body by their case."""
+    """Returns the figures of a body by case."""
     theirs = FlyingEdges(bone.segment.mask(), bone.spacing)
     plain, smooth = bone.surface(0), bone.surface(None)
     reports = {}
@@ -117,7 +117,7 @@ def whole_surface(name: str, bone: Bone) -> dict[str, dict[str, float]]:
 
 
 def drill(bone: Bone, edits: int = EDITS) -> dict[str, float]:
-    """Returns how long the patches take to follow edits, with the usual smoothing."""
+    """Returns the time until patches follow an edit, with the default smoothing."""
     surface = bone.surface(None)
     mask = bone.segment.mask().astype(bool)
     on_surface = mask.copy()
@@ -133,7 +133,7 @@ def drill(bone: Bone, edits: int = EDITS) -> dict[str, float]:
 
 
 def spheres() -> dict[str, dict[str, float]]:
-    """Returns by how much smoothed balls differ from spheres."""
+    """Returns the errors of smoothed balls relative to spheres."""
     reports = {}
     for radius in SPHERES:
         size = 2 * int(radius) + 9
@@ -149,7 +149,7 @@ def spheres() -> dict[str, dict[str, float]]:
 
 
 def bone_of(segment: Segment) -> Bone:
-    """Returns the bits of a segment."""
+    """Returns the voxels of a segment."""
     return Bone(segment._internal, segment.volume.spacing)  # noqa: SLF001
 
 
@@ -163,7 +163,7 @@ LOADS: dict[str, Callable[[], Bone]] = {
     CHEST: lambda: bone_of(read(data_file(LIDC)).offered_bone()),
     TRUNK_512: _phantom,
 }
-assert tuple(LOADS) == SURFACES  # noqa: S101  # rows are told in this order
+assert tuple(LOADS) == SURFACES  # noqa: S101  # the order of the rows
 
 
 def _cores() -> int:
@@ -171,6 +171,6 @@ def _cores() -> int:
 
 
 def _quickest(runs: Sequence[Callable[[], float]]) -> list[float]:
-    """Returns the shortest time of each, all runs taken in turn."""
+    """Returns the shortest time of each function, with alternating runs."""
     rounds = [[run() for run in runs] for _ in range(ROUNDS)]
     return [min(times) for times in zip(*rounds, strict=True)]

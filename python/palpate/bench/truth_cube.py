@@ -1,13 +1,13 @@
-"""``palpate bench truth-cube``: how well the lattice tells where a pressed silicone cube goes.
+"""``palpate bench truth-cube``: how well the lattice predicts the deformation of a silicone cube.
 
 The Truth Cube is a cube of silicone of 80 mm, pressed between two plates that it sticks to; 343
-beads in it were found by CT (Kerdok et al., Med. Image Anal. 7, 2003). Here the whole cube is a
-lattice off-line, and beside it stands linear elasticity by finite elements on the mesh of the
-data set, whose inner nodes are the beads. Both are told no more than how far the plate is said
-to have moved: of one material pressed by a given way, Young's modulus plays no part.
+beads in it were located by CT (Kerdok et al., Med. Image Anal. 7, 2003). Here the whole cube is a
+lattice, solved off-line and compared with linear elasticity by finite elements on the mesh of the
+data set, whose inner nodes are the beads. The only input of both is the stated displacement of the
+plate: for one material with prescribed displacement, Young's modulus has no effect.
 
-The plate drifted besides, by 2 mm sideways and 2 mm down more than is said. So the error is told
-twice: as it is, and without the drift of the moving plate that fits each model best, taken as
+The plate also drifted, by 2 mm sideways and 2 mm further down than stated. So the error is reported
+twice: as it is, and without the drift of the moving plate that fits each model best, assumed to be
 linear in height. Frame of the data: z up the cube, the plate that moves at its lower end [mm].
 """
 
@@ -37,7 +37,7 @@ MESH = "TruthCube-0-HexaFEM.pml"
 EDGE = 9
 """Nodes of the mesh along an edge."""
 YOUNG = 15_000.0
-"""Of the silicone, as the data set says [Pa]."""
+"""Young's modulus of the silicone, as the data set states it [Pa]."""
 TOLERANCE = 1e-5
 ITERATIONS = 40_000
 
@@ -47,7 +47,7 @@ ATOM = re.compile(r'<atomProperties\s+index="(\d+)"\s+x="([^"]+)"\s+y="([^"]+)"\
 
 
 def beads_of(path: Path) -> dict[int, tuple[float, float, float]]:
-    """Reads the places of numbered points [mm] of a PML file.
+    """Reads the positions of numbered points [mm] from a PML file.
 
     Raises:
         OptionError: It has none.
@@ -60,24 +60,24 @@ def beads_of(path: Path) -> dict[int, tuple[float, float, float]]:
 
 @dataclass(frozen=True)
 class Cube:
-    """The mesh at rest and what was measured."""
+    """The mesh at rest and the measurements."""
 
     mesh: Points
     """Nodes [mm], shape [9, 9, 9, 3], z slowest."""
     beads: Points
     """Beads at rest [mm], shape [343, 3]."""
     numbers: NDArray[np.int64]
-    """Their places in the mesh."""
+    """Indices of the beads in the mesh."""
     measured: Mapping[float, Points]
-    """How far they moved [mm], by compression [%]."""
+    """Displacements of the beads [mm], by compression [%]."""
 
     @classmethod
     def load(cls) -> Self:
         """Reads the data set.
 
         Raises:
-            MissingDataError: It is not there.
-            OptionError: It is another one.
+            MissingDataError: It is missing.
+            OptionError: It is another data set.
         """
         rest = beads_of(data_file(f"{FOLDER}/{MESH}"))
         pressed = {
@@ -105,7 +105,7 @@ class Cube:
         return np.asarray(np.max(self.mesh, axis=(0, 1, 2)) - self.low)
 
     def stroke(self, level: float) -> float:
-        """Returns how far the lower plate is said to have moved [mm]."""
+        """Returns the stated displacement of the lower plate [mm]."""
         return float(self.sides[2]) * level / 100.0
 
 
@@ -113,7 +113,7 @@ def measure(progress: Progress = silent) -> tuple[list[Row], dict[str, Points]]:
     """Measures all models at all compressions; returns rows, and displacements by case.
 
     Raises:
-        MissingDataError: The data set is not there.
+        MissingDataError: The data set is missing.
         OptionError: scikit-fem is not installed.
     """
     LinearFem.check()
@@ -136,7 +136,7 @@ def measure(progress: Progress = silent) -> tuple[list[Row], dict[str, Points]]:
 
 
 def _compare(reports: dict[str, dict[str, float]], level: float) -> None:
-    """Adds how each model stands beside the FEM of its Poisson's ratio, and beside the best."""
+    """Adds the comparison of each model with the FEM of its Poisson's ratio, and with the best."""
     fems = {
         poisson: reports[truth_case(name, level)]["rmse"]
         for name, (method, poisson, _) in TRUTH_MODELS.items()
@@ -151,9 +151,9 @@ def _compare(reports: dict[str, dict[str, float]], level: float) -> None:
 def lattice_displacements(
     cube: Cube, level: float, poisson: float, *, nodes: int
 ) -> tuple[Points, float]:
-    """Returns how far the beads move in a lattice of so many nodes along an edge [mm].
+    """Returns the displacements of the beads in a lattice with so many nodes along an edge [mm].
 
-    The second figure is the residual, as a share of the force on a plate.
+    The second figure is the residual, relative to the force on a plate.
 
     Raises:
         OptionError: The lattice cannot be made.
@@ -177,7 +177,7 @@ def lattice_displacements(
 
 
 def _between(field: Points, places: Points) -> Points:
-    """Interpolates a field [z, y, x, 3] at places (x, y, z) counted in nodes, linear in each."""
+    """Interpolates a field [z, y, x, 3] at places (x, y, z) in units of nodes, linearly."""
     low = np.clip(np.floor(places).astype(int), 0, np.array(field.shape[2::-1]) - 2)
     share = places - low
     found = np.zeros_like(places)

@@ -159,7 +159,7 @@ def bench_stress(  # one per option of the command line
         write_rows("stress", rows, json_file)
     if found.violation is None:
         return 0
-    typer.echo(found.told())
+    typer.echo(found.message())
     if replay is None:
         write_case(found, case)
         typer.echo(f"again: palpate bench stress --replay {case}")
@@ -175,12 +175,12 @@ def bench_servo(
 ) -> None:
     """Measure the lateness of servo ticks: idle, with all cores busy, and with soft tissue."""
     from palpate.bench.report import print_rows, write_rows
-    from palpate.bench.servo import measure, rows_of, told
+    from palpate.bench.servo import histogram, measure, rows_of
 
     with Display() as display:
         found = measure(seconds, display)
     for one in found:
-        typer.echo(told(one) + "\n")
+        typer.echo(histogram(one) + "\n")
     rows = rows_of(found)
     print_rows("servo", rows)
     if not all(one.real_time for one in found):

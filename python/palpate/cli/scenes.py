@@ -123,7 +123,7 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
     """
     try:
         saved = open_scene(path, progress=progress)
-        return Opening(saved.scene(), saved, saved.told)
+        return Opening(saved.scene(), saved, saved.messages)
     except SceneFormatError as error:
         raise with_autosave(error, path) from None
 

@@ -127,7 +127,7 @@ def _made(make: Callable[[Progress], Opening], progress: Progress) -> Opening:
             display(what, share)
 
         made = make(both)
-    for sentence in made.told:
+    for sentence in made.messages:
         warn(sentence)
     return made
 

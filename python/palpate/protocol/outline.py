@@ -1,4 +1,4 @@
-"""Messages on outlines in slices: the live wire, levels, and what they enclose."""
+"""Messages on outlines in slices: the live wire, level sets, and filling."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["FillOutline", "Outline", "TraceLevel", "Wire"]
 
 
 class Outline(Message, frozen=True, tag="outline"):
-    """The answer to a ``Wire`` or ``TraceLevel`` of this number, to the page that asked.
+    """Answer to the ``Wire`` or ``TraceLevel`` with this number, to the page that sent it.
 
-    A level's outline is closed, its last point joined to the first. Without points there is none,
-    for the reason that ``problem`` tells.
+    The outline of a level is closed: its last point is connected to the first. Without points
+    ``problem`` says why there is no outline.
     """
 
     number: int
@@ -24,7 +24,7 @@ class Outline(Message, frozen=True, tag="outline"):
 
 
 class Wire(Message, frozen=True, tag="wire"):
-    """Asks for the path along edges of a slice from one point to another; see ``Outline``."""
+    """Requests the path along edges of a slice from one point to another; see ``Outline``."""
 
     number: Annotated[int, msgspec.Meta(ge=0)]
     begin: Vector
@@ -33,7 +33,7 @@ class Wire(Message, frozen=True, tag="wire"):
 
 
 class TraceLevel(Message, frozen=True, tag="trace_level"):
-    """Asks for the outline of the value at a point of a slice, through it; see ``Outline``."""
+    """Requests the outline through a point of a slice at that point's value; see ``Outline``."""
 
     number: Annotated[int, msgspec.Meta(ge=0)]
     point: Vector
@@ -41,9 +41,9 @@ class TraceLevel(Message, frozen=True, tag="trace_level"):
 
 
 class FillOutline(Message, frozen=True, tag="fill_outline"):
-    """Paints what an outline in a slice encloses, or takes it away: one step of undo.
+    """Adds the voxels inside an outline in a slice to a segment, or removes them: one step of undo.
 
-    Only voxels with such ``values`` are changed, where these are given.
+    Where ``values`` is given, only voxels with such values are changed.
     """
 
     id: SegmentId

@@ -1,4 +1,4 @@
-"""Messages on what is seen: scans, and what edits change of voxels and surfaces."""
+"""Messages on the picture: scans, and changes of voxels and surfaces."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Histogram(msgspec.Struct, frozen=True):
 
 
 class ThresholdPreset(msgspec.Struct, frozen=True):
-    """A range of values that stands for a tissue."""
+    """A range of values of a tissue."""
 
     name: str
     low: Value
@@ -39,12 +39,12 @@ class ThresholdPreset(msgspec.Struct, frozen=True):
 
 
 class Scan(msgspec.Struct, frozen=True):
-    """The scan on display; its values come by HTTP from ``/api/volume``.
+    """The displayed scan; its values are at ``/api/volume``.
 
-    ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape
-    [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
-    ``unit`` is "HU" only where it is known, else "". ``title`` is for windows: it names no file
-    that a person has not given by its path.
+    ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape [4, 4]; grid
+    coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. ``unit`` is "HU" only
+    where it is known, else "". ``title`` is for windows: it contains no file name that the user did
+    not type.
     """
 
     name: str
@@ -66,15 +66,14 @@ class Scan(msgspec.Struct, frozen=True):
 
 
 class SurfacePatch(msgspec.Struct, frozen=True):
-    """One patch of a segment's surface, where the scan has the segment (before its pose).
+    """A patch of a segment's surface, at the segment's place in the scan (before its pose).
 
-    ``index`` is its place in the grid of patches. ``origin`` is the lower corner and ``size``
-    the edges of the box that its vertices lie in: position = origin + u16 / 65535 * size.
+    ``index`` is its place in the grid of patches. ``origin`` is the lower corner and ``size`` the
+    edges of the box of its vertices: position = origin + u16 / 65535 * size.
 
-    ``vertices`` are x, y, z as little-endian uint16 each; ``normals`` x, y, z and a byte that
-    means nothing as int8 each, unit = int8 / 127; ``triangles`` three vertex numbers each,
-    little-endian uint16, or uint32 where there are more than 65536 vertices, counter-clockwise
-    as seen from outside.
+    ``vertices`` are x, y, z as little-endian uint16 each; ``normals`` x, y, z and an unused byte as
+    int8 each, unit vector = int8 / 127; ``triangles`` three vertex numbers each, little-endian
+    uint16, or uint32 where there are more than 65536 vertices, counter-clockwise seen from outside.
     """
 
     index: GridPlace
@@ -86,9 +85,9 @@ class SurfacePatch(msgspec.Struct, frozen=True):
 
 
 class SegmentSurface(msgspec.Struct, frozen=True):
-    """What changes in the surface of a segment: patches that are new or gone.
+    """Changes of the surface of a segment: patches that are new or ``dropped``.
 
-    ``whole`` forgets all patches that were sent before.
+    ``whole`` discards all earlier patches.
     """
 
     id: SegmentId
@@ -98,10 +97,10 @@ class SegmentSurface(msgspec.Struct, frozen=True):
 
 
 class ChangedVoxels(msgspec.Struct, frozen=True):
-    """A box of voxels, from ``low`` up to, but without, ``high``, as they are now.
+    """Current content of a box of voxels, from ``low`` up to, but without, ``high``.
 
-    ``stored`` holds their stored values as little-endian int16, ``labels`` the number of each
-    voxel's segment as uint8, both with x fastest; null where they stay as they are.
+    ``stored`` are their stored values as little-endian int16, ``labels`` the number of each voxel's
+    segment as uint8, both with x fastest; null where they did not change.
     """
 
     low: GridPlace
@@ -111,11 +110,11 @@ class ChangedVoxels(msgspec.Struct, frozen=True):
 
 
 class Changed(Message, frozen=True, tag="changed"):
-    """All that edits up to number ``edit`` change in the picture, shown in one and the same frame.
+    """Changes of the picture by edits up to number ``edit``, to be shown in one frame.
 
-    Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
+    Boxes of voxels are in the order of their edits: where two overlap, the later one counts.
     ``applied`` is when the oldest of these edits was applied [s since 1970]; null without one.
-    ``displaced`` goes with the voxels as they are then; null where it is as before.
+    ``displaced`` belongs to the voxels after the change; null where it did not change.
     """
 
     edit: int
@@ -126,11 +125,11 @@ class Changed(Message, frozen=True, tag="changed"):
 
 
 class SecondScan(Message, frozen=True, tag="second_scan"):
-    """A scan that is shown with the first; null where there is none any more.
+    """The second scan; null where there is none any more.
 
-    ``second_from_first`` maps points of the first scan to the second's, row-major, shape [4, 4],
-    patient of each [mm]; its values come from ``/api/second`` and are others with each ``version``.
-    It ``is_moved`` where a transform holds it elsewhere than its own place in the patient says.
+    ``second_from_first`` maps points of the first scan to the second, row-major, shape [4, 4],
+    patient of each [mm]; its values are at ``/api/second`` and change with each ``version``. It
+    ``is_moved`` where a transform places it elsewhere than its own geometry does.
     """
 
     scan: Scan | None
@@ -140,7 +139,7 @@ class SecondScan(Message, frozen=True, tag="second_scan"):
 
 
 class FollowEdits(Message, frozen=True, tag="follow_edits"):
-    """Has the picture follow edits every so many-th of its frames, of 60 a second.
+    """Sets how often the picture follows edits: every so many of its 60 frames a second.
 
     Edits in between are shown together. The slowest of several pages sets the pace.
     """

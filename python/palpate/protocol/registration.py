@@ -29,16 +29,16 @@ __all__ = [
 
 
 class RegistrationLevel(msgspec.Struct, frozen=True):
-    """The metric after each step on one level of a registration; made small."""
+    """The metric after each step on one level of a registration; smaller is better."""
 
     name: str
     values: list[float]
 
 
 class FoundRegistration(msgspec.Struct, frozen=True):
-    """What a registration has found: the metric before and after, and how far points move [mm].
+    """Result of a registration: the metric before and after, and how far points move [mm].
 
-    ``overlap`` is the share of the first scan that the second covers in the end.
+    ``overlap`` is the fraction of the first scan that the second covers afterwards.
     """
 
     kind: RegistrationKind
@@ -51,12 +51,12 @@ class FoundRegistration(msgspec.Struct, frozen=True):
 
 
 class Registration(Message, frozen=True, tag="registration"):
-    """How far the registration of the second scan is, and what the last one has found.
+    """Progress of the registration of the second scan, and the result of the last one.
 
-    ``doing`` and ``share`` are null where none runs, ``failure`` says why the last one changed
-    nothing; ``curve`` is that of the one that runs or ran last. ``steps`` counts registrations that
-    can be taken back, ``undone`` those that can be made again. ``shown`` tells whether the second
-    scan stands as before or after ``found``.
+    ``doing`` and ``share`` are null where none is running, ``failure`` says why the last one
+    changed nothing; ``curve`` is that of the current or last one. ``steps`` counts registrations
+    that can be undone, ``undone`` those that can be redone. ``shown`` says whether the second scan
+    is shown before or after ``found``.
     """
 
     doing: str | None
@@ -70,10 +70,10 @@ class Registration(Message, frozen=True, tag="registration"):
 
 
 class Register(Message, frozen=True, tag="register"):
-    """Finds where the second scan lies in the first; it then stands there, and undo takes it back.
+    """Registers the second scan to the first and moves it there; undo takes that back.
 
     Each of ``pairs`` is a point of the first scan and the same place in the second, in the patient
-    of each.
+    frame of each.
     """
 
     kind: RegistrationKind
@@ -83,18 +83,18 @@ class Register(Message, frozen=True, tag="register"):
 
 
 class StopRegistration(Message, frozen=True, tag="stop_registration"):
-    """Stops the registration that runs; nothing is changed then."""
+    """Stops the current registration; nothing is changed then."""
 
 
 class ShowRegistration(Message, frozen=True, tag="show_registration"):
-    """Shows the second scan as before the last registration, or as after it; no step of undo."""
+    """Shows the second scan before or after the last registration; no step of undo."""
 
     which: BeforeOrAfter
 
 
 class UndoRegistration(Message, frozen=True, tag="undo_registration"):
-    """Takes the last registration back."""
+    """Undoes the last registration."""
 
 
 class RedoRegistration(Message, frozen=True, tag="redo_registration"):
-    """Makes the registration again that was taken back last."""
+    """Redoes the registration that was undone last."""

@@ -1,4 +1,4 @@
-"""Messages on segments: what they are, how they are made, changed, painted, moved and cut."""
+"""Messages on segments: their state, and adding, changing, painting, moving and splitting them."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ __all__ = [
 
 
 class Feel(msgspec.Struct, frozen=True):
-    """How the surface of a segment feels; null is as the settings of touch say.
+    """Touch settings of a segment; null where the settings of the session apply.
 
-    Friction without one of its own is that of the segment's material, where it has one.
+    Without friction of its own, that of the segment's material applies, where it has one.
     """
 
     stiffness: Stiffness | None
@@ -64,16 +64,16 @@ class Feel(msgspec.Struct, frozen=True):
 class Segment(SegmentAppearance, frozen=True):
     """A segment of the scan.
 
-    ``range`` holds the threshold (low, high) while the segment is just that threshold;
-    null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
-    the segment's ``id`` (1..255). ``made_by`` is the threshold that made it, whatever edits
-    did since; null where none did. ``pose`` takes the segment from where the scan has it to
-    where it stands; null where it was not moved. ``bounds`` are the voxels that hold it, half
-    open; null where it is empty. ``material`` is null where it is hard; ``regions`` are those that
-    take part in their own way. ``grid`` is the ``patient_from_grid`` of its voxels where they are
-    not the scan's. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
-    surface; ``ambient`` and ``specular`` are factors on its light. The voxels of a ``locked`` one
-    stay as they are.
+    ``range`` is the threshold (low, high) as long as the segment is exactly that threshold; null
+    where its voxels come from elsewhere: they are in ``/api/labels`` then, under the segment's
+    ``id`` (1..255). ``made_by`` is the threshold that made it, whatever edits did since; null where
+    none did. ``pose`` is the transform from its place in the scan to its current place; null where
+    it was not moved. ``bounds`` are the voxels of its bounding box, half open; null where it is
+    empty. ``material`` is null where it is rigid; ``regions`` are its regions that deform
+    differently. ``grid`` is the ``patient_from_grid`` of its voxels where they are not on the
+    scan's grid. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
+    surface; ``ambient`` and ``specular`` are factors of its light. The voxels of a ``locked``
+    segment cannot change.
     """
 
     id: SegmentId
@@ -94,21 +94,21 @@ class Segment(SegmentAppearance, frozen=True):
 
 
 class MovedPose(msgspec.Struct, frozen=True):
-    """Where a moved segment stands by now: ``Segment.pose`` is where it was asked to go."""
+    """Current pose of a moved segment; ``Segment.pose`` is the requested one."""
 
     id: SegmentId
     pose: Pose
 
 
 class Segments(Message, frozen=True, tag="segments"):
-    """The segment list after a change; ``labels`` is the version of ``/api/labels``."""
+    """The list of segments after a change; ``labels`` is the version of ``/api/labels``."""
 
     segments: list[Segment]
     labels: int
 
 
 class Gap(Message, frozen=True, tag="gap"):
-    """The gap from the surface of segment ``id`` to segment ``other``, as they stand by now.
+    """The gap from the surface of segment ``id`` to segment ``other``, at their current poses.
 
     ``minimum`` and ``mean`` [mm], ``overlap`` [mm³]; null where one of them is gone or empty.
     """
@@ -123,7 +123,7 @@ class Gap(Message, frozen=True, tag="gap"):
 class CutPreview(Message, frozen=True, tag="cut_preview"):
     """Volumes of the parts that a painted cut would make of segment ``id`` [ml], larger first.
 
-    Both are null where it would leave all of it on one side.
+    Both are null where the whole segment would be on one side.
     """
 
     id: SegmentId
@@ -132,7 +132,7 @@ class CutPreview(Message, frozen=True, tag="cut_preview"):
 
 
 class SegmentWork(Message, frozen=True, tag="segment_work"):
-    """What is being done to segments beside all else; null where nothing is."""
+    """What is being done to segments in the background; null where nothing is."""
 
     what: str | None
 
@@ -147,16 +147,17 @@ class Threshold(Message, frozen=True, tag="threshold"):
 
 
 class Otsu(Message, frozen=True, tag="otsu"):
-    """Makes a segment of each class of values but the lowest, by Otsu's thresholds."""
+    """Makes a segment of each class of values except the lowest, by Otsu's thresholds."""
 
     classes: Annotated[int, msgspec.Meta(ge=2, le=4)]
 
 
 class GrowSegment(Message, frozen=True, tag="grow_segment"):
-    """Makes a segment of what has values like those at ``seed`` and hangs together with them.
+    """Makes a segment of the connected voxels with values like those at ``seed``.
 
     ``spread`` is half of the range of values, in standard deviations around the seed. Passages
-    narrower than ``passage`` [mm] are not entered, and it becomes no larger than ``most_ml``.
+    narrower than ``passage`` [mm] are not entered, and the segment becomes no larger than
+    ``most_ml``.
     """
 
     seed: Vector
@@ -166,9 +167,9 @@ class GrowSegment(Message, frozen=True, tag="grow_segment"):
 
 
 class GrowSeeds(Message, frozen=True, tag="grow_seeds"):
-    """Makes a segment of each of these: they grow until they meet where values change most.
+    """Grows a segment from each seed; they meet where values change most.
 
-    Values are smoothed by a Gaussian of this deviation [mm].
+    Values are smoothed by a Gaussian with this standard deviation [mm].
     """
 
     ids: Annotated[list[SegmentId], msgspec.Meta(min_length=2, max_length=50)]
@@ -178,8 +179,8 @@ class GrowSeeds(Message, frozen=True, tag="grow_seeds"):
 class ChangeShape(Message, frozen=True, tag="change_shape"):
     """Changes the shape of a segment; undo takes it back.
 
-    ``amount`` counts islands to keep, is the volume from which on they stay [ml], or a length [mm];
-    ``other`` is the segment that is united, subtracted or intersected.
+    ``amount`` is a number of islands to keep, the least volume of islands to keep [ml], or a length
+    [mm]; ``other`` is the segment to unite, subtract or intersect with.
     """
 
     id: SegmentId
@@ -189,16 +190,16 @@ class ChangeShape(Message, frozen=True, tag="change_shape"):
 
 
 class NewSegment(Message, frozen=True, tag="new_segment"):
-    """Makes a segment without voxels, to be painted; undo takes it away."""
+    """Adds a segment without voxels, to be painted; undo removes it."""
 
     name: Name
 
 
 class Paint(Message, frozen=True, tag="paint"):
-    """Paints voxels of a segment along points, or takes them away: a stroke until ``EndPaint``.
+    """Paints voxels of a segment along points, or erases them: a stroke until ``EndPaint``.
 
     The brush has a radius [mm]. It is a disc in the slice with this ``normal``, or a ball without
-    one, and changes only voxels with such ``values``, where these are given.
+    one. Where ``values`` is given, only voxels with such values are changed.
     """
 
     id: SegmentId
@@ -210,17 +211,17 @@ class Paint(Message, frozen=True, tag="paint"):
 
 
 class EndPaint(Message, frozen=True, tag="end_paint"):
-    """Ends a stroke of the brush as one step of undo, or takes it back where it is not kept."""
+    """Ends a stroke of the brush as one step of undo, or undoes it where it is not kept."""
 
     keep: bool
 
 
 class StopSegmentWork(Message, frozen=True, tag="stop_segment_work"):
-    """Stops what ``SegmentWork`` tells of and forgets what waits; what is not done is not begun."""
+    """Stops what ``SegmentWork`` reports and drops what is queued."""
 
 
 class SegmentProperties(SegmentAppearance, Message, frozen=True, tag="segment_properties"):
-    """Changes how a segment looks and whether it can be touched, and its voxels changed."""
+    """Changes the appearance of a segment, and whether it is touchable and locked."""
 
     id: SegmentId
     name: Name
@@ -229,14 +230,14 @@ class SegmentProperties(SegmentAppearance, Message, frozen=True, tag="segment_pr
 
 
 class SegmentFeel(Message, frozen=True, tag="segment_feel"):
-    """Changes how the surface of a segment feels."""
+    """Changes the touch settings of a segment."""
 
     id: SegmentId
     feel: Feel
 
 
 class MoveSegment(Message, frozen=True, tag="move_segment"):
-    """Moves a segment to a pose; latest wins, and the servo goes there smoothly.
+    """Moves a segment to a pose; latest wins, and the servo moves it there smoothly.
 
     Moves of a drag that ``goes_on`` and the one that ends it are one step of undo.
     """
@@ -247,20 +248,20 @@ class MoveSegment(Message, frozen=True, tag="move_segment"):
 
 
 class Grab(Message, frozen=True, tag="grab"):
-    """Takes a segment in the hand, null lets go of it; ``collides`` stops it at the others."""
+    """Attaches a segment to the probe, null releases it; others stop it where it ``collides``."""
 
     id: SegmentId | None
     collides: bool
 
 
 class TurnGrabbed(Message, frozen=True, tag="turn_grabbed"):
-    """Turns the segment in the hand about the probe by a rotation vector [rad]."""
+    """Rotates the attached segment about the probe by a rotation vector [rad]."""
 
     rotation: Vector
 
 
 class CutSegment(Message, frozen=True, tag="cut_segment"):
-    """Parts a segment by the plane through a point; what lies before it is a new segment."""
+    """Splits a segment by the plane through a point; the part in front of it is a new segment."""
 
     id: SegmentId
     point: Vector
@@ -268,11 +269,11 @@ class CutSegment(Message, frozen=True, tag="cut_segment"):
 
 
 class CutAlong(Message, frozen=True, tag="cut_along"):
-    """Parts a segment along a line painted on the picture, extruded away from the eye.
+    """Splits a segment along a line drawn on the picture, extruded away from the eye.
 
-    ``line`` are points under it before the eye; ``view`` is where the eye looks. A ``closed`` line
-    joins its ends, an open one goes on straight. The smaller part is a new segment; with
-    ``preview`` nothing is cut, and ``CutPreview`` answers.
+    ``line`` are points below it in front of the eye; ``view`` is the direction of view. A
+    ``closed`` line connects its ends, an open one continues straight. The smaller part is a new
+    segment; with ``preview`` nothing is changed, and ``CutPreview`` answers.
     """
 
     id: SegmentId
@@ -284,12 +285,12 @@ class CutAlong(Message, frozen=True, tag="cut_along"):
 
 
 class WatchGap(Message, frozen=True, tag="watch_gap"):
-    """Has the gap between two segments measured while they move; null ends that."""
+    """Starts measuring the gap between two segments while they move; null stops it."""
 
     pair: tuple[SegmentId, SegmentId] | None
 
 
 class RemoveSegment(Message, frozen=True, tag="remove_segment"):
-    """Removes a segment; undo brings it back."""
+    """Removes a segment; undo restores it."""
 
     id: SegmentId

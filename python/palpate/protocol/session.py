@@ -1,4 +1,4 @@
-"""Messages on the session as a whole: its beginning, its state, undo, recording."""
+"""Messages on the session as a whole: its start, its state, undo, recording."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ __all__ = [
 
 
 class Hello(Message, frozen=True, tag="hello"):
-    """First message of the engine: everything the page needs to draw.
+    """First message of the engine: what the page needs to begin.
 
-    ``defaults`` are the settings that the session was started with.
+    ``defaults`` are the settings at the start of the session.
     """
 
     protocol: int
@@ -46,19 +46,18 @@ class Hello(Message, frozen=True, tag="hello"):
 
 
 class State(Message, frozen=True, tag="state"):
-    """What is now, some 60 times a second, latest wins.
+    """Current state, about 60 times a second; latest wins.
 
-    ``samples`` holds the ticks since the last state, thinned to at most 250 a second:
-    rows (time, force x, force y, force z). ``contact_point`` is where the force comes from:
-    on the smooth surface, beside ``proxy``, which no solid voxel holds; ``normal`` points out
-    of the surface there, and is zero without contact. ``probe_radius`` is what the probe has
-    [mm]: less than the settings' where there is no room for it. ``poses`` says where moved
-    segments stand by now, ``grabbed`` which segment is in the hand, 0 for none.
-    ``clutched`` says that the device moves without the probe, ``device_origin`` is the middle of
-    its workspace. ``step`` counts the steps of undo that were made, less those that were taken
-    back; one that is not ended counts. ``steps_made`` counts those that were made and ended, ever:
-    where it rises, undone ones are forgotten. ``recording`` says since how long every input of the
-    servo is kept [s].
+    ``samples`` are the ticks since the last state, thinned to at most 250 a second: rows (time,
+    force x, force y, force z). ``contact_point`` is the origin of the force on the smooth surface,
+    near ``proxy``, which never is in a solid voxel; ``normal`` points outward there, and is zero
+    without contact. ``probe_radius`` is the current radius of the probe [mm]: less than in the
+    settings where there is no room for it. ``poses`` are the current poses of moved segments,
+    ``grabbed`` the segment attached to the probe, 0 for none. ``clutched`` says that the device
+    moves without the probe, ``device_origin`` is the centre of its workspace. ``step`` counts the
+    steps of undo that are done, including one in progress. ``steps_made`` counts all completed
+    steps since the start; where it increases, undone ones are discarded. ``recording`` is the
+    length of the current recording [s].
     """
 
     tick: int
@@ -93,17 +92,17 @@ class State(Message, frozen=True, tag="state"):
 
 
 class Notice(Message, frozen=True, tag="notice"):
-    """A sentence for the person at the page."""
+    """A message for the user."""
 
     level: Literal["info", "warning", "error"]
     text: str
 
 
 class Offer(msgspec.Struct, frozen=True):
-    """Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
+    """Changes of this scan that an earlier session left: their number, the time of the last.
 
-    ``lost_bytes`` at the end of their file are not whole. ``second``: name of the second scan that
-    was shown.
+    ``when`` is ISO 8601. ``lost_bytes`` is the number of damaged bytes at the end of their file.
+    ``second`` is the name of the second scan that was shown.
     """
 
     steps: int
@@ -113,16 +112,16 @@ class Offer(msgspec.Struct, frozen=True):
 
 
 class Recovery(Message, frozen=True, tag="recovery"):
-    """What can be brought back; null once somebody has decided, or where there is nothing."""
+    """Changes that can be recovered; null once that is decided, or where there are none."""
 
     offer: Offer | None
 
 
 class Passed(Message, frozen=True, tag="passed"):
-    """The answer to a ``Fence``: all that this page asked for before it is done.
+    """Answer to a ``Fence``: everything that this page requested before it is done.
 
-    Touch follows it from ``tick`` on. Thresholds, growing and changes of shape are made beside all
-    others: they may come later.
+    Touch follows it from ``tick`` on. Thresholds, growing and changes of shape run in the
+    background and may complete later.
     """
 
     number: int
@@ -130,26 +129,26 @@ class Passed(Message, frozen=True, tag="passed"):
 
 
 class RecordSession(Message, frozen=True, tag="record"):
-    """Begins to keep every input of the servo, or ends it: the file is at ``/api/recording``."""
+    """Starts recording every input of the servo, or stops it; the file is at ``/api/recording``."""
 
     on: bool
 
 
 class Fence(Message, frozen=True, tag="fence"):
-    """Asks to be told when all is done that the page asked for before; ``number`` comes back."""
+    """Requests an answer once all earlier requests of the page are done; ``number`` is returned."""
 
     number: Annotated[int, msgspec.Meta(ge=0)]
 
 
 class Recover(Message, frozen=True, tag="recover"):
-    """Brings back what an earlier session left, or keeps it aside and starts afresh."""
+    """Recovers what an earlier session left, or keeps it aside and starts anew."""
 
     bring_back: bool
 
 
 class Undo(Message, frozen=True, tag="undo"):
-    """Takes the last edit back."""
+    """Undoes the last step."""
 
 
 class Redo(Message, frozen=True, tag="redo"):
-    """Applies the last undone edit again."""
+    """Redoes the last undone step."""

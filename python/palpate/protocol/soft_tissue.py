@@ -1,4 +1,4 @@
-"""Messages on matter that gives way: materials, models, and what they answer."""
+"""Messages on soft tissue: materials, deformation models and their state."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ __all__ = [
 
 
 class Constants(msgspec.Struct, frozen=True):
-    """What matter is: ``young`` [Pa], ``poisson``, ``density`` [kg/m³], Coulomb ``friction``.
+    """Material constants: ``young`` [Pa], ``poisson``, ``density`` [kg/m³], Coulomb ``friction``.
 
-    Bonds break at ``breaking_strain``; null where none does.
+    Bonds break at ``breaking_strain``; null where they never do.
     """
 
     young: Annotated[float, msgspec.Meta(ge=1.0, le=2e12)]
@@ -55,9 +55,9 @@ class Constants(msgspec.Struct, frozen=True):
 
 
 class SegmentMaterial(msgspec.Struct, frozen=True):
-    """What a segment is made of: constants from ``low`` to ``high`` as they follow HU, or both.
+    """Material of a segment: constants from ``low`` to ``high`` by HU, or the same in both.
 
-    ``preset`` is its name; null where somebody chose the constants.
+    ``preset`` is its name; null where the constants were given.
     """
 
     preset: Name | None
@@ -66,10 +66,10 @@ class SegmentMaterial(msgspec.Struct, frozen=True):
 
 
 class MatterRegion(msgspec.Struct, frozen=True):
-    """Some of a segment that takes part in its own way; all of it where nothing else is told.
+    """A region of a segment that deforms differently; the whole segment where no part is given.
 
-    ``shared_with``: what belongs to that other segment too. ``box``: voxels (x, y, z) from the
-    first to one past the last. At most one of them is told.
+    ``shared_with``: the voxels that also belong to that segment. ``box``: voxels (x, y, z) from the
+    first to one past the last. At most one of them is given.
     """
 
     treatment: Treatment
@@ -78,7 +78,7 @@ class MatterRegion(msgspec.Struct, frozen=True):
 
 
 class MaterialPreset(msgspec.Struct, frozen=True):
-    """A material with a name, and where its constants are from.
+    """A material with a name, and the source of its constants.
 
     One that ``needs_hounsfield`` is for CT only: its constants go from ``low`` to ``high``.
     """
@@ -91,7 +91,7 @@ class MaterialPreset(msgspec.Struct, frozen=True):
 
 
 class Boxes(msgspec.Struct, frozen=True):
-    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
+    """Allowed sizes of a model's box: nodes or cells along each edge, odd numbers."""
 
     least: int
     usual: int
@@ -99,7 +99,7 @@ class Boxes(msgspec.Struct, frozen=True):
 
 
 class Shares(msgspec.Struct, frozen=True):
-    """Shares that can be chosen."""
+    """Allowed fractions, and the default."""
 
     least: float
     usual: float
@@ -107,27 +107,27 @@ class Shares(msgspec.Struct, frozen=True):
 
 
 class Range(msgspec.Struct, frozen=True):
-    """Numbers that can be chosen where nothing is usual."""
+    """Allowed numbers, where there is no default."""
 
     least: float
     most: float
 
 
 class Fading(msgspec.Struct, frozen=True):
-    """How a force can fade: shares of it, and time constants [s]."""
+    """Allowed stress relaxation: fractions of the force, and time constants [s]."""
 
     shares: Range
     times: Range
 
 
 class DeformationModel(msgspec.Struct, frozen=True):
-    """A model by which matter gives way, and what it offers to choose.
+    """A deformation model and the options it has.
 
-    ``title`` is its name as a person reads it. ``bonded`` ones are of nodes and bonds that can
-    break, the others of particles. ``boxes`` is null where it takes all matter, ``binding`` where
-    nothing is bound, ``fades`` where its force cannot; ``yields`` tells strains from which on
-    matter can stay as it is pressed, null where it always comes back. ``layers`` are so many at
-    most, null where its work is not parted.
+    ``title`` is its name to display. ``bonded`` models consist of nodes and breakable bonds, the
+    others of particles. ``boxes`` is null where the model always deforms all tissue, ``binding``
+    where it has no springs to the initial positions, ``fades`` where it has no stress relaxation;
+    ``yields`` are allowed yield strains, null where it is always elastic. ``layers`` is the largest
+    number of them, null where it has none.
     """
 
     name: ModelName
@@ -144,18 +144,18 @@ class DeformationModel(msgspec.Struct, frozen=True):
 
 
 class Prony(msgspec.Struct, frozen=True):
-    """A force that fades while matter is held: this share of it, by this time constant [s]."""
+    """Stress relaxation: the fraction of the force that decays, and the time constant [s]."""
 
     share: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)]
     time: Annotated[float, msgspec.Meta(gt=0.0, le=1e4)]
 
 
 class ModelOptions(msgspec.Struct, frozen=True):
-    """What is chosen of a model; null is as usual.
+    """Options of a model; null is the default.
 
-    ``edge`` counts nodes or cells along its box, ``binding`` is a share of a link's stiffness
-    (thesis 5.12), ``walls`` keep particles out of empty voxels (5.13), from ``yield_strain`` on
-    matter stays as it is pressed, ``layers`` part the work of an answer (5.21).
+    ``edge`` counts nodes or cells along its box, ``binding`` is relative to a link's stiffness
+    (thesis 5.12), ``walls`` keep particles out of empty voxels (5.13), beyond ``yield_strain``
+    deformation is plastic, ``layers`` divide the work of an answer (5.21).
     """
 
     edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
@@ -169,13 +169,12 @@ class ModelOptions(msgspec.Struct, frozen=True):
 
 
 class MatterState(msgspec.Struct, frozen=True):
-    """Matter that gives way: ``model`` is the one at work, null where all is hard.
+    """State of the deformation; ``model`` is the current one, null where every segment is rigid.
 
-    ``options`` tells what of it is not as usual.
-    ``force`` is that of the matter on the tool [N, scene], felt where ``force_source`` says so;
-    ``answers`` counts the model's answers.
-    While the next one is ``late``, matter is as hard as its voxels. ``nodes`` take part in the
-    last answer; since the start ``bonds_broken`` bonds broke, which took ``work_broken`` [mJ].
+    ``force`` is that of the tissue on the tool [N, scene], sent where ``force_source`` says so;
+    ``answers`` counts the model's answers. While the next one is ``late``, tissue is as rigid as
+    its voxels. ``nodes`` take part in the last answer; since the start ``bonds_broken`` bonds
+    broke, which took ``work_broken`` [mJ].
     """
 
     model: ModelName | None
@@ -190,12 +189,11 @@ class MatterState(msgspec.Struct, frozen=True):
 
 
 class Displaced(msgspec.Struct, frozen=True):
-    """Where matter stands beside the voxels that show it, at the nodes of a box.
+    """Displacement of tissue from the voxels that show it, at the nodes of a box.
 
     Node (i, j, k) is at ``origin + step * (i, j, k)`` [grid], and ``size`` counts nodes along each
-    axis, 0 where all matter stands in its voxels. ``moved`` holds how far the matter of each node
-    stands from it as little-endian float16: x, y, z along the axes of the grid [mm] and a zero,
-    nodes with x fastest.
+    axis, 0 where nothing is displaced. ``moved`` is the displacement at each node as little-endian
+    float16: x, y, z along the axes of the grid [mm] and a zero, nodes with x fastest.
     """
 
     origin: Vector
@@ -205,11 +203,11 @@ class Displaced(msgspec.Struct, frozen=True):
 
 
 class MatterParts(Message, frozen=True, tag="matter_parts"):
-    """The nodes or particles of the model at work, where this page asked for them; latest wins.
+    """Nodes or particles of the current model, for pages that requested them; latest wins.
 
     ``places`` are x, y, z as little-endian uint16 each: place = origin + number / 65535 * size
-    [scene]. ``strains`` are an int8 each: strain = number / 127 * 0.5, less than zero where matter
-    is pressed. ``apart`` is the distance of neighbours at rest [mm].
+    [scene]. ``strains`` are an int8 each: strain = number / 127 * 0.5, negative in compression.
+    ``apart`` is the distance of neighbours at rest [mm].
     """
 
     origin: Vector
@@ -220,9 +218,9 @@ class MatterParts(Message, frozen=True, tag="matter_parts"):
 
 
 class SetMaterial(Message, frozen=True, tag="set_material"):
-    """Tells what a segment is made of, by name or by constants; with neither it is hard.
+    """Sets the material of a segment, by name or by constants; with neither it is rigid.
 
-    Undo takes it back where it is ``undoable``: what a page asks for by itself is not.
+    It is a step of undo where it is ``undoable``: what a page sends by itself is not.
     """
 
     id: SegmentId
@@ -232,9 +230,9 @@ class SetMaterial(Message, frozen=True, tag="set_material"):
 
 
 class SetRegions(Message, frozen=True, tag="set_regions"):
-    """Tells how regions of a segment take part: of several that hold a voxel the last counts.
+    """Sets how regions of a segment deform; the last region that contains a voxel applies to it.
 
-    What is in none gives way.
+    Voxels in no region deform.
     """
 
     id: SegmentId
@@ -242,9 +240,9 @@ class SetRegions(Message, frozen=True, tag="set_regions"):
 
 
 class SetDeformation(Message, frozen=True, tag="set_deformation"):
-    """Chooses the model by which matter gives way, null makes all hard, and its options.
+    """Sets the deformation model and its options; null makes every segment rigid.
 
-    Undo takes the choice back where it is ``undoable``.
+    It is a step of undo where it is ``undoable``.
     """
 
     model: ModelName | None
@@ -253,12 +251,12 @@ class SetDeformation(Message, frozen=True, tag="set_deformation"):
 
 
 class SetForceSource(Message, frozen=True, tag="set_force_source"):
-    """Chooses what a tool feels of matter that gives way."""
+    """Sets the source of the force of soft tissue on a tool."""
 
     source: ForceSource
 
 
 class ShowParts(Message, frozen=True, tag="show_parts"):
-    """Has this page told the nodes or particles of the model, or no more."""
+    """Starts or stops sending this page the nodes or particles of the model."""
 
     on: bool

@@ -1,4 +1,4 @@
-"""Messages on touch: its settings, the hand, tools, and how threads and safety are."""
+"""Messages on touch: its settings, the hand, tools, and the state of threads and safety."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ __all__ = [
 
 
 class Settings(msgspec.Struct, frozen=True):
-    """What a person can set about touch; ``gain`` is scene mm per mm of the device."""
+    """Settings of touch; ``gain`` is scene mm per mm of the device."""
 
     model: Literal["exact", "thesis-original", "thesis-improved"]
     stiffness: Stiffness
@@ -54,9 +54,9 @@ class Settings(msgspec.Struct, frozen=True):
 
 
 class Rate(msgspec.Struct, frozen=True):
-    """How a thread keeps its pace over the last second.
+    """How well a thread kept its rate in the last second.
 
-    ``late`` counts ticks since the start that began more than 2 ms after their time.
+    ``late`` counts ticks since the start that began more than 2 ms late.
     """
 
     asked_hz: float
@@ -67,7 +67,7 @@ class Rate(msgspec.Struct, frozen=True):
 
 
 class Rates(msgspec.Struct, frozen=True):
-    """One rate per thread; ``real_time`` says whether the priority was granted."""
+    """Rates of all threads; ``real_time`` says whether the system granted real-time priority."""
 
     device: Rate
     servo: Rate
@@ -77,10 +77,10 @@ class Rates(msgspec.Struct, frozen=True):
 
 
 class Safety(msgspec.Struct, frozen=True):
-    """Interventions of the safety stage and violations of the guarantees since start.
+    """Interventions of the safety stage, and violations of guarantees, since the start.
 
-    ``force`` says what stands between the contact and the hand now: "on" where nothing does;
-    ``off`` why no force is sent, and nothing while forces are.
+    ``force`` says how the contact force is passed on: "on" where it is unchanged; ``off`` says why
+    no force is sent, null while one is.
     """
 
     clamped: int
@@ -97,11 +97,11 @@ class Safety(msgspec.Struct, frozen=True):
 
 
 class ToolState(msgspec.Struct, frozen=True):
-    """The tool in the hand, and what it did in the stroke that is on, or in the last one.
+    """The tool in use, and what its current or last stroke did.
 
     ``radius`` is that of its ball [mm]; ``voxels`` and ``volume`` [mm³] are what it changed,
-    ``time`` how long it was at work [s], ``energy`` the work done on matter [mJ], ``load`` the
-    power of this moment [mW]. Undo and redo hold on to ``undo_bytes``, at most ``undo_budget``.
+    ``time`` its time at work [s], ``energy`` its work [mJ], ``load`` its current power [mW]. Undo
+    and redo take ``undo_bytes``, at most ``undo_budget``.
     """
 
     kind: ToolKind
@@ -117,11 +117,11 @@ class ToolState(msgspec.Struct, frozen=True):
 
 
 class NeedleState(msgspec.Struct, frozen=True):
-    """A needle, where it is the tool in the hand or still in.
+    """A needle that is in use or still inserted.
 
-    ``depth`` is how far its tip is from where it went in [mm], ``segment`` the one at the tip, 0
-    for none. ``tip`` and ``friction`` are the forces at tip and shaft, ``wall`` that of what no
-    needle punctures [N]. ``events`` counts what ``NeedleEvents`` tells.
+    ``depth`` is the distance of its tip from the point of entry [mm], ``segment`` the one at the
+    tip, 0 for none. ``tip`` and ``friction`` are the forces at tip and shaft, ``wall`` that of a
+    rigid obstacle [N]. ``events`` is the number of ``NeedleEvents``.
     """
 
     inside: bool
@@ -134,9 +134,9 @@ class NeedleState(msgspec.Struct, frozen=True):
 
 
 class DeviceLimits(msgspec.Struct, frozen=True):
-    """What a device bears: settings that ask for more are cut to it.
+    """Limits of a device; larger settings are reduced to them.
 
-    ``reach`` is how far it comes from the middle of its workspace [device mm].
+    ``reach`` is the radius of its workspace [device mm].
     """
 
     stiffness: Stiffness
@@ -145,9 +145,9 @@ class DeviceLimits(msgspec.Struct, frozen=True):
 
 
 class NeedleEvent(msgspec.Struct, frozen=True):
-    """What happened to a needle at a time [s], in a segment, 0 for none.
+    """An event of a needle at a time [s], in a segment, 0 for none.
 
-    ``depth`` is from where it went in [mm], ``force`` that at its tip [N].
+    ``depth`` is the distance from the point of entry [mm], ``force`` that at its tip [N].
     """
 
     kind: NeedleEventKind
@@ -158,44 +158,44 @@ class NeedleEvent(msgspec.Struct, frozen=True):
 
 
 class NeedleEvents(Message, frozen=True, tag="needle_events"):
-    """What happened to the needle since it was taken in the hand, oldest first, the newest 100."""
+    """Events of the needle since it was chosen, oldest first; only the newest 100."""
 
     events: list[NeedleEvent]
 
 
 class SettingsChanged(Message, frozen=True, tag="settings_changed"):
-    """The settings as the engine holds them."""
+    """The settings in effect."""
 
     settings: Settings
 
 
 class Hand(Message, frozen=True, tag="hand"):
-    """Where the hand pulls the device to [scene]; latest wins."""
+    """Target to which the hand pulls the device [scene]; latest wins."""
 
     target: Vector
 
 
 class Place(Message, frozen=True, tag="place"):
-    """Puts probe, device and hand at a point, or at the free voxel next to it."""
+    """Moves probe, device and hand to a point, or to the nearest free voxel."""
 
     point: Vector
 
 
 class View(Message, frozen=True, tag="view"):
-    """Axes of the view in the scene: the movement frame follows them (thesis 4.7)."""
+    """Axes of the view in the scene, with which those of the device are aligned (thesis 4.7)."""
 
     right: Vector
     up: Vector
 
 
 class Clutch(Message, frozen=True, tag="clutch"):
-    """Has the device move without the probe, or with it again."""
+    """Decouples the device from the probe, or couples them again."""
 
     on: bool
 
 
 class ChangeSettings(Message, frozen=True, tag="change_settings"):
-    """Asks for new settings."""
+    """Requests new settings."""
 
     settings: Settings
 
@@ -203,9 +203,9 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
 class Tool(Message, frozen=True, tag="tool"):
     """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
 
-    Of a needle the radius is its own, and ``tissues`` say what each of its segments is. A painter
-    gives what is touched of the segments to the first of them, so ``depth`` below the surface [mm],
-    or in all of its ball; what is painted stays in its segment, too, where it ``overlaps``.
+    The radius of a needle is its own, and ``tissues`` are those of its segments. A painter adds the
+    touched voxels of segments to the first of them, to ``depth`` below the surface [mm], or in its
+    whole ball; where it ``overlaps``, painted voxels also stay in their segment.
     """
 
     kind: ToolKind
@@ -217,10 +217,10 @@ class Tool(Message, frozen=True, tag="tool"):
 
 
 class WithdrawNeedle(Message, frozen=True, tag="withdraw_needle"):
-    """Takes the needle out on the way that it went in."""
+    """Withdraws the needle along the path of its insertion."""
 
 
 class Stroke(Message, frozen=True, tag="stroke"):
-    """Begins a stroke of the tool, or ends it: what it changed is one step of undo."""
+    """Begins or ends a stroke of the tool; a stroke is one step of undo."""
 
     on: bool

@@ -1,7 +1,7 @@
 """Named types of the messages between engine and page, with their bounds.
 
-Points and vectors are (x, y, z) in the scene frame, LPS [mm]; forces [N]; stiffness [N/mm];
-times [s]. The sentence after a name is told to the page too.
+Points and vectors are (x, y, z) in the scene frame, LPS [mm]; forces [N]; stiffness [N/mm]; times
+[s]. The sentence after a name is written into the page's source too.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ __all__ = [
 ]
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
-"""A number of a vector; the bounds keep NaN, infinity and absurd distances out."""
+"""A coordinate of a vector; the bounds exclude NaN, infinity and absurd distances."""
 
 Vector = tuple[Coordinate, Coordinate, Coordinate]
 """x, y, z in the scene frame, LPS [mm]; forces [N]."""
@@ -57,37 +57,38 @@ PointPair = tuple[Vector, Vector]
 """The same place in two scans."""
 
 Value = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
-"""A value of the scan, in its unit; the bounds keep NaN and infinity out."""
+"""A value of the scan, in its unit; the bounds exclude NaN and infinity."""
 
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
-"""What a person calls a segment."""
+"""Name of a segment."""
 
 SegmentId = Annotated[int, msgspec.Meta(ge=1, le=255)]
-"""A segment's number; also its value in ``/api/labels``."""
+"""Number of a segment; also its value in ``/api/labels``."""
 
 Share = appearance.Share
-"""A part of a whole, 0..1."""
+"""A fraction, 0 to 1."""
 
 Colour = appearance.Colour
-"""Red, green, blue, sRGB, each 0..1."""
+"""Red, green, blue, sRGB, each 0 to 1."""
 
 Stiffness = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
-"""Of the spring between probe and device [N/mm]."""
+"""Stiffness of the spring between probe and device [N/mm]."""
 
 Friction = Annotated[float, msgspec.Meta(ge=0.0, le=2.0)]
 """A Coulomb coefficient."""
 
 ShownAs = appearance.ShownAs
-"""Whether a segment is drawn from its voxels, as a surface, or in both ways."""
+"""How a segment is drawn: from its voxels, as a surface, or both."""
 
 SurfaceSource = appearance.SurfaceSource
-"""What a surface is made from: the scan's values where a threshold made the segment, or bits."""
+"""What a surface is made from: the scan's values where a threshold made the segment, or its voxels.
+"""
 
 LightFactor = appearance.LightFactor
-"""On the light of one segment: 1 is that of the picture."""
+"""Factor of the light of one segment, relative to that of the picture."""
 
 SmoothingDegree = appearance.SmoothingDegree
-"""How often the vertices of a surface are moved to the mean of their neighbours."""
+"""Number of times that vertices of a surface are moved to the mean of their neighbours."""
 
 ShapeKind = Literal[
     "keep-largest",
@@ -107,47 +108,47 @@ ShapeKind = Literal[
     "subtract",
     "intersect",
 ]
-"""How the shape of a segment is changed; see ``segmentation.changed_shape``."""
+"""Operation on the shape of a segment; see ``segmentation.changed_shape``."""
 
 RegistrationKind = Literal["rigid", "affine", "bspline"]
-"""How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well."""
+"""Transform of a registration: rigid, affine, or deformable as well."""
 
 RegistrationMetric = Literal["automatic", "mutual-information", "correlation", "mean-squares"]
-"""What tells that two scans are alike; automatic goes by their modalities."""
+"""Similarity of two scans; automatic depends on their modalities."""
 
 RegistrationStart = Literal["as-it-stands", "centre", "moments", "landmarks"]
-"""Where a search begins: where the second scan stands; middles of the grids or of what is bright;
-pairs of points."""
+"""Start of a registration: the current place of the second scan; centres of the grids or of bright
+voxels; pairs of points."""
 
 BeforeOrAfter = Literal["before", "after"]
 
 ToolKind = Literal["none", "eraser", "adder", "drill", "needle", "painter"]
-"""What the probe does to voxels while it is pressed; none leaves them as they are."""
+"""Tool at the probe; none changes nothing."""
 
 TissueName = Literal["skin", "fat", "muscle", "liver"]
-"""What a segment is for a needle; bone is none of them, since no needle punctures it."""
+"""Tissue of a segment for a needle; bone is not among them, since a needle does not puncture it."""
 
 NeedleEventKind = Literal["punctured", "crossed", "stopped", "withdrawn"]
-"""What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
-all, comes to one that stops it, or is out."""
+"""Event of a needle: it punctures a segment, crosses into one that it has punctured or out of all,
+is stopped, or is withdrawn."""
 
 Treatment = Literal["deformable", "rigid", "empty"]
-"""How matter takes part: it gives, stays where it is, or is as if it were not there."""
+"""How a region takes part in deformation: it deforms, is rigid, or counts as empty."""
 
 ForceSource = Literal["matter", "voxels"]
-"""What a tool feels of matter that gives way: the model's force, or its voxels until they move."""
+"""Source of the force of soft tissue on a tool: the model, or voxels that are rigid until moved."""
 
 Calibration = Literal["young", "wave-speed"]
-"""How the stiffness of particles follows from the material: by E, or by the speed of waves."""
+"""How the stiffness of particles follows from the material: from Young's modulus or wave speed."""
 
 Motion = Literal["scaled-time", "fire"]
-"""How particles come to rest: in scaled time with friction, or FIRE."""
+"""How particles come to rest: in scaled time with damping, or by FIRE."""
 
 ModelName = Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
-"""A model of deformation."""
+"""Name of a deformation model."""
 
 Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]
-"""A voxel's or a patch's place along one axis."""
+"""Place of a voxel or a patch along one axis."""
 
 NodeCount = Annotated[int, msgspec.Meta(ge=0, le=1024)]
 """Nodes of a box along one axis."""

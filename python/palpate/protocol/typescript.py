@@ -1,8 +1,8 @@
 """Writes the page's side of the protocol, TypeScript, from the schema in this package.
 
-``python -m palpate.protocol.typescript`` writes ``viewer/src/core/protocol.ts`` of the source
-tree: one interface per message and a checker that lets nothing through that is not of the
-schema. A test fails where the checked-in file and this module's output differ.
+``python -m palpate.protocol.typescript`` writes ``viewer/src/core/protocol.ts`` of the source tree:
+one interface per message, and a checker that accepts only messages of the schema. A test fails
+where the checked-in file and this module's output differ.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from palpate.protocol import types as protocol_types
 __all__ = ["OUTPUT", "generate"]
 
 OUTPUT = Path(__file__).resolve().parents[3] / "viewer" / "src" / "core" / "protocol.ts"
-"""Where the generated file stands in the source tree."""
+"""Path of the generated file in the source tree."""
 
 HEADER = """\
 /**
@@ -195,7 +195,7 @@ def generate() -> str:
 
 
 def _with_parts(structs: tuple[Any, ...]) -> Iterator[Any]:
-    """Yields the structs and those they are made of, each once and after its parts."""
+    """Yields the structs and those they consist of, each once and after its parts."""
     seen: set[Any] = set()
 
     def visit(hint: object) -> Iterator[Any]:
@@ -215,13 +215,13 @@ def _with_parts(structs: tuple[Any, ...]) -> Iterator[Any]:
 
 
 def _fields(struct: type[msgspec.Struct]) -> dict[str, Any]:
-    """Maps a struct's fields, in order, to their type hints."""
+    """Maps a struct's fields, in order, to their type hints, which may be of any form."""
     hints = get_type_hints(struct, include_extras=True)
     return {name: hints[name] for name in struct.__struct_fields__}
 
 
 def _documented_aliases() -> list[tuple[str, str]]:
-    """Lists the schema's named types with the sentence that follows each of them."""
+    """Lists the schema's named types with the docstring of each."""
     body = ast.parse(inspect.getsource(protocol_types)).body
     aliases = []
     for statement, after in pairwise(body):
@@ -232,13 +232,13 @@ def _documented_aliases() -> list[tuple[str, str]]:
 
 
 def _alias_of(hint: object) -> str | None:
-    """Returns the name of the schema's type that is this hint, if it has one."""
+    """Returns the name of the schema's type that equals this hint, if there is one."""
     names = (name for name, _ in _documented_aliases())
     return next((name for name in names if getattr(protocol_types, name) == hint), None)
 
 
 def _bounds(meta: msgspec.Meta) -> dict[str, float]:
-    """Returns the bounds of a number, or of the length of a text."""
+    """Returns the bounds of a number, or of the length of a string."""
     ends = {"ge": meta.ge, "gt": meta.gt, "le": meta.le, "lt": meta.lt}
     ends["ge"] = meta.min_length if meta.min_length is not None else ends["ge"]
     ends["le"] = meta.max_length if meta.max_length is not None else ends["le"]

@@ -1,8 +1,8 @@
-"""Filtered back-projection of parallel beams, where no library is there to do it.
+"""Filtered back-projection of parallel beams, for where no library for it is installed.
 
-Each row of a projection is sharpened by a ramp filter and smeared back along its rays over the
-slices (Ramachandran and Lakshminarayanan, PNAS 68(9), 1971; Kak and Slaney, Principles of
-Computerized Tomographic Imaging, 1988, 3.3.3). RTK does the same many times as fast.
+Each row of a projection is filtered by a ramp and back-projected along its rays over the slices
+(Ramachandran and Lakshminarayanan, PNAS 68(9), 1971; Kak and Slaney, Principles of Computerized
+Tomographic Imaging, 1988, 3.3.3). RTK does the same many times as fast.
 
 Frames: that of ``palpate.reconstruction.scanner``, and the patient's (LPS): x, y, z of the patient
 are x, -z, y of the device. Layout: projections are [angle, v, u], scans [z, y, x].
@@ -21,9 +21,9 @@ from palpate.reconstruction.scanner import Grid, Scanner
 __all__ = ["back_projected"]
 
 AT_ONCE = 8
-"""Projections that are smeared back between two words of progress."""
+"""Projections between two reports of progress."""
 MOST_VALUES = 1 << 22
-"""That are smeared back at a time: slices of as much memory."""
+"""Most values that are back-projected at a time, which limits memory."""
 
 Values = NDArray[np.float32]
 
@@ -31,14 +31,14 @@ Values = NDArray[np.float32]
 def back_projected(
     projections: Values, scanner: Scanner, grid: Grid, *, hann: float, progress: Progress
 ) -> Values:
-    """Returns attenuation [1/mm], shape [z, y, x] of the patient.
+    """Returns attenuation [1/mm] in the patient frame, shape [z, y, x].
 
     Args:
         projections: Line integrals [1], shape [angle, v, u].
-        scanner: How they were taken: even angles over 180 or 360 degrees.
-        grid: Of the scan around the axis.
-        hann: Where a window smooths the ramp to 0, as a share of the highest frequency; 0: nowhere.
-        progress: Told how far it is.
+        scanner: Geometry: equal angles over 180 or 360 degrees.
+        grid: Grid of the scan around the axis.
+        hann: Cut-off of the Hann window, as a fraction of the highest frequency; 0 for no window.
+        progress: Takes the progress.
     """
     count = len(projections)
     x, y, z = (
@@ -65,7 +65,7 @@ def back_projected(
 
 
 def _ramp(columns: int, pixel: float, hann: float) -> NDArray[np.float64]:
-    """Returns what frequencies of padded rows are multiplied with [1/mm]."""
+    """Returns the filter of padded rows in the frequency domain [1/mm]."""
     length = 1 << (2 * columns - 1).bit_length()
     # the ramp as it is between samples: its Fourier transform would have a wrong mean
     offsets = np.minimum(np.arange(length), length - np.arange(length))
@@ -81,7 +81,7 @@ def _ramp(columns: int, pixel: float, hann: float) -> NDArray[np.float64]:
 
 
 def _filtered(rows: Values, ramp: NDArray[np.float64]) -> Values:
-    """Returns rows after the ramp filter, with a 0 before and after each."""
+    """Returns filtered rows, with a 0 before and after each."""
     columns = rows.shape[1]
     length = 2 * (len(ramp) - 1)
     sharp = np.fft.irfft(np.fft.rfft(rows, length, axis=1) * ramp, length, axis=1)[:, :columns]
@@ -89,7 +89,7 @@ def _filtered(rows: Values, ramp: NDArray[np.float64]) -> Values:
 
 
 def _at_heights(image: Values, z: NDArray[np.float64], scanner: Scanner) -> Values:
-    """Returns rows of the detector at these heights [mm]: nothing where it does not reach."""
+    """Returns rows of the detector at these heights [mm]; 0 beyond the detector."""
     below, share = _between((z - scanner.offset[1]) / scanner.pixel[1], len(image) + 2)
     padded = np.pad(image, ((1, 1), (0, 0)))
     found: Values = padded[below] * (1.0 - share)[:, None] + padded[below + 1] * share[:, None]
@@ -99,11 +99,11 @@ def _at_heights(image: Values, z: NDArray[np.float64], scanner: Scanner) -> Valu
 def _between(
     place: NDArray[np.float64], count: int
 ) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
-    """Returns the sample before each place and how near the next one is.
+    """Returns the sample before each place, and the weight of the next one.
 
     Args:
-        place: From the middle of all samples, in steps between them.
-        count: Of samples, with a 0 at either end.
+        place: Distance from the middle of all samples, in steps between them.
+        count: Number of samples, with a 0 at either end.
     """
     index = np.clip(place + 0.5 * (count - 1), 0.0, count - 1.0 - 1e-6)
     before = np.floor(index).astype(np.intp)

@@ -1,4 +1,4 @@
-"""Projections as files: stacks of line integrals, or of what a detector counted.
+"""Files of projections: stacks of line integrals, or of counts of a detector.
 
 Layout: arrays are [angle, v, u].
 """
@@ -31,33 +31,35 @@ Values = NDArray[np.float32]
 
 TIFFS = (".tif", ".tiff")
 IMAGES = tuple(ending for _, endings in FORMATS.values() for ending in endings)
-TOLD = re.compile(r"(?i)(?:^|[^a-z])(?:proj(?:ection)?s?|sino(?:gram)?s?|radiographs?)(?:[^a-z]|$)")
-"""In names of files that hold projections."""
+NAMED = re.compile(
+    r"(?i)(?:^|[^a-z])(?:proj(?:ection)?s?|sino(?:gram)?s?|radiographs?)(?:[^a-z]|$)"
+)
+"""Words in names of files that contain projections."""
 ENDING = re.compile(r"(?i)(\.nii|\.nrrd|\.nhdr|\.mha|\.mhd|\.tiff?)(\.gz)?$")
 LEAST_IMAGES = 8
-"""As many TIFFs count as projections."""
+"""Least number of TIFFs that count as projections."""
 MOST_LISTED = 1000
-"""Files of a folder that are looked at."""
+"""Most files of a folder that are examined."""
 
 ALLOWED = "a stack as NRRD, NIfTI, MetaImage or TIFF, or a folder of TIFFs"
 
 
 @dataclass(frozen=True)
 class ProjectionStack:
-    """What a stack of images tells before its values are read."""
+    """Properties of a stack of images, known before its values are read."""
 
     path: Path
-    """Of the file, or of the folder of TIFFs."""
+    """Path of the file, or of the folder of TIFFs."""
     name: str
-    """Of either, without its ending."""
+    """Name of either, without extension."""
     shape: tuple[int, int, int]
     """[images, rows, columns]."""
     pixel: tuple[float, float]
-    """Along columns and rows, as the files say [mm]; 1 where they do not."""
+    """Pixel size along columns and rows, as the files state it [mm]; 1 where they do not."""
     counts: bool
-    """Whether values are whole and never negative, as a detector counts."""
+    """Whether values are non-negative integers, like counts of a detector."""
     bits: int
-    """Of a value."""
+    """Bits of a value."""
 
     @property
     def sinograms(self) -> bool:
@@ -66,13 +68,13 @@ class ProjectionStack:
 
 
 def are_projections(path: Path) -> bool:
-    """Says whether a path is projections by its name, or by that of its TIFFs."""
+    """Returns whether a path is projections, by its name or that of its TIFFs."""
     tiffs = _tiffs(path)
     if tiffs:
-        told = TOLD.search(path.name) or TOLD.search(tiffs[0].name)
-        return told is not None and len(tiffs) >= LEAST_IMAGES
+        found = NAMED.search(path.name) or NAMED.search(tiffs[0].name)
+        return found is not None and len(tiffs) >= LEAST_IMAGES
     named = _file(path)
-    if named is None or TOLD.search(named.name) is None:
+    if named is None or NAMED.search(named.name) is None:
         return False
     if named.suffix.lower() in TIFFS:
         return _shape_of(_opened([named]), 1)[0] >= LEAST_IMAGES
@@ -80,11 +82,11 @@ def are_projections(path: Path) -> bool:
 
 
 def stack_at(path: Path) -> ProjectionStack:
-    """Returns what is told of the projections at a path.
+    """Returns the properties of the projections at a path.
 
     Raises:
         FileNotFoundError: ``path`` does not exist.
-        VolumeFormatError: It holds no stack of images.
+        VolumeFormatError: It is not a stack of images.
     """
     files = _files(path)
     reader = _opened(files)
@@ -102,16 +104,16 @@ def stack_at(path: Path) -> ProjectionStack:
 
 
 def read_projections(path: Path, *, sinograms: bool = False, progress: Progress = silent) -> Values:
-    """Reads an image of three axes, or a folder of TIFFs in the order of their names.
+    """Reads an image with three axes, or a folder of TIFFs in the order of their names.
 
     Args:
-        path: What ITK reads: NRRD, NIfTI, MetaImage, a TIFF of many pages, or such a folder.
-        sinograms: Each image is one row of the detector at all angles.
-        progress: Told what is read.
+        path: A file that ITK reads (NRRD, NIfTI, MetaImage, multi-page TIFF), or such a folder.
+        sinograms: Whether each image is one row of the detector at all angles.
+        progress: Takes the progress.
 
     Raises:
         FileNotFoundError: ``path`` does not exist.
-        VolumeFormatError: It holds no stack of images.
+        VolumeFormatError: It is not a stack of images.
     """
     files = _files(path)
     _shape_of(_opened(files), len(files))
@@ -126,10 +128,10 @@ def read_projections(path: Path, *, sinograms: bool = False, progress: Progress 
 
 
 def integrals_of(counts: Values, unattenuated: float) -> Values:
-    """Returns line integrals of attenuation from what a detector counted (Beer and Lambert).
+    """Returns line integrals of attenuation from counts of a detector (Beer and Lambert).
 
     Raises:
-        OptionError: Without a patient it counts nothing.
+        OptionError: The count without a patient is not positive.
     """
     if not 0.0 < unattenuated < np.inf:
         raise OptionError(f"intensities of {unattenuated:g} given; allowed: above 0")
@@ -162,7 +164,7 @@ def _tiffs(path: Path) -> list[Path]:
 
 
 def _file(path: Path) -> Path | None:
-    """Returns the only image file of a folder, or a file itself."""
+    """Returns the only image file of a folder, or the file itself."""
     if path.is_file():
         return path
     images = image_files(path, among=MOST_LISTED) if path.is_dir() else []

@@ -1,15 +1,15 @@
-"""Reconstruction: a scan from projections, by filtered back-projection in a library (RTK).
+"""Reconstruction of a scan from projections, by filtered back-projection with a library (RTK).
 
-Without the library parallel beams are still taken (``parallel_beams``), in more time.
+Without the library, parallel beams are still reconstructed (``parallel_beams``), but more slowly.
 
 Parallel beams (Ramachandran and Lakshminarayanan, PNAS 68(9), 1971), and cone beams from a source
-that goes round in a circle (Feldkamp, Davis and Kress, JOSA A 1(6), 1984; Rit et al., J. Phys.:
-Conf. Ser. 489, 2014): projections are weighted, sharpened by a ramp filter, and smeared back along
-their rays, a few at a time.
+on a circle (Feldkamp, Davis and Kress, JOSA A 1(6), 1984; Rit et al., J. Phys.: Conf. Ser. 489,
+2014): projections are weighted, filtered by a ramp, and back-projected along their rays, a few at a
+time.
 
 Frame of the device: that of ``palpate.reconstruction.scanner``. The scan is given in the patient
-(LPS) as if he lay on his back with the axis of rotation from feet to head: x, y, z of the patient
-are x, -z, y of the device.
+frame (LPS) for a patient in supine position whose axis from feet to head is that of rotation: x, y,
+z of the patient are x, -z, y of the device.
 
 Layout: projections are [angle, v, u], line integrals of attenuation [1].
 """
@@ -35,18 +35,18 @@ __all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"
 
 WATER = 0.0206
 """Attenuation of water at 60 keV [1/mm] (NIST, Hubbell and Seltzer)."""
-TOLD = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
+NOT_INSTALLED = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
 FAR = 1e6
-"""Of a source whose beams count as parallel [mm]."""
+"""Distance of the source from which on beams count as parallel [mm]."""
 AT_ONCE = 8
-"""Projections that are smeared back between two words of progress."""
+"""Projections between two reports of progress."""
 
 Values = NDArray[np.float32]
 
 
 def missing_library(beam: Beam = "cone") -> str | None:
-    """Says how RTK is installed; None where it is, or where beams do not need it."""
-    return None if beam == "parallel" or _has_rtk() else TOLD
+    """Returns how to install RTK; None where it is installed, or not needed for these beams."""
+    return None if beam == "parallel" or _has_rtk() else NOT_INSTALLED
 
 
 def _has_rtk() -> bool:
@@ -67,19 +67,19 @@ def reconstruct(
     name: str = "reconstruction",
     progress: Progress = silent,
 ) -> Volume:
-    """Returns the scan [HU] that projections tell.
+    """Reconstructs a scan [HU] from projections.
 
     Args:
         projections: Line integrals of attenuation, shape [angle, v, u].
-        scanner: How they were taken.
-        size: Voxels along x, y, z of the patient; the middle lies on the axis. By default all
-            that every projection shows.
-        voxel: Their edges along x, y, z [mm]; by default as fine as the detector's pixels.
-        water: Attenuation of water [1/mm]: what becomes 0 HU.
-        hann: Where a window smooths the ramp filter to 0, as a share of the highest frequency;
-            0 leaves the ramp as it is.
-        name: What to call the scan.
-        progress: Told how far it is; what it raises stops the work and is raised from here.
+        scanner: Geometry of the projections.
+        size: Voxels along x, y, z of the patient, centred on the axis; the default is all that
+            every projection shows.
+        voxel: Voxel size along x, y, z [mm]; the default is that of the detector's pixels.
+        water: Attenuation of water [1/mm], which becomes 0 HU.
+        hann: Cut-off of the Hann window of the ramp filter, as a fraction of the highest frequency;
+            0 for no window.
+        name: Name of the scan.
+        progress: Takes the progress; an exception that it raises stops the reconstruction.
 
     Raises:
         OptionError: A number is not allowed, or RTK is not installed.
@@ -103,7 +103,7 @@ def reconstruct(
 def _by_rtk(
     given: Values, scanner: Scanner, grid: Grid, *, hann: float, progress: Progress
 ) -> Values:
-    """Returns attenuation [1/mm], shape [z, y, x] of the patient."""
+    """Returns attenuation [1/mm] in the patient frame, shape [z, y, x]."""
     count = len(given)
     # its modules are large: the first time may take half a minute
     progress("loading RTK", None)
@@ -140,7 +140,7 @@ def _scan(
 
 
 def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[float]]:
-    """Returns projections and their angles over a whole circle, on which RTK counts."""
+    """Returns projections and angles extended to a full circle, which RTK assumes."""
     arc = scanner.arc
     angles = [float(angle) for angle in scanner.angles]
     if arc is None or arc > 270.0:
@@ -150,7 +150,7 @@ def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[float]]:
 
 
 class _Rtk:
-    """What is used of RTK, for projections of one scanner; images are ITK's, in the device."""
+    """The part of RTK that is used, for one geometry; images are ITK's, in the device's frame."""
 
     def __init__(self, scanner: Scanner) -> None:
         """Loads the library.
@@ -159,7 +159,7 @@ class _Rtk:
             OptionError: It is not installed.
         """
         if not _has_rtk():
-            raise OptionError(TOLD)
+            raise OptionError(NOT_INSTALLED)
         self._itk = import_module("itk")
         self._rtk = self._itk.RTK
         self._kind = self._itk.Image[self._itk.F, 3]
@@ -171,7 +171,7 @@ class _Rtk:
         return array
 
     def empty(self, size: Sequence[int], spacing: Sequence[float]) -> Any:  # noqa: ANN401
-        """Returns an image of 0 around the origin."""
+        """Returns an image of zeros around the origin."""
         source = self._rtk.ConstantImageSource[self._kind].New()
         source.SetSize(list(size))
         source.SetSpacing(list(spacing))
@@ -181,7 +181,7 @@ class _Rtk:
         return source.GetOutput()
 
     def weighted(self, projections: Values, angles: Sequence[float]) -> Values:
-        """Returns projections weighted by how slantwise rays come, and how much angle each has."""
+        """Returns projections weighted for oblique rays and for the angle that each covers."""
         weight = self._rtk.FDKWeightProjectionFilter[self._kind].New()
         weight.SetInput(self._taken(projections))
         weight.SetGeometry(self._geometry(angles))
@@ -189,7 +189,7 @@ class _Rtk:
         return self.values(weight.GetOutput())
 
     def sharpened(self, projections: Values, hann: float) -> Any:  # noqa: ANN401
-        """Returns projections after the ramp filter, as an image."""
+        """Returns filtered projections as an image."""
         ramp = self._rtk.FFTRampImageFilter[self._kind, self._kind, self._itk.D].New()
         ramp.SetInput(self._taken(projections))
         ramp.SetTruncationCorrection(0.0)
@@ -198,7 +198,7 @@ class _Rtk:
         return ramp.GetOutput()
 
     def smeared_back(self, projections: Any, angles: Sequence[float], *, onto: Any) -> Any:  # noqa: ANN401
-        """Adds projections to an image, along the rays that they came by."""
+        """Adds projections to an image, along their rays."""
         back = self._rtk.FDKBackProjectionImageFilter[self._kind, self._kind].New()
         back.SetInput(0, onto)
         back.SetInput(1, projections)
@@ -209,7 +209,7 @@ class _Rtk:
         return done
 
     def _taken(self, projections: Values) -> Any:  # noqa: ANN401
-        """Returns projections as an image, where the detector is."""
+        """Returns projections as an image in the plane of the detector."""
         image = self._itk.image_from_array(np.ascontiguousarray(projections))
         image.SetSpacing([*self._scanner.pixel, 1.0])
         corner = _corner(projections.shape[:0:-1], self._scanner.pixel)
@@ -229,5 +229,5 @@ class _Rtk:
 
 
 def _corner(size: Sequence[int], spacing: Sequence[float]) -> list[float]:
-    """Returns the middle of the first of so many cells around 0 [mm]."""
+    """Returns the centre of the first of so many cells around 0 [mm]."""
     return [-0.5 * (count - 1) * edge for count, edge in zip(size, spacing, strict=True)]

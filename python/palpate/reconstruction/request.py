@@ -1,4 +1,4 @@
-"""What a person asks of a reconstruction, on the command line or on the page, and its doing."""
+"""A request for a reconstruction, from the command line or the page."""
 
 from __future__ import annotations
 
@@ -16,42 +16,42 @@ from palpate.volumes.volume import Volume
 __all__ = ["ReconstructionRequest", "grid_of", "reconstruct_file", "suggested"]
 
 ARCS: dict[Beam, float] = {"parallel": 180.0, "cone": 360.0}
-"""Usual ones [degrees]."""
+"""Common arcs [degrees]."""
 DISTANCES = (1000.0, 1536.0)
-"""From the source to axis and detector of a usual machine for radiotherapy [mm]."""
+"""Distances of a common radiotherapy machine from its source to axis and detector [mm]."""
 
 
 class ReconstructionRequest(msgspec.Struct, frozen=True, kw_only=True):
-    """How projections were taken, and which scan is wanted of them."""
+    """Geometry of projections, and the requested scan."""
 
     beam: Beam
     pixel: tuple[float, float]
-    """Of the detector along u and v [mm]."""
+    """Pixel size of the detector along u and v [mm]."""
     arc: float = 360.0
-    """That the projections cover [degrees]."""
+    """Arc of the projections [degrees]."""
     first_angle: float = 0.0
-    """Of the gantry [degrees]."""
+    """First angle of the gantry [degrees]."""
     offset: tuple[float, float] = (0.0, 0.0)
-    """Of the detector's middle from the central ray [mm]."""
+    """Offset of the detector's middle from the central ray along u and v [mm]."""
     source_to_axis: float = 0.0
-    """For cone beams [mm]."""
+    """Distance from source to axis, for cone beams [mm]."""
     source_to_detector: float = 0.0
-    """For cone beams [mm]."""
+    """Distance from source to detector, for cone beams [mm]."""
     sinograms: bool = False
     """Whether each image is one row of the detector at all angles."""
     intensities: float | None = None
-    """What the detector counts without a patient; None where values are line integrals."""
+    """Count of the detector without a patient; None where values are line integrals."""
     size: tuple[int, int, int] | None = None
-    """Voxels; None for all that is seen."""
+    """Number of voxels along x, y, z; None for all that is visible."""
     voxel: tuple[float, float, float] | None = None
-    """Their edges [mm]; None for those of pixels."""
+    """Voxel size along x, y, z [mm]; None for that of the pixels."""
     water: float = WATER
-    """Attenuation [1/mm]."""
+    """Attenuation of water [1/mm]."""
     hann: float = 0.0
-    """Share of the highest frequency at which the window that smooths ends."""
+    """Cut-off of the Hann window, as a fraction of the highest frequency."""
 
     def scanner(self, projections: int) -> Scanner:
-        """Returns how so many projections were taken."""
+        """Returns the geometry of so many projections."""
         step = self.arc / max(1, projections)
         return Scanner(
             beam=self.beam,
@@ -64,7 +64,7 @@ class ReconstructionRequest(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def suggested(stack: ProjectionStack) -> ReconstructionRequest:
-    """Returns what is likely of a stack, for a person to look at."""
+    """Returns a likely request for a stack, for a user to check."""
     # sinograms are of parallel beams: the rows of a cone beam cannot be parted
     beam: Beam = "parallel" if stack.sinograms else "cone"
     near, far = DISTANCES
@@ -80,10 +80,10 @@ def suggested(stack: ProjectionStack) -> ReconstructionRequest:
 
 
 def grid_of(stack: ProjectionStack, request: ReconstructionRequest) -> Grid:
-    """Returns the grid of the scan that would come.
+    """Returns the grid of the requested scan.
 
     Raises:
-        OptionError: What is asked cannot be.
+        OptionError: The request is not possible.
     """
     images, rows, columns = stack.shape
     shape = (rows, images, columns) if request.sinograms else (images, rows, columns)
@@ -97,17 +97,17 @@ def reconstruct_file(
     name: str = "reconstruction",
     progress: Progress = silent,
 ) -> Volume:
-    """Returns the scan [HU] that the projections at a path tell.
+    """Reconstructs a scan [HU] from the projections at a path.
 
     Args:
-        path: As ``palpate.reconstruction.projections.read_projections`` takes it.
-        request: How they were taken, and what is wanted.
-        name: What to call the scan.
-        progress: Told how far it is; what it raises stops the work and is raised from here.
+        path: As for ``palpate.reconstruction.projections.read_projections``.
+        request: Geometry of the projections, and the requested scan.
+        name: Name of the scan.
+        progress: Takes the progress; an exception that it raises stops the reconstruction.
 
     Raises:
         FileNotFoundError: ``path`` does not exist.
-        VolumeFormatError: It holds no stack of images.
+        VolumeFormatError: It is not a stack of images.
         OptionError: A number is not allowed, or RTK is not installed.
     """
     images = read_projections(path, sinograms=request.sinograms, progress=progress)

@@ -1,7 +1,7 @@
-"""How projections were taken: beams, angles, distances; and what of the patient they show.
+"""Geometry of projections: beams, angles, distances; and what they show of the patient.
 
-Frame of the device: y is the axis of rotation, the detector's columns u run along x and its rows v
-along y where the angle is 0; the source is at +z [mm].
+Frame of the device: y is the axis of rotation; at angle 0 the detector's columns u run along x and
+its rows v along y, and the source is at +z [mm].
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BEAMS: tuple[Beam, ...] = get_args(Beam)
 LEAST_ANGLES = 8
 MOST_VOXELS = 1024**3
 USUAL_VOXELS = 512**3
-"""At most, where nobody says how many."""
+"""Most voxels, where no size is given."""
 
 Size = tuple[int, int, int]
 Lengths = tuple[float, float, float]
@@ -30,29 +30,29 @@ Lengths = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Scanner:
-    """How projections were taken."""
+    """Geometry of projections."""
 
     beam: Beam
     angles: Sequence[float]
-    """Of the gantry at each projection [degrees], one after the other, evenly over the arc."""
+    """Angle of the gantry at each projection [degrees], in order and equally spaced."""
     pixel: tuple[float, float]
-    """Of the detector along u and v [mm]."""
+    """Pixel size of the detector along u and v [mm]."""
     offset: tuple[float, float] = (0.0, 0.0)
-    """From where the central ray meets the detector to its middle, along u and v [mm]."""
+    """Offset of the detector's middle from the central ray along u and v [mm]."""
     source_to_axis: float = 0.0
-    """For cone beams [mm]."""
+    """Distance from source to axis, for cone beams [mm]."""
     source_to_detector: float = 0.0
-    """For cone beams [mm]."""
+    """Distance from source to detector, for cone beams [mm]."""
 
     @property
     def arc(self) -> float | None:
-        """Which even angles cover [degrees]; None where they are uneven."""
+        """Arc that equal angles cover [degrees]; None where they are not equal."""
         steps = np.diff(self.angles)
         even = bool(np.allclose(steps, steps[0], rtol=1e-3, atol=1e-6))
         return abs(float(steps[0])) * len(self.angles) if even else None
 
     def check(self, shape: tuple[int, ...]) -> None:
-        """Refuses what projections of a shape cannot have been taken with.
+        """Refuses a geometry that does not fit projections of a shape.
 
         Raises:
             OptionError: The geometry is not possible.
@@ -75,9 +75,9 @@ class Scanner:
         if arc is None or not np.isclose(arc, 360.0, rtol=1e-3):
             half = arc is not None and bool(np.isclose(arc, 180.0, rtol=1e-3))
             if not (self.beam == "parallel" and half and self.offset[0] == 0.0):
-                told = "uneven angles" if arc is None else f"an arc of {arc:g} degrees"
+                arcs = "uneven angles" if arc is None else f"an arc of {arc:g} degrees"
                 raise OptionError(
-                    f"{told} given; allowed: even ones over 360 degrees, or with parallel beams on "
+                    f"{arcs} given; allowed: even ones over 360 degrees, or with parallel beams on "
                     "a detector whose middle the central ray meets, over 180"
                 )
         near, far = self.source_to_axis, self.source_to_detector
@@ -90,12 +90,12 @@ class Scanner:
 
 @dataclass(frozen=True)
 class Grid:
-    """Of a scan around the axis, along x, y, z of the patient."""
+    """Grid of a scan around the axis, along x, y, z of the patient."""
 
     size: Size
-    """Voxels."""
+    """Number of voxels."""
     voxel: Lengths
-    """Their edges [mm]."""
+    """Voxel size [mm]."""
 
 
 def fitted_grid(
@@ -105,17 +105,17 @@ def fitted_grid(
     size: Size | None = None,
     voxel: Lengths | None = None,
 ) -> Grid:
-    """Returns the grid of what all projections show, in voxels as fine as the detector's pixels.
+    """Returns the grid of all that every projection shows, with voxels as fine as the pixels.
 
     Args:
-        shape: Of the projections, [angle, v, u].
-        scanner: How they were taken.
-        size: Voxels along x, y, z, where they are chosen.
-        voxel: Their edges [mm], where they are chosen; else coarser than pixels where there would
-            be more than ``USUAL_VOXELS``.
+        shape: Shape of the projections, [angle, v, u].
+        scanner: Geometry of the projections.
+        size: Number of voxels along x, y, z, where it is given.
+        voxel: Voxel size [mm], where it is given; else larger than the pixels where there would be
+            more than ``USUAL_VOXELS``.
 
     Raises:
-        OptionError: The geometry is not possible, or the grid is none.
+        OptionError: The geometry or the grid is not possible.
     """
     scanner.check(shape)
     _check(size, voxel)
@@ -142,7 +142,7 @@ def _check(size: Size | None, voxel: Lengths | None) -> None:
 
 
 def _seen(shape: tuple[int, ...], scanner: Scanner) -> tuple[Lengths, Lengths]:
-    """Returns how large a pixel is at the axis, and what is seen from all sides, along x, y, z."""
+    """Returns the size of a pixel at the axis, and the size of what is seen from all sides [mm]."""
     u, v = scanner.pixel
     wide = shape[2] * u - 2.0 * abs(scanner.offset[0])
     high = shape[1] * v

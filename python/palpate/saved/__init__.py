@@ -1,1 +1,1 @@
-"""What is kept on disk: scene files, the journal, autosaves and recent scans."""
+"""Saved work: scene files, journals, autosaves and recent scans."""

@@ -1,7 +1,7 @@
-"""The last autosave of a scene whose file is damaged: found by the file's name, not by its content.
+"""Autosaves of scenes whose file is damaged, found by the name of the file.
 
-An autosave is the journal of the scene's scan. Which scan a scene is of is noted when its file is
-written or opened, in one JSON file in the folder of the program's state.
+An autosave is the journal of the scene's scan. The scan of a scene is noted when its file is
+written or opened, in a JSON file in the folder of the program's state.
 """
 
 from __future__ import annotations
@@ -29,33 +29,33 @@ MOST = 100
 
 
 class NotedScene(msgspec.Struct, frozen=True):
-    """The file of a scene, and the scan that it is of."""
+    """A scene file and its scan."""
 
     name: str
-    """Of the file, as it was written or opened last."""
+    """Name of the file when it was last written or opened."""
     path: str | None
-    """None of one that a page has saved: only the browser knows where it is."""
+    """None for a file that a page saved: only the browser knows where it is."""
     scan: SavedScan
 
 
 @dataclass(frozen=True)
 class Autosave:
-    """What is kept of a scene beside its file."""
+    """An autosave of a scene."""
 
     path: Path
-    """The scene's file."""
+    """Path of the scene file."""
     scan: SavedScan
     when: datetime
-    """When the last change was written, in local time."""
+    """Local time of the last change."""
 
     @property
     def place(self) -> Path | None:
-        """Where its scan is; None where it is in no place that is known."""
+        """Where its scan is; None where that is not known."""
         return next((each for each in places_of(self.path, self.scan) if each.exists()), None)
 
     @property
     def command(self) -> str | None:
-        """What brings it back on the command line, where its scan is known to be."""
+        """Command that recovers it; None where the place of its scan is not known."""
         if self.place is None:
             return None
         words = ["palpate", "open", str(self.place)]
@@ -65,11 +65,11 @@ class Autosave:
         return shlex.join([*words, "--recover"])
 
     def read(self, progress: Progress) -> Volume:
-        """Reads its scan, as it was read for the scene.
+        """Reads its scan with the options of the scene.
 
         Raises:
-            SceneFormatError: It is not there any more, or another one.
-            PalpateError: It cannot be read.
+            SceneFormatError: The scan is missing or has changed.
+            PalpateError: The scan cannot be read.
         """
         volume = linked_scan(self.path, self.scan, progress)
         check_same(self.path, volume, self.scan)
@@ -77,7 +77,7 @@ class Autosave:
 
 
 def note_scene(scan: SavedScan, path: Path, *, passing: bool = False) -> None:
-    """Keeps which scan the scene at a path is of; of a ``passing`` path only its name is known."""
+    """Notes the scan of the scene at a path; of a ``passing`` one only the name."""
     place = None if passing else str(path.resolve())
     newest = NotedScene(path.name, place, scan)
     others = [one for one in _noted() if (one.name, one.path) != (newest.name, newest.path)]
@@ -85,9 +85,9 @@ def note_scene(scan: SavedScan, path: Path, *, passing: bool = False) -> None:
 
 
 def autosave_of(path: Path) -> Autosave | None:
-    """Returns the last autosave of the scene at a path; None where none is known.
+    """Returns the last autosave of the scene at a path; None where there is none.
 
-    The file is asked first which scan it is of: its beginning may be whole.
+    The scan is read from the file itself first: its beginning may be intact.
     """
     for scan in (kept_scan(path), *_scans_noted(path)):
         if scan is None:
@@ -100,7 +100,7 @@ def autosave_of(path: Path) -> Autosave | None:
 
 
 def with_autosave(error: SceneFormatError, path: Path) -> SceneFormatError:
-    """Returns why a scene cannot be opened, with how its last autosave can."""
+    """Returns why a scene cannot be opened, and how to open its last autosave."""
     kept = autosave_of(path)
     if kept is None:
         return error
@@ -115,14 +115,14 @@ def with_autosave(error: SceneFormatError, path: Path) -> SceneFormatError:
 
 
 def _scans_noted(path: Path) -> list[SavedScan]:
-    """Returns scans of scenes at a path, then those of scenes of that name elsewhere."""
+    """Returns scans of scenes at a path, then those of scenes with that name elsewhere."""
     noted, place = _noted(), str(path.resolve())
     here = [one.scan for one in noted if one.path == place]
     return here or [one.scan for one in noted if _plain(one.name) == _plain(path.name)]
 
 
 def _plain(name: str) -> str:
-    """Returns a name without the number that browsers give a second file of that name."""
+    """Returns a name without the number that browsers append to a second file of that name."""
     return re.sub(r" ?\(\d+\)(?=\.[^.]*$)", "", name)
 
 

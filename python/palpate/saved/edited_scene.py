@@ -1,4 +1,4 @@
-"""The scan of a scene that was saved, with its edits and segments, without a page."""
+"""The scan of a saved scene with its edits and segments, without a page."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from palpate.volumes.scene import Scene
 __all__ = ["edited_scene"]
 
 SETTLED = 0.05
-"""Seconds of a session's own time in which its picture follows what was brought back."""
+"""Simulated time in which the picture of a session follows recovered edits [s]."""
 
 
 def edited_scene(saved: SavedScene) -> tuple[Scene, list[str]]:
-    """Returns the scan of a saved scene with its edits and segments, and what files cannot tell.
+    """Returns the edited scan of a saved scene, and sentences on what files cannot store.
 
     Raises:
         SceneFormatError: The file is damaged.
-        OptionError: Its names and colours cannot be read.
+        OptionError: Names and colours cannot be read.
     """
     with Session(Scene(saved.volume), options=SessionOptions(real_time=False)) as session:
         saved.restore(session)

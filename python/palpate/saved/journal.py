@@ -1,7 +1,7 @@
-"""The journal of a scan's changes on disk, and what becomes of one that an earlier session left.
+"""The journal of a scan's changes on disk, and recovery of one that an earlier session left.
 
-One file for each scan, named by a hash of its values and its place, in ``state_folder()``. A file
-that holds steps is offered for recovery; one that is not wanted is kept aside under another name.
+There is one file for each scan in ``state_folder()``, named by a hash of its values and geometry. A
+file with steps is offered for recovery; if it is declined, it is kept under another name.
 """
 
 from __future__ import annotations
@@ -23,36 +23,36 @@ __all__ = ["Journal", "Offer", "journal_place"]
 
 
 def journal_place(of_scan: bytes, folder: Path | None = None) -> Path:
-    """Returns where the journal of a scan with such a hash is kept."""
+    """Returns the path of the journal of a scan with this hash."""
     return (folder or state_folder()) / "journals" / f"{of_scan.hex()[:32]}.journal"
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What an earlier session left."""
+    """Changes that an earlier session left."""
 
     steps: int
-    """Changes, those that were taken back or done again included."""
+    """Number of changes, including undone and redone ones."""
     when: datetime
-    """When the last of them was written, in local time."""
+    """Local time of the last change."""
     lost_bytes: int
-    """Bytes at the end that are not whole: what was being written when it ended."""
+    """Damaged bytes at the end: what was being written when the session ended."""
     second: str | None = None
     """Name of the second scan that was shown."""
 
 
 class Journal:
-    """The journal of one session's changes; every method may be called from any thread."""
+    """The journal of one session; all methods may be called from any thread."""
 
     def __init__(
         self, session: Session, *, folder: Path | None = None, tell: Callable[[str], None] = print
     ) -> None:
-        """Finds the place of the journal; nothing is written before ``start``.
+        """Finds the path of the journal; nothing is written before ``start``.
 
         Args:
-            session: Whose changes are written down.
-            folder: Where; by default that of ``state_folder``.
-            tell: Takes a sentence for the person.
+            session: The session whose changes are written.
+            folder: Folder of the journal; the default is ``state_folder``.
+            tell: Takes messages for the user.
         """
         self._session = session
         self._tell = tell
@@ -61,26 +61,27 @@ class Journal:
         self._running = False
         self.path = journal_place(self._hash, folder)
         self.offer: Offer | None = None
-        """What an earlier session left, as long as nobody has decided about it."""
+        """Changes of an earlier session; None once it was decided about them."""
         self.problem: str | None = None
-        """Why changes are not written down; None where they are, or an offer is open."""
+        """Why changes are not written; None where they are, or an offer is open."""
         self.looks: bytes | None = None
-        """The newest note of a journal that was brought back."""
+        """The newest note of a recovered journal."""
         self.second: SecondScan | None = None
-        """The second scan that was brought back."""
+        """The recovered second scan."""
         self.lost_second: str | None = None
-        """Why it was not."""
+        """Why the second scan was not recovered."""
 
     @property
     def is_running(self) -> bool:
-        """Whether changes are written down."""
+        """Whether changes are written."""
         return self._running
 
     def start(self, *, recover: bool | None = None) -> None:
-        """Begins the journal, unless there is one to ask about.
+        """Starts the journal, unless there is an offer to decide about.
 
         Args:
-            recover: Brings back what an earlier session left, or keeps it aside; None asks.
+            recover: Whether to recover what an earlier session left; False keeps it aside, None
+                asks.
         """
         with self._lock:
             try:
@@ -92,10 +93,10 @@ class Journal:
             self.decide(bring_back=bool(recover))
 
     def decide(self, *, bring_back: bool) -> None:
-        """Brings back what an earlier session left, or keeps it aside, and goes on from there.
+        """Recovers what an earlier session left, or keeps it aside, and continues.
 
-        A second decision does nothing. Where the file cannot be followed to its end, what can be
-        is there, the file is kept aside, and a new journal begins.
+        Further decisions do nothing. Where the file cannot be followed to its end, the changes up
+        to there are recovered, the file is kept aside, and a new journal starts.
         """
         with self._lock:
             if self._running or self.problem is not None:
@@ -114,12 +115,12 @@ class Journal:
                 self._give_up(error)
 
     def note(self, looks: bytes) -> None:
-        """Keeps how segments look beside their voxels."""
+        """Writes the appearance of segments into the journal."""
         if self._running:
             self._session.note_in_journal(looks)
 
     def note_second(self, second: SecondScan | None) -> None:
-        """Keeps which scan is shown with this one, and where."""
+        """Notes the second scan and its place."""
         if self._running:
             try:
                 keep_second(self._second_path, second)
@@ -127,7 +128,7 @@ class Journal:
                 self._tell(f"The second scan is not kept for a crash: {error}")
 
     def close(self) -> None:
-        """Removes a journal without changes; says of another one that it will be offered.
+        """Removes a journal without changes, and reports one with changes.
 
         To be called after the session was stopped.
         """
@@ -141,7 +142,7 @@ class Journal:
             self.path.unlink(missing_ok=True)
 
     def _look(self, *, wanted: bool) -> None:
-        """Finds what can be brought back; a beginning without steps only where it is ``wanted``."""
+        """Looks for changes to recover; one without steps counts only where it is ``wanted``."""
         try:
             found = self._session.look_at_journal(self.path, self._hash)
         except OptionError as error:
@@ -189,7 +190,7 @@ class Journal:
         self.looks = notes[-1] if notes else None
 
     def _keep_aside(self, *, held: bool) -> Path | None:
-        """Makes room for a new file; one that ``held`` changes gets another name."""
+        """Makes room for a new file; one with changes (``held``) gets another name."""
         if not held:
             self.path.unlink(missing_ok=True)
             self._second_path.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""What is at a path, ready to be shown: a scan with the segment offered as bone, or a scene."""
+"""Opening of a path: a scan with a default segment of bone, or a saved scene."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ __all__ = ["Opening", "is_scene", "offer_bone", "opening", "opening_of"]
 
 @dataclass(frozen=True)
 class Opening:
-    """A scene that can be begun."""
+    """A scene that is ready to be shown."""
 
     scene: Scene
     saved: SavedScene | None
-    """The file that it comes from, where it was saved."""
-    told: tuple[str, ...]
-    """What a person should know of the reading."""
+    """The file of a saved scene."""
+    messages: tuple[str, ...]
+    """Messages on the reading for the user."""
 
 
 def opening(
@@ -42,24 +42,24 @@ def opening(
     """
     if is_scene(path):
         saved = open_scene(path, progress=progress)
-        return Opening(saved.scene(), saved, saved.told)
+        return Opening(saved.scene(), saved, saved.messages)
     return opening_of(read(path, series=series, raw=raw, voxel_size=voxel_size, progress=progress))
 
 
 def opening_of(volume: Volume) -> Opening:
-    """Returns a scan as it is opened."""
+    """Returns a scan as an opening."""
     scene = Scene(volume)
-    told = offer_bone(scene)
-    return Opening(scene, None, () if told is None else (told,))
+    message = offer_bone(scene)
+    return Opening(scene, None, () if message is None else (message,))
 
 
 def is_scene(path: Path) -> bool:
-    """Says whether a path is that of a scene's file, by its name."""
+    """Returns whether a path is that of a scene file, by its extension."""
     return path.suffix == ENDING and path.is_file()
 
 
 def offer_bone(scene: Scene) -> str | None:
-    """Adds the segment that is offered as bone; says so where there is none."""
+    """Adds the default segment of bone; returns a message where there is none."""
     try:
         scene.add(scene.volume.offered_bone())
     except EmptySegmentError:

@@ -1,6 +1,6 @@
-"""Scans that were opened last, to open them again: where they are, and nothing of patients.
+"""The list of recently opened scans: where they are, and nothing about patients.
 
-One JSON file in the folder of the program's state.
+It is one JSON file in the folder of the program's state.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ MOST = 12
 
 
 class Recent(msgspec.Struct, frozen=True):
-    """A scan, or a scene, that was opened."""
+    """A scan or a scene that was opened."""
 
     path: str
     series: str | None
@@ -30,16 +30,16 @@ class Recent(msgspec.Struct, frozen=True):
     raw: str | None = None
     """Layout of raw voxels, as ``palpate.read`` takes it."""
     voxel_size: tuple[float, float, float] | None = None
-    """Where the files do not tell it [mm]."""
+    """Voxel size, where the files do not state it [mm]."""
 
 
 def recent_scans() -> list[Recent]:
-    """Returns those that are still where they were, the newest first."""
+    """Returns recent scans that still exist, newest first."""
     return [one for one in _kept() if Path(one.path).exists()]
 
 
 def note_recent(volume: Volume, path: Path | None = None) -> None:
-    """Puts a scan first, or the scene at ``path`` that it came with; one of no file is not kept."""
+    """Puts a scan, or the scene at ``path``, at the top; a scan without a file is not listed."""
     source = volume.source
     if path is None and source is None:
         return

@@ -1,4 +1,4 @@
-"""The zip archive that a scene file is: what is read out of it, and how damage is told."""
+"""The zip archive of a scene file: reading of its members, and detection of damage."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from palpate.base.errors import SceneFormatError
 __all__ = ["check_size", "check_whole", "member", "opened"]
 
 CHUNK = 1 << 20
-"""As much as is unpacked at once [bytes]."""
+"""Bytes that are unpacked at a time."""
 
 
 def opened(path: Path) -> zipfile.ZipFile:
-    """Returns the archive of a scene file.
+    """Yields the archive of a scene file.
 
     Raises:
-        SceneFormatError: It is none.
+        SceneFormatError: It is not a zip archive.
     """
     try:
         return zipfile.ZipFile(path)
@@ -32,20 +32,20 @@ def opened(path: Path) -> zipfile.ZipFile:
 
 
 def member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
-    """Returns a whole member of the archive at ``path``.
+    """Returns the content of a member of the archive at ``path``.
 
     Raises:
-        SceneFormatError: It is missing or damaged.
+        SceneFormatError: The member is missing or damaged.
     """
     with _damage_told(path, name):
         return archive.read(name)
 
 
 def check_whole(path: Path, archive: zipfile.ZipFile, name: str) -> None:
-    """Refuses a member whose check sum is wrong, without holding all of it.
+    """Refuses a member with a wrong checksum, without unpacking all of it at once.
 
     Raises:
-        SceneFormatError: It is missing or damaged.
+        SceneFormatError: The member is missing or damaged.
     """
     with _damage_told(path, name), archive.open(name) as file:
         while file.read(CHUNK):
@@ -56,7 +56,7 @@ def check_size(path: Path, archive: zipfile.ZipFile, name: str, *, exact: int) -
     """Refuses a member of another size [bytes], before anything of it is unpacked.
 
     Raises:
-        SceneFormatError: It has another one.
+        SceneFormatError: It has another size.
     """
     if any(each.filename == name and each.file_size != exact for each in archive.filelist):
         raise SceneFormatError(f"{path}: {name} is damaged: not {exact} bytes")

@@ -1,15 +1,15 @@
-"""Scene files: a scan, what was made in it, and how it is looked at, as one ``.palpate`` file.
+"""Scene files: a scan, its segments and edits, and the view, as one ``.palpate`` file.
 
 A zip archive with
 
-- ``scene.json``: which scan, what segments are called and look like, of what they are, the model by
-  which matter gives way, and the page's view;
-- ``segments.journal``: voxels of segments, edits of the scan, poses, feel, as the head of a journal
-  (``crates/tools/src/journal/file.rs``);
-- ``scan.i16``: the scan's stored values, x fastest, where the file is to stand alone;
+- ``scene.json``: the scan, names, appearance and materials of segments, the deformation model, and
+  the page's view;
+- ``segments.journal``: voxels of segments, edits of the scan, poses and touch settings, as the head
+  of a journal (``crates/tools/src/journal/file.rs``);
+- ``scan.i16``: the scan's stored values, x fastest, where the file is to be self-contained;
 - ``second.i16``: those of a second scan that is shown with it.
 
-Else scans are links (``scene_scan``).
+Otherwise scans are links (``scene_scan``).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from palpate.saved.scene_scan import (
     linked_scan,
     saved_scan,
 )
-from palpate.saved.scene_soft_tissue import SavedMatter, restore_matter, saved_matter
+from palpate.saved.scene_soft_tissue import SavedSoftTissue, restore_soft_tissue, saved_soft_tissue
 from palpate.saved.second_scan_note import SavedSecond, saved_second
 from palpate.session.session import Session
 from palpate.volumes.scan_hash import scan_hash
@@ -48,57 +48,58 @@ __all__ = ["ENDING", "SavedScene", "kept_scan", "open_scene", "save_scene"]
 ENDING = ".palpate"
 FORMAT = "palpate-scene-1"
 MOST_JSON_BYTES = 1 << 24
-"""Of ``scene.json``: 255 segments take some 100 kB."""
+"""Most bytes of ``scene.json``; 255 segments take about 100 kB."""
 MOST_SEGMENTS_BYTES = 1 << 31
-"""Of ``segments.journal``: all bones of a CT of the trunk take some 10 MB."""
+"""Most bytes of ``segments.journal``; all bones of a CT of the trunk take about 10 MB."""
 
 ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
 
 
-class _About(SavedMatter, frozen=True, kw_only=True):
+class _About(SavedSoftTissue, frozen=True, kw_only=True):
     format: str
     version: str
     scan: SavedScan
     looks: msgspec.Raw
     view: dict[str, Any] | None
+    """JSON of the page, which alone knows what is in it."""
     second: SavedSecond | None = None
     locked: tuple[int, ...] = ()
-    """Numbers of segments whose voxels stay as they are."""
+    """Numbers of locked segments."""
 
 
 @dataclass(frozen=True)
 class SavedScene:
-    """A scene that was opened: its scan, and what is still to be brought into a session."""
+    """An opened scene file: its scan, and what is to be restored into a session."""
 
     path: Path
     volume: Volume
     view: Mapping[str, Any] | None
-    """What the page has kept of its view."""
+    """The page's view; its content is the page's own."""
     looks: bytes
-    """Names and colours, as pages keep them."""
+    """Names and colours of segments, as ``palpate.session.appearance`` writes them."""
     about: _About
     second: SecondScan | None = None
     missing: str | None = None
-    """Why the second scan that it had is not shown."""
+    """Why the second scan is not shown; None where it is, or where there is none."""
 
     @property
     def scan(self) -> SavedScan:
-        """Its scan, as the file keeps it."""
+        """Reference to its scan."""
         return self.about.scan
 
     @property
-    def told(self) -> tuple[str, ...]:
-        """What a person should know of the reading."""
+    def messages(self) -> tuple[str, ...]:
+        """Messages on the reading for the user."""
         return (*self.volume.warnings, *(() if self.missing is None else (self.missing,)))
 
     def scene(self) -> Scene:
-        """Returns its scans, without any segment."""
+        """Returns its scans, without segments."""
         scene = Scene(self.volume)
         scene.second = self.second
         return scene
 
     def restore(self, session: Session) -> None:
-        """Brings segments, edits and materials into a session of the scan that has none yet.
+        """Restores segments, edits and materials into a session of the scan without segments.
 
         Raises:
             SceneFormatError: The file is damaged.
@@ -107,7 +108,7 @@ class SavedScene:
             journal = Path(folder) / SEGMENTS
             with opened(self.path) as archive:
                 journal.write_bytes(member(self.path, archive, SEGMENTS))
-            # else nobody would be told of the scan's own edits
+            # without this the scan's own edits are not reported
             session.picture_changes()
             try:
                 _, lost, _ = session.recover_journal(journal, scan_hash(self.volume))
@@ -116,7 +117,7 @@ class SavedScene:
             session.end_journal()
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
-        restore_matter(session, self.about)
+        restore_soft_tissue(session, self.about)
         for each in self.about.locked:
             session.set_locked(each, locked=True)
 
@@ -129,20 +130,21 @@ def save_scene(
     view: Mapping[str, Any] | None = None,
     copy: bool = False,
 ) -> SavedScan:
-    """Writes a session's scene: all of the file, or none of it where that fails.
+    """Writes the scene of a session, completely or not at all.
 
     Args:
-        path: The file; one that is there is replaced once the new one is whole.
-        session: What is saved, as it is now.
-        looks: Names and colours, as pages keep them.
-        view: What the page keeps of its view.
-        copy: Whether scans go into the file; one that was read from no file always does.
+        path: The file; an existing one is replaced once the new one is complete.
+        session: The session, in its current state.
+        looks: Names and colours of segments, as ``palpate.session.appearance`` writes them.
+        view: The page's view.
+        copy: Whether the file contains the scans; it always contains those that were not read from
+            a file.
 
     Returns:
-        The scan, as the file keeps it.
+        The reference to the scan in the file.
 
     Raises:
-        OSError: The disk refuses the file.
+        OSError: The file cannot be written.
     """
     volume = session.scene.volume
     second = session.scene.second
@@ -156,7 +158,7 @@ def save_scene(
         view=None if view is None else dict(view),
         second=None if second is None else saved_second(second, path, copied=second_copied),
         locked=tuple(each["id"] for each in session.segments() if each["locked"]),
-        **saved_matter(session),
+        **msgspec.structs.asdict(saved_soft_tissue(session)),
     )
     with TemporaryDirectory(prefix="palpate-") as folder:
         journal = Path(folder) / SEGMENTS
@@ -178,7 +180,7 @@ def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
     """Opens a scene file and its scan.
 
     Raises:
-        SceneFormatError: It is no scene, damaged, or its scan is not where it was.
+        SceneFormatError: The file is not a scene, is damaged, or its scan is missing.
     """
     with opened(path) as archive:
         about = _about(path, archive)
@@ -190,7 +192,7 @@ def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
 
 
 def kept_scan(path: Path) -> SavedScan | None:
-    """Returns which scan a damaged scene is of; None where its file does not tell any more."""
+    """Returns the reference to the scan of a damaged scene; None where it cannot be read."""
     try:
         with opened(path) as archive:
             return _about(path, archive).scan
@@ -213,7 +215,7 @@ def _scan(
 def _second(
     path: Path, archive: zipfile.ZipFile, kept: SavedSecond | None, *, progress: Progress
 ) -> tuple[SecondScan | None, str | None]:
-    """Returns the second scan, or why it is not shown: without it the rest is as it was."""
+    """Returns the second scan, or why it is not shown: the rest is shown without it."""
     if kept is None:
         return None, None
     matrix = kept.matrix(path)

@@ -1,7 +1,7 @@
-"""Scans of scenes: linked, by the place where they are, or copied, as the stored values themselves.
+"""Scans of scene files: linked, by their path, or copied, as their stored values.
 
-A link keeps the place a scan was read from, as it is and seen from the file that keeps it, the
-options with which it was read, and a hash of what it was.
+A link holds the path of the scan, absolute and relative to the scene file, the options with which
+it was read, and a hash of it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["SavedScan", "check_same", "copied_scan", "linked_scan", "places_of",
 
 
 class SavedGrid(msgspec.Struct, frozen=True):
-    """Where a copied scan stands and what its numbers mean."""
+    """Geometry of a copied scan, and the meaning of its numbers."""
 
     dimensions: tuple[int, int, int]
     spacing: tuple[float, float, float]
@@ -39,21 +39,21 @@ class SavedGrid(msgspec.Struct, frozen=True):
 
 
 class SavedScan(msgspec.Struct, frozen=True):
-    """A scan as a file keeps it."""
+    """Reference to a scan in a scene file."""
 
     name: str
     hash: str
     path: str | None
     beside: str | None
-    """The same place, seen from the file."""
+    """Path relative to the scene file."""
     options: dict[str, Any]
-    """With which it was read."""
+    """Options of ``palpate.read`` with which it was read, of any of the types that it takes."""
     grid: SavedGrid
     copied: bool
 
 
 def saved_scan(volume: Volume, path: Path, *, copied: bool) -> SavedScan:
-    """Returns how the file at ``path`` keeps a scan; ``copied``: its values are in there too."""
+    """Returns a file's reference to a scan, ``copied`` where the file contains its values."""
     source = volume.source
     return SavedScan(
         name=volume.name,
@@ -80,7 +80,7 @@ def copied_scan(path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values
     """Returns a scan whose ``values`` are a member of the archive at ``path``.
 
     Raises:
-        SceneFormatError: They are damaged.
+        SceneFormatError: The member is damaged.
     """
     grid = scan.grid
     width, height, depth = grid.dimensions
@@ -106,20 +106,20 @@ def copied_scan(path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values
 
 
 def places_of(path: Path, scan: SavedScan) -> list[Path]:
-    """Returns where the scan of the file at ``path`` may be, seen from there first.
+    """Returns possible paths of the scan of the file at ``path``, the relative one first.
 
-    Both may have been moved.
+    Scan and file may have been moved together.
     """
     places = [path.resolve().parent / scan.beside] if scan.beside is not None else []
     return places + ([Path(scan.path)] if scan.path is not None else [])
 
 
 def linked_scan(path: Path, scan: SavedScan, progress: Progress) -> Volume:
-    """Reads a scan from where it is.
+    """Reads a linked scan.
 
     Raises:
-        SceneFormatError: It is in neither place.
-        PalpateError: It cannot be read.
+        SceneFormatError: The scan is at neither path.
+        PalpateError: The scan cannot be read.
     """
     places = places_of(path, scan)
     for place in places:
@@ -133,10 +133,10 @@ def linked_scan(path: Path, scan: SavedScan, progress: Progress) -> Volume:
 
 
 def check_same(path: Path, volume: Volume, scan: SavedScan) -> None:
-    """Refuses a scan that is another one by now.
+    """Refuses a scan that has changed.
 
     Raises:
-        SceneFormatError: It is.
+        SceneFormatError: The scan has changed.
     """
     if scan_hash(volume).hex() != scan.hash:
         raise SceneFormatError(

@@ -1,17 +1,16 @@
-"""What a scene file keeps of matter that gives way: materials, regions, the model."""
+"""Soft tissue in scene files: materials, regions, the deformation model."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import msgspec
 import numpy as np
 
 from palpate.session.model_options import ModelOptions
+from palpate.session.segment_state import SegmentState
 from palpate.session.session import Session
 from palpate.volumes.material import ForceSource, LinearMaterial, Material, Region, Treatment
 
-__all__ = ["SavedMatter", "restore_matter", "saved_matter"]
+__all__ = ["SavedSoftTissue", "restore_soft_tissue", "saved_soft_tissue"]
 
 
 _Constants = list[float | None]
@@ -23,7 +22,8 @@ class _Material(msgspec.Struct, frozen=True):
     preset: str | None
     constants: _Constants | None
     high: _Constants | None = None
-    """Where they follow HU: from ``constants`` to these between the ends of ``interval``."""
+    """Constants at the upper end of ``interval``, where they depend on HU; ``constants`` then are
+    those at the lower end."""
     interval: tuple[float, float] | None = None
 
 
@@ -34,21 +34,21 @@ class _Region(msgspec.Struct, frozen=True):
     shared_with: int | None
 
 
-class SavedMatter(msgspec.Struct, frozen=True, kw_only=True):
-    """As ``scene.json`` has it, beside what it has of other things."""
+class SavedSoftTissue(msgspec.Struct, frozen=True, kw_only=True):
+    """Fields of ``scene.json`` about soft tissue."""
 
     materials: list[_Material]
     model: str | None
     options: ModelOptions = ModelOptions()
     edge: int | None = None
-    """Of its box, in files of before ``options``."""
+    """Edge of the model's box, in files older than ``options``."""
     regions: list[_Region] = []
-    """Of all segments, for each in their order; files of before have none."""
+    """Of all segments, for each segment in their order; older files have none."""
     force_source: ForceSource = "matter"
 
 
-def saved_matter(session: Session) -> dict[str, Any]:
-    """Returns the fields of ``SavedMatter`` as they are now."""
+def saved_soft_tissue(session: Session) -> SavedSoftTissue:
+    """Returns the soft tissue of a session."""
     segments, model = session.segments(), session.deformation()
     ids = [each["id"] for each in segments]
     regions = [
@@ -57,24 +57,24 @@ def saved_matter(session: Session) -> dict[str, Any]:
         for each in session.regions(segment_id)
         if each.shared_with is None or each.shared_with in ids
     ]
-    return {
-        "materials": [made for each in segments if (made := _material_of(each)) is not None],
-        "model": model["model"],
-        "options": model["options"],
-        "regions": regions,
-        "force_source": model["force_source"],
-    }
+    return SavedSoftTissue(
+        materials=[made for each in segments if (made := _material_of(each)) is not None],
+        model=model["model"],
+        options=model["options"],
+        regions=regions,
+        force_source=model["force_source"],
+    )
 
 
-def restore_matter(session: Session, saved: SavedMatter) -> None:
-    """Brings what was saved into a session that has the segments.
+def restore_soft_tissue(session: Session, saved: SavedSoftTissue) -> None:
+    """Restores soft tissue into a session that has the segments.
 
     Raises:
-        OptionError: Matter or a model cannot be so.
+        OptionError: A material or the model is not allowed.
     """
     for each in saved.materials:
         # what was made of it stays so, whatever is known of the scan's unit by now
-        session._make_of(  # noqa: SLF001  # a scene restores its session
+        session._soft_tissue.restore_material(  # noqa: SLF001  # a scene restores its session
             each.segment, _given_material(each), undoable=False
         )
     for segment_id in {each.segment for each in saved.regions}:
@@ -89,7 +89,7 @@ def restore_matter(session: Session, saved: SavedMatter) -> None:
     session.set_force_source(saved.force_source)
 
 
-def _material_of(state: dict[str, Any]) -> _Material | None:
+def _material_of(state: SegmentState) -> _Material | None:
     material = state["material"]
     if material is None:
         return None

@@ -1,7 +1,7 @@
-"""What is kept of a second scan beside a journal, so that a crash does not lose it.
+"""A note on the second scan beside a journal, so that a crash does not lose it.
 
-A JSON file: where the scan is, and where it lies in the first. One that was read from no file, or
-was bent onto the first scan's grid, has no place to be read from again: of it nothing is kept.
+A JSON file with the path of the scan and its place relative to the first one. A scan that was not
+read from a file, or was resampled by a deformable transform, cannot be read again; it is not noted.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ __all__ = ["SavedSecond", "keep_second", "kept_second", "saved_second", "second_
 
 
 class SavedSecond(msgspec.Struct, frozen=True):
-    """A second scan as a file keeps it."""
+    """Reference to a second scan in a file."""
 
     scan: SavedScan
     second_from_first: list[float]
-    """Row-major, shape [4, 4]."""
+    """Transform from the first scan to the second, by rows, 16 numbers."""
 
     def matrix(self, path: Path) -> NDArray[np.float64]:
-        """Returns the same as an array, shape [4, 4]; ``path`` is the file that has it.
+        """Returns the transform as an array, shape [4, 4]; ``path`` is the file that contains it.
 
         Raises:
-            SceneFormatError: It is none.
+            SceneFormatError: The numbers are not a transform.
         """
         numbers = np.array(self.second_from_first, np.float64)
         if numbers.shape != (16,) or not np.isfinite(numbers).all():
@@ -41,16 +41,16 @@ class SavedSecond(msgspec.Struct, frozen=True):
 
 
 def saved_second(second: SecondScan, path: Path, *, copied: bool) -> SavedSecond:
-    """Returns how the file at ``path`` keeps a second scan."""
+    """Returns the reference to a second scan in the file at ``path``."""
     scan = saved_scan(second.volume, path, copied=copied)
     return SavedSecond(scan, [float(number) for number in second.second_from_first.ravel()])
 
 
 def keep_second(path: Path, second: SecondScan | None) -> None:
-    """Writes the note at ``path``, or removes it where nothing can be kept.
+    """Writes the note at ``path``, or removes it where the scan cannot be noted.
 
     Raises:
-        OSError: The disk refuses the file.
+        OSError: The file cannot be written.
     """
     if second is None or second.volume.source is None:
         path.unlink(missing_ok=True)
@@ -60,7 +60,7 @@ def keep_second(path: Path, second: SecondScan | None) -> None:
 
 
 def second_name(path: Path) -> str | None:
-    """Returns the name of the scan that a note tells of; None where there is no note of use."""
+    """Returns the name of the scan in a note; None where there is no valid note."""
     try:
         return _noted(path).scan.name
     except (OSError, SceneFormatError):
@@ -68,11 +68,11 @@ def second_name(path: Path) -> str | None:
 
 
 def kept_second(path: Path) -> SecondScan:
-    """Reads the scan that a note tells of.
+    """Reads the scan of a note.
 
     Raises:
         OSError: There is no note.
-        PalpateError: It is damaged, or the scan is not where it was.
+        PalpateError: The note is damaged, or the scan is missing.
     """
     noted = _noted(path)
     volume = linked_scan(path, noted.scan, silent)

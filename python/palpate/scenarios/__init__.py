@@ -1,1 +1,1 @@
-"""Scenarios: drilling, needle and palpation without a device."""
+"""Scenarios: drilling, needle insertion and palpation without a device."""

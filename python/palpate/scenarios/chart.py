@@ -1,4 +1,4 @@
-"""Charts of scenarios as thesis figures 5.27, 5.29 and 5.31 have them; they need matplotlib."""
+"""Charts of scenarios like the thesis' figures 5.27, 5.29 and 5.31; they need matplotlib."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PARTS = {
 
 
 def plot_run(run: ScenarioRun, path: Path) -> None:
-    """Draws a run's force, and below it what made it."""
+    """Plots the force of a run, and below it what caused it."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
@@ -67,7 +67,7 @@ def _draw_parts(panel: Axes, run: ScenarioRun) -> None:
 
 
 def _draw_presses(panel: Axes, run: ScenarioRun) -> None:
-    """Stiffness along the line of places, and how much is soft under them."""
+    """Plots stiffness along the line of places, and the thickness of soft tissue below them."""
     along = [press.along for press in run.presses]
     stiffness = [press.stiffness for press in run.presses]
     panel.plot(along, stiffness, "o-", color=PHASES["in"], label="stiffness [N/mm]")
@@ -85,7 +85,7 @@ def _draw_presses(panel: Axes, run: ScenarioRun) -> None:
 
 
 def _draw_depths(panel: Axes, run: ScenarioRun) -> None:
-    """Force over the ball's way at each place, the stiffest and the softest in colour."""
+    """Plots force over depth at each place; the stiffest and the softest are in colour."""
     going_in = np.array(run.phase) == "in"
     order = np.argsort([press.stiffness for press in run.presses])
     shown = {int(order[-1]): ("stiffest", PHASES["out"]), int(order[0]): ("softest", PHASES["in"])}
@@ -100,7 +100,7 @@ def _draw_depths(panel: Axes, run: ScenarioRun) -> None:
 
 
 def _mark(panel: Axes, run: ScenarioRun) -> None:
-    """Marks what happened at once, and where the way comes into what stops the tool."""
+    """Marks events, and where the path meets a rigid obstacle."""
     over = run.samples[run.over]
     near = 0.06 * float(np.ptp(over))
     last, height = -np.inf, 0.98

@@ -1,4 +1,4 @@
-"""Driving a drill into bone without a device; its law is told in ``docs/understand/tools.md``."""
+"""Driving a drill into bone without a device; ``docs/understand/tools.md`` explains the model."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ def drive_drill(
     air: float | None = None,
     energy: float | None = None,
 ) -> ScenarioRun:
-    """Drives a drill straight toward a point, and out again; it turns on the way in and at rest.
+    """Drives a drill straight to a point and out again; it turns on the way in and while it rests.
 
     Args:
         volume: The scan.
-        bone: What it removes, and what stops the burr.
-        drive: Where the burr's centre goes.
-        radius: Of the burr [mm].
-        air: What the scan reads where matter went [its unit]; None is -1000.
+        bone: The segment that it removes, and that stops the burr.
+        drive: Path of the burr's centre.
+        radius: Radius of the burr [mm].
+        air: Value of drilled voxels [unit of the scan]; None is -1000.
         energy: Work per volume [mJ/mm³]; None is that of bone by HU.
 
     Raises:
-        OptionError: Something given is not allowed.
+        OptionError: An argument is not allowed.
     """
     try:
-        told = _core.drive_drill(
+        run = _core.drive_drill(
             volume._internal,  # noqa: SLF001
             bone._internal,  # noqa: SLF001
             drive.given(),
@@ -51,8 +51,8 @@ def drive_drill(
         layers=(bone.name,),
         radius=float(radius),
         over="time",
-        phase=tuple(told["phase"]),
-        samples=samples_of(told),
+        phase=tuple(run["phase"]),
+        samples=samples_of(run),
         events=tuple(
             ScenarioEvent(
                 kind="contact" if is_contact else "free",
@@ -61,7 +61,7 @@ def drive_drill(
                 depth=travel,
                 force=force,
             )
-            for is_contact, time, travel, force in told["events"]
+            for is_contact, time, travel, force in run["events"]
         ),
-        violations=told["violations"],
+        violations=run["violations"],
     )

@@ -1,4 +1,4 @@
-"""A drive that takes a tool straight in until the force stops it, rests, and takes it out again."""
+"""A drive that moves a tool straight in up to a force limit, lets it rest, and moves it out."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ __all__ = ["Drive", "GivenDrive"]
 Triple = tuple[float, float, float]
 
 GivenDrive = tuple[Triple, Triple, float, float, float, float]
-"""As the engine takes it."""
+"""Start, target, speed, force limit, rest and stiffness, as the engine takes them."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """Where a tool goes and how it is pushed; points in the patient."""
+    """Path of a tool and how it is pushed; points in the patient, LPS [mm]."""
 
     start: ArrayLike
-    """Where the tool begins [mm], outside of all that is solid."""
+    """Start of the tool [mm], outside of all rigid segments."""
     target: ArrayLike
-    """Where it goes to [mm]."""
+    """End of the path [mm]."""
     speed: float = 5.0
-    """How fast [mm/s]."""
+    """Speed [mm/s]."""
     force_limit: float = 6.0
-    """Where it stops [N]."""
+    """Force at which the drive stops [N]."""
     rest_secs: float = 1.0
-    """How long it rests before it goes out [s]."""
+    """Rest before the way out [s]."""
     stiffness: float = 1.0
-    """Of the spring between drive and tool [N/mm]."""
+    """Stiffness of the spring between drive and tool [N/mm]."""
 
     def given(self) -> GivenDrive:
-        """Returns what the engine takes.
+        """Returns the form that the engine takes.
 
         Raises:
-            OptionError: A point is none.
+            OptionError: A point does not have three coordinates.
         """
         ends = _point(self.start), _point(self.target)
         numbers = (self.speed, self.force_limit, self.rest_secs, self.stiffness)

@@ -1,7 +1,7 @@
-"""Where a scenario drives its tool: ways into a scan that meet what they are to meet.
+"""Paths of tools in scenarios: straight lines through a scan that meet certain structures.
 
-All ways go along the second axis of the arrays from its lower end: in an axial scan from the front.
-Masks have the shape of the volume; points are in the patient [mm].
+All paths run along the second axis of the arrays from its lower end: from the front in an axial
+scan. Masks have the shape of the volume; points are in the patient, LPS [mm].
 """
 
 from __future__ import annotations
@@ -14,31 +14,31 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.volumes.volume import Volume
 
-__all__ = ["Way", "before_body", "line_into", "line_through"]
+__all__ = ["ToolPath", "before_body", "line_into", "line_through"]
 
 Mask = NDArray[np.bool_]
 
-Way = tuple[NDArray[np.float64], NDArray[np.float64]]
+ToolPath = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Start and target."""
 
 BEYOND = 25.0
-"""How far past what stops it a way aims, as a hand would push [mm]."""
+"""How far past the obstacle a path ends, as a hand would push [mm]."""
 
 
 def line_through(
     volume: Volume, first: Mask, then: Mask, *, margin: float = 8.0, longest: float = 300.0
-) -> Way:
-    """Returns a way that meets one mask and then another one.
+) -> ToolPath:
+    """Returns a path that meets one mask and then another one.
 
-    The one with the longest way in ``first`` before ``then`` is taken, up to ``longest``, of those
-    whose neighbours have one too.
+    Of the paths whose neighbours also meet both, the one with the longest part in ``first`` before
+    ``then``, up to ``longest``, is taken.
 
     Args:
         volume: The scan.
-        first: What the tool goes through.
+        first: What the tool passes through.
         then: Where it ends.
-        margin: How far before the first voxel of either it begins [mm].
-        longest: Way in ``first`` [mm].
+        margin: Distance of the start from the first voxel of either [mm].
+        longest: Longest part in ``first`` [mm].
 
     Raises:
         OptionError: No line meets both.
@@ -53,17 +53,17 @@ def line_through(
     z, x = _place_of(length)
     entry = int((first | then)[z, :, x].argmax())
     spacing = volume.spacing[1]
-    return _way(volume, (z, x), (entry - margin / spacing, end[z, x] + BEYOND / spacing))
+    return _path(volume, (z, x), (entry - margin / spacing, end[z, x] + BEYOND / spacing))
 
 
-def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> Way:
-    """Returns a way straight into the thickest, flattest part of what is first met of a mask.
+def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> ToolPath:
+    """Returns a path into the thickest and flattest part of the front of a mask.
 
     Args:
         volume: The scan.
-        mask: What the tool goes into.
-        depth: How deep [mm].
-        margin: How far before it the way begins [mm].
+        mask: What the tool enters.
+        depth: Depth of the path in the mask [mm].
+        margin: Distance of the start from the mask [mm].
 
     Raises:
         OptionError: There is no such part.
@@ -82,7 +82,7 @@ def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> Way
     if not np.isfinite(score).any():
         raise OptionError("nothing to drill from the front given; allowed: bone that is met there")
     z, x = _place_of(score)
-    return _way(
+    return _path(
         volume,
         (z, x),
         (entry[z, x] - margin / spacing, entry[z, x] + depth / spacing),
@@ -92,7 +92,7 @@ def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> Way
 def before_body(
     volume: Volume, body: Mask, start: NDArray[np.float64], *, margin: float = 5.0
 ) -> NDArray[np.float64]:
-    """Draws a start back until nothing of the body is before it, nor within a margin [mm]."""
+    """Moves a start back until no voxel of the body is in front of it or within a margin [mm]."""
     grid_from_patient = np.linalg.inv(volume.patient_from_grid)
     place = grid_from_patient @ np.append(start, 1.0)
     column = body[int(place[2]), :, int(place[0])]
@@ -102,12 +102,12 @@ def before_body(
 
 
 def _first(mask: Mask) -> NDArray[np.int64]:
-    """The first voxel from the front, [z, x]; -1 where there is none."""
+    """Returns the first voxel from the front, [z, x]; -1 where there is none."""
     return np.where(mask.any(axis=1), mask.argmax(axis=1), -1)
 
 
 def _least_around(values: NDArray[Any]) -> NDArray[Any]:
-    """The least of a place and of those two beside it: what is large is no rim."""
+    """Returns the least value of each place and its neighbours, so that rims are small."""
     around = values.copy()
     for axis in (0, 1):
         for step in (-2, 2):
@@ -116,7 +116,7 @@ def _least_around(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _inside(values: NDArray[Any], outside: float = 0.0) -> NDArray[Any]:
-    """Nothing beside the border of the scan, where a tool could slip off."""
+    """Clears places at the border of the scan, where a tool could slip off."""
     values[:2], values[-2:], values[:, :2], values[:, -2:] = (outside,) * 4
     return values
 
@@ -126,7 +126,7 @@ def _place_of(score: NDArray[Any]) -> tuple[int, int]:
     return int(z), int(x)
 
 
-def _way(volume: Volume, column: tuple[int, int], ends: tuple[float, float]) -> Way:
+def _path(volume: Volume, column: tuple[int, int], ends: tuple[float, float]) -> ToolPath:
     start, target = (_point(volume, column, y) for y in ends)
     return start, target
 

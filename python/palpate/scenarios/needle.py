@@ -1,6 +1,6 @@
-"""Driving a needle into a scan without a device; its law is told in ``docs/understand/needle.md``.
+"""Driving a needle into a scan without a device; ``docs/understand/needle.md`` explains the model.
 
-Points are in the patient [mm].
+Points are in the patient, LPS [mm].
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ def drive_needle(
     *,
     scenario: str = "needle",
 ) -> ScenarioRun:
-    """Drives a needle straight toward a point until the force stops it, and out again.
+    """Drives a needle straight to a point or until the force limit, and out again.
 
     Args:
         volume: The scan.
-        layers: Its segments, each with what it is for the needle; None where it is hard.
-        drive: Where the tip goes.
-        scenario: What to call the run.
+        layers: Segments, each with its tissue; None where it is rigid.
+        drive: Path of the tip.
+        scenario: Name of the run.
 
     Raises:
-        OptionError: Something given is not allowed.
+        OptionError: An argument is not allowed.
     """
     given = [
         (segment._internal, None if tissue is None else astuple(tissue))  # noqa: SLF001
@@ -43,7 +43,7 @@ def drive_needle(
     ]
     names = tuple(segment.name for segment, _ in layers)
     try:
-        told = _core.drive_needle(volume._internal, given, drive.given())  # noqa: SLF001
+        run = _core.drive_needle(volume._internal, given, drive.given())  # noqa: SLF001
     except ValueError as error:
         raise OptionError(str(error)) from None
     return ScenarioRun(
@@ -52,8 +52,8 @@ def drive_needle(
         layers=names,
         radius=0.0,
         over="travel",
-        phase=tuple(told["phase"]),
-        samples=samples_of(told),
+        phase=tuple(run["phase"]),
+        samples=samples_of(run),
         events=tuple(
             ScenarioEvent(
                 kind=kind,
@@ -62,8 +62,8 @@ def drive_needle(
                 depth=depth,
                 force=force,
             )
-            for kind, number, time, depth, force in told["events"]
+            for kind, number, time, depth, force in run["events"]
         ),
-        wall_at=told["wall_at"],
-        violations=told["violations"],
+        wall_at=run["wall_at"],
+        violations=run["violations"],
     )

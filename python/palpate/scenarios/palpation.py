@@ -1,6 +1,6 @@
-"""Pressing soft matter place by place without a device, as a finger palpates.
+"""Palpation without a device: a ball presses soft tissue at one place after the other.
 
-Models and materials are told in ``docs/understand/deformation.md``.
+``docs/understand/deformation.md`` explains models and materials.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Progress = Callable[[str, float | None], None]
 Columns = dict[str, NDArray[np.float64]]
 
 PAUSE = 0.05
-"""Between two presses, so that no chart joins them [s]."""
+"""Pause between two presses, so that charts do not join them [s]."""
 
 
 def palpate_line(
@@ -41,24 +41,25 @@ def palpate_line(
     model: str = "lattice",
     progress: Progress | None = None,
 ) -> ScenarioRun:
-    """Presses a ball into soft matter at each place of a line, and out again.
+    """Presses a ball into soft tissue at each place of a line, and out again.
 
-    Force and stiffness of a place are those at ``depth``, or where the force stopped the ball.
+    Force and stiffness of a place are those at ``depth``, or where the force limit stopped the
+    ball.
 
     Args:
         volume: The scan.
-        layers: Its segments, each with the name of its material; None where it is hard.
+        layers: Segments, each with the name of its material; None where it is rigid.
         line: The places.
-        radius: Of the ball [mm].
-        depth: How deep the ball is to press [mm].
-        speed: How fast the drive goes [mm/s].
-        force_limit: Where it stops [N].
-        stiffness: Of the spring between drive and ball [N/mm].
-        model: By which matter gives way.
-        progress: Told of each press.
+        radius: Radius of the ball [mm].
+        depth: Depth to which the ball presses [mm].
+        speed: Speed of the drive [mm/s].
+        force_limit: Force at which the drive stops [N].
+        stiffness: Stiffness of the spring between drive and ball [N/mm].
+        model: Name of the deformation model.
+        progress: Called before each press.
 
     Raises:
-        OptionError: Something given is not allowed.
+        OptionError: An argument is not allowed.
     """
     given = [(segment._internal, material) for segment, material in layers]  # noqa: SLF001
     names = tuple(segment.name for segment, _ in layers)
@@ -85,7 +86,7 @@ def palpate_line(
             stiffness=stiffness,
         )
         try:
-            told = _core.press(
+            run = _core.press(
                 volume._internal,  # noqa: SLF001
                 given,
                 drive.given(),
@@ -95,10 +96,10 @@ def palpate_line(
             )
         except ValueError as error:
             raise OptionError(str(error)) from None
-        samples = samples_of(told)
+        samples = samples_of(run)
         # the ball's centre stands its radius before its face
         below = samples["tip"] - margin
-        inward = np.array(told["phase"]) == "in"
+        inward = np.array(run["phase"]) == "in"
         felt = _felt(below[inward], samples["force"][inward], depth)
         x, y, z = surface.tolist()
         presses.append(Press(place=(x, y, z), along=along, thickness=thickness, **felt))
@@ -107,8 +108,8 @@ def palpate_line(
         events += _contacts(samples, names)
         begins = float(samples["time"][-1]) + PAUSE
         columns.append(samples)
-        phases += told["phase"]
-        violations += told["violations"]
+        phases += run["phase"]
+        violations += run["violations"]
     return ScenarioRun(
         scenario="palpation",
         scan=volume.name,
@@ -124,7 +125,7 @@ def palpate_line(
 
 
 def _contacts(samples: Columns, names: Sequence[str]) -> list[ScenarioEvent]:
-    """Finds where the force of a press begins and ends; light contact may do so more than once."""
+    """Returns where the force of a press begins and ends; light contact may do so several times."""
     felt = np.abs(samples["force"]) > 0.0
     changes = np.nonzero(felt[1:] != felt[:-1])[0] + 1
     return [
@@ -140,7 +141,7 @@ def _contacts(samples: Columns, names: Sequence[str]) -> list[ScenarioEvent]:
 
 
 def _felt(below: NDArray[np.float64], force: NDArray[np.float64], depth: float) -> dict[str, float]:
-    """Depth, force and the slope of force over the last quarter of that depth."""
+    """Returns depth, force, and the slope of the force over the last quarter of that depth."""
     reached = np.nonzero(below >= depth)[0]
     end = int(reached[0]) + 1 if len(reached) else len(below)
     deepest = float(below[:end].max())

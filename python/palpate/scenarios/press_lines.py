@@ -1,6 +1,6 @@
-"""Where a body is palpated: lines of places over bone that is near in the middle and far beside it.
+"""Lines of places to palpate, over bone that is near in the middle and deep at both ends.
 
-Sides are the patient's. Masks have the shape of the volume; points are in the patient [mm].
+Sides are the patient's. Masks have the shape of the volume; points are in the patient, LPS [mm].
 """
 
 from __future__ import annotations
@@ -24,41 +24,41 @@ SIDES = {
     "left": (-1.0, 0.0, 0.0),
     "right": (1.0, 0.0, 0.0),
 }
-"""From where a body is pressed, and which way is inward then [patient, LPS]."""
+"""Sides from which a body is pressed, and the inward direction of each [patient, LPS]."""
 
 UP = (0.0, 0.0, 1.0)
 
 DEEP = 25.0
-"""What is deeper than this is as far as none [mm]."""
+"""Depth beyond which bone counts as absent [mm]."""
 
 STEEP = 0.7
-"""Slope of the surface along a line, at most."""
+"""Largest slope of the surface along a line."""
 
 NEAR = (3.0, 10.0)
-"""How deep the bone is in the middle of a line, from a press that ends before it to where it is
-felt no more [mm]."""
+"""Depth of the bone in the middle of a line: least, so that a press ends above it, and largest,
+where it is still felt [mm]."""
 
 DEEPER = 6.0
-"""How much deeper it is at both ends, at least [mm]."""
+"""How much deeper the bone is at both ends, at least [mm]."""
 
 
 @dataclass(frozen=True)
 class PressLine:
-    """Places beside one another, to be pressed."""
+    """Neighbouring places to press."""
 
     surface: tuple[NDArray[np.float64], ...]
-    """Where each way meets the body [mm]."""
+    """Points on the surface of the body [mm], shape [count, 3]."""
     direction: NDArray[np.float64]
-    """Inward, of length 1."""
+    """Inward direction, a unit vector."""
     along: tuple[float, ...]
-    """How far each is from the first [mm]."""
+    """Distance of each place from the first [mm]."""
     thickness: tuple[float | None, ...]
-    """Of what is before the first bone there [mm]; None where there is none."""
+    """Thickness of tissue over the first bone at each place [mm]; None where there is no bone."""
 
 
 @dataclass(frozen=True)
 class _View:
-    """A scan as it is seen from one side, with lines along one of the other axes."""
+    """A scan seen from one side, with lines along one of the other axes."""
 
     volume: Volume
     inward: int
@@ -72,7 +72,7 @@ class _View:
         return 3 - self.inward - self.along
 
     def of(self, mask: Mask) -> Mask:
-        """The mask as [across, inward, along]."""
+        """Returns the mask as [across, inward, along]."""
         turned = np.transpose(mask, (self.across, self.inward, self.along))
         return turned[:, ::-1] if self.backward else turned
 
@@ -80,7 +80,7 @@ class _View:
         return self.volume.spacing[2 - axis]
 
     def point(self, across: int, deep: float, along: int) -> NDArray[np.float64]:
-        """The point as many voxels deep as given, in the middle of a row of voxels [mm]."""
+        """Returns the point at a depth in voxels, in the middle of a row of voxels [mm]."""
         grid = np.ones(4)
         count = self.volume.shape[self.inward]
         grid[2 - self.across] = across + 0.5
@@ -98,18 +98,18 @@ def line_over(
     count: int = 9,
     sides: Sequence[str] = ("anterior",),
 ) -> PressLine:
-    """Returns places along a line over bone that is near in the middle and far beside it.
+    """Returns places along a line over bone that is near in the middle and deep at both ends.
 
-    Of all lines around the body and up and down it, that with the largest difference is taken; from
-    one side alone, those up and down only where there are no others.
+    Of all lines around the body and along it, the one with the largest difference is taken; from
+    one side only, those along the body are taken only where there are no others.
 
     Args:
         volume: The scan.
-        soft: What gives way.
-        bone: What does not.
-        length: From the first to the last place [mm].
-        count: How many, at least 3.
-        sides: Where they may be, names of :data:`SIDES`.
+        soft: Mask of deformable tissue.
+        bone: Mask of bone.
+        length: Distance from the first place to the last [mm].
+        count: Number of places, at least 3.
+        sides: Sides to search, names of :data:`SIDES`.
 
     Raises:
         OptionError: There is no such line, or no such side.
@@ -133,7 +133,7 @@ def line_over(
 
 
 def _views(volume: Volume, inward: tuple[float, float, float]) -> list[_View]:
-    """The scan as seen that way: lines around the body, and lines up and down it."""
+    """Returns the scan seen from a side: with lines around the body, and with lines along it."""
     axes = volume.direction.T @ np.array([inward, UP]).T
     looked, up = (int(np.abs(axes[:, way]).argmax()) for way in (0, 1))
     if looked == up:
@@ -149,12 +149,12 @@ def _views(volume: Volume, inward: tuple[float, float, float]) -> list[_View]:
 def _best(
     view: _View, masks: tuple[Mask, Mask], *, length: float, count: int
 ) -> tuple[float, PressLine] | None:
-    """The line of the largest difference, and that; none where there is none."""
+    """Returns the line with the largest difference, and that difference; None without a line."""
     soft, bone = masks
     deep, wide = view.spacing(view.inward), view.spacing(view.along)
-    hard = _first(view.of(bone))
+    bone_at = _first(view.of(bone))
     skin = _first(view.of(soft | bone))
-    thickness = np.where(hard >= 0, (hard - skin) * deep, DEEP)
+    thickness = np.where(bone_at >= 0, (bone_at - skin) * deep, DEEP)
     offsets = np.rint(np.linspace(-0.5, 0.5, count) * length / wide).astype(int)
     if (np.diff(offsets) == 0).any():
         return None
@@ -167,7 +167,7 @@ def _best(
     middle = over[:, :, count // 2]
     ends = np.minimum(over[:, :, 0], over[:, :, -1])
     good = fits.all(axis=1)[None] & (there >= 0).all(axis=2) & (slope.max(axis=2) < STEEP)
-    # some soft matter over the bone everywhere, as much as a finger presses in
+    # some soft tissue over the bone everywhere, as much as a finger presses in
     good &= (over.min(axis=2) >= NEAR[0]) & (middle <= NEAR[1]) & (ends >= middle + DEEPER)
     score = np.where(good, ends - middle - slope.mean(axis=2), -np.inf)
     score[:2] = score[-2:] = -np.inf
@@ -182,8 +182,8 @@ def _best(
         direction=inward / np.linalg.norm(inward),
         along=tuple(float(np.linalg.norm(point - points[0])) for point in points),
         thickness=tuple(
-            float((hard[across, column] - skin[across, column]) * deep)
-            if hard[across, column] >= 0
+            float((bone_at[across, column] - skin[across, column]) * deep)
+            if bone_at[across, column] >= 0
             else None
             for column in columns
         ),
@@ -192,5 +192,5 @@ def _best(
 
 
 def _first(mask: Mask) -> NDArray[np.int64]:
-    """The first voxel that is met, [across, along]; -1 where there is none."""
+    """Returns the first voxel from the side, [across, along]; -1 where there is none."""
     return np.where(mask.any(axis=1), mask.argmax(axis=1), -1)

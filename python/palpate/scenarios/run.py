@@ -1,8 +1,8 @@
-"""What a tool did and felt in a scenario, and the file that keeps it.
+"""Result of a scenario, and its file.
 
 The file is one JSON object with the fields of ``ScenarioRun``; ``palpate scenario`` writes it with
-``--json``, and the page plays it back: the tool stands at ``samples["x"]``, ``["y"]``, ``["z"]`` at
-``samples["time"]``, and the chart shows ``samples["force"]`` over ``samples[over]`` with a mark at
+``--json``, and the page plays it back: the tool is at ``samples["x"]``, ``["y"]``, ``["z"]`` at
+``samples["time"]``, and the chart shows ``samples["force"]`` over ``samples[over]``, with a mark at
 the time of each event.
 
 Frame: scene, LPS [mm]; s, N, N/mm.
@@ -20,13 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
+from palpate.scenarios.engine_run import EngineRun
 
 __all__ = ["UNITS", "Press", "ScenarioEvent", "ScenarioRun", "read_run", "samples_of", "write_run"]
 
 FORMAT = "palpate-scenario-1"
 
 MOST_ROWS = 20_000
-"""Ticks in a file, at most."""
+"""Most ticks in a file."""
 
 UNITS: Mapping[str, str] = {
     "time": "s",
@@ -53,107 +54,108 @@ UNITS: Mapping[str, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class ScenarioEvent:
-    """What happened at once."""
+    """An event in a scenario."""
 
     kind: str
-    """Of a needle ``punctured``, ``crossed``, ``stopped``, ``withdrawn``; of other tools
-    ``contact``, ``free``."""
+    """Of a needle ``punctured``, ``crossed``, ``stopped`` or ``withdrawn``; of other tools
+    ``contact`` or ``free``."""
     segment: str
-    """Name of the layer; empty where none."""
+    """Name of the layer; empty where there is none."""
     time: float
-    """When [s]."""
+    """Time [s]."""
     depth: float
-    """How deep [mm]: of a needle from where it went in, of others along the drive's way."""
+    """Depth [mm]: of a needle from its point of entry, of other tools along the path of the drive.
+    """
     force: float
-    """At the tool [N]."""
+    """Force at the tool [N]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Press:
-    """What one place of a palpation feels like."""
+    """Result of pressing one place of a palpation."""
 
     place: tuple[float, float, float]
-    """On the surface [mm]."""
+    """Point on the surface [mm]."""
     along: float
-    """How far along the line of places [mm]."""
+    """Distance along the line of places [mm]."""
     thickness: float | None
-    """Of what is soft, over the first bone on the way in [mm]; None where there is none."""
+    """Thickness of soft tissue over the first bone [mm]; None where there is no bone."""
     depth: float
-    """How deep the tool was in the matter [mm]."""
+    """Depth of the tool in the tissue [mm]."""
     force: float
-    """At that depth [N]."""
+    """Force at that depth [N]."""
     stiffness: float
-    """How much the force rises with the depth there [N/mm]."""
+    """Slope of the force there [N/mm]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScenarioRun:
-    """A tool that was driven without a device."""
+    """Result of driving a tool without a device."""
 
     scenario: str
     """Its name on the command line."""
     scan: str
     """Name of the scan."""
     layers: tuple[str, ...]
-    """Names of the segments, which are numbered from 1."""
+    """Names of the segments; they are numbered from 1."""
     radius: float
-    """Of the tool's ball [mm]; 0 for a tip."""
+    """Radius of the tool's ball [mm]; 0 for a tip."""
     over: str
-    """The column over which the force is drawn."""
+    """Column over which the force is plotted."""
     phase: tuple[str, ...]
-    """What the drive does in each tick: ``in``, ``rest`` or ``out``."""
+    """Phase of the drive in each tick: ``in``, ``rest`` or ``out``."""
     samples: Mapping[str, NDArray[np.float64]]
-    """One value for each tick of a millisecond; in the file of a long run, of every so many-th.
+    """One value for each tick of a millisecond; a file of a long run has only every nth tick.
 
-    ``time``; ``x``, ``y``, ``z`` of the tool; ``travel`` of the drive from its start, and ``tip``
-    and ``probe``, how far the tool and the hard probe are along the drive's way; ``force`` on the
-    drive, against its way in where positive, and ``across`` its way; ``segment``, the number of the
-    layer at the tool, 0 where there is none.
+    ``time``; ``x``, ``y``, ``z`` of the tool; ``travel`` of the drive from its start, ``tip`` and
+    ``probe``, the positions of the tool and of the rigid probe along the path; ``force`` on the
+    drive along its path, positive outward, and ``across`` it; ``segment``, the number of the layer
+    at the tool, 0 where there is none.
 
-    Of a needle the forces that hold it: ``stiffness``, ``cutting``, ``friction``, ``wall``,
-    ``lateral``. Of a drill ``volume``, matter that is gone, and ``load``, the power on it. Of a
-    palpation ``press``, its number from 0.
+    Of a needle its forces: ``stiffness``, ``cutting``, ``friction``, ``wall``, ``lateral``. Of a
+    drill ``volume``, which it removed, and ``load``, its power. Of a palpation ``press``, the
+    number of the press from 0.
     """
     events: tuple[ScenarioEvent, ...]
     presses: tuple[Press, ...] = ()
-    """Of a palpation."""
+    """Of a palpation, one for each place."""
     wall_at: float | None = None
-    """Travel at which the way comes into what stops the tool [mm]; None where nothing does."""
+    """Travel at which the path meets a rigid obstacle [mm]; None where it does not."""
     violations: int
-    """Ticks in which the probe was in a solid voxel: none."""
+    """Ticks in which the probe was in a solid voxel; 0 unless a guarantee of touch is violated."""
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """When each tick was [s]."""
+        """Time of each tick [s]."""
         return self.samples["time"]
 
     @property
     def travel(self) -> NDArray[np.float64]:
-        """How far the drive is from its start [mm]."""
+        """Distance of the drive from its start [mm]."""
         return self.samples["travel"]
 
     @property
     def tip(self) -> NDArray[np.float64]:
-        """How far the tool is: less than the drive by what the spring between them gives [mm]."""
+        """Position of the tool along the path [mm]; the spring makes it lag behind the drive."""
         return self.samples["tip"]
 
     @property
     def probe(self) -> NDArray[np.float64]:
-        """How far the probe is that never enters what is solid [mm]."""
+        """Position of the probe along the path [mm]; the probe never enters solid voxels."""
         return self.samples["probe"]
 
     @property
     def force(self) -> NDArray[np.float64]:
-        """On the drive, against its way in where positive [N]."""
+        """Force on the drive along its path, positive outward [N]."""
         return self.samples["force"]
 
     def spikes(self, *, ticks: int = 10, share: float = 1.5, least: float = 1e-3) -> int:
-        """Counts forces above ``share`` of their neighbours' median outside of events.
+        """Counts forces above ``share`` times the median of their neighbours, except at events.
 
         Args:
             ticks: Neighbours on either side.
-            share: Of the median.
-            least: Below this force nothing is a spike [N].
+            share: Factor of the median.
+            least: Smaller forces do not count [N].
         """
         size = np.abs(self.force)
         windows = np.lib.stride_tricks.sliding_window_view(size, 2 * ticks + 1)
@@ -166,7 +168,7 @@ class ScenarioRun:
         return int(is_spike.sum())
 
     def figures(self) -> dict[str, float | int | None]:
-        """Returns what a reader looks at first: forces [N], ways [mm], counts."""
+        """Returns the main figures: forces [N], distances [mm], counts."""
         return {
             "largest_force": float(np.abs(self.force).max()),
             "deepest": float(self.tip.max()),
@@ -177,54 +179,56 @@ class ScenarioRun:
         }
 
 
-def samples_of(told: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
-    """Returns the columns among what the engine tells, ``tool`` by its coordinates."""
-    x, y, z = np.asarray(told["tool"], dtype=float).T
-    columns = {**told, "x": x, "y": y, "z": z}
+def samples_of(run: EngineRun) -> dict[str, NDArray[np.float64]]:
+    """Returns the columns of a run of the engine, with ``tool`` split into its coordinates."""
+    x, y, z = np.asarray(run["tool"], dtype=float).T
+    columns: dict[str, object] = {**run, "x": x, "y": y, "z": z}
     return {name: np.asarray(columns[name], float) for name in UNITS if name in columns}
 
 
 def write_run(run: ScenarioRun, path: Path) -> None:
-    """Writes a run as one JSON object, with its figures, to a millionth of each unit.
+    """Writes a run and its figures as one JSON object, rounded to a millionth of each unit.
 
-    Of long runs it has every second tick, or third, and so on: at most ``MOST_ROWS``.
+    Of long runs only every second tick, or third, and so on is written: at most ``MOST_ROWS``.
     """
     rows = slice(None, None, -(-len(run.phase) // MOST_ROWS))
-    told = {field.name: getattr(run, field.name) for field in fields(run)}
-    told["phase"] = run.phase[rows]
-    told["samples"] = {
+    content = {field.name: getattr(run, field.name) for field in fields(run)}
+    content["phase"] = run.phase[rows]
+    content["samples"] = {
         name: np.round(column[rows], 6).tolist() for name, column in run.samples.items()
     }
-    told["events"] = [asdict(event) for event in run.events]
-    told["presses"] = [asdict(press) for press in run.presses]
-    told = {"format": FORMAT, "figures": run.figures(), **told}
-    path.write_text(json.dumps(told) + "\n", encoding="utf-8")
+    content["events"] = [asdict(event) for event in run.events]
+    content["presses"] = [asdict(press) for press in run.presses]
+    content = {"format": FORMAT, "figures": run.figures(), **content}
+    path.write_text(json.dumps(content) + "\n", encoding="utf-8")
 
 
 def read_run(path: Path) -> ScenarioRun:
     """Reads a run.
 
     Raises:
-        OptionError: The file is no run.
+        OptionError: The file is not a run.
     """
     try:
-        told: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        if told["format"] != FORMAT:
-            raise OptionError(f"{path}: format {told['format']!r} given; allowed: {FORMAT!r}")
-        samples = {name: np.asarray(column, float) for name, column in told["samples"].items()}
-        if {len(column) for column in samples.values()} != {len(told["phase"])}:
+        # JSON of any version; what it holds is checked below
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if content["format"] != FORMAT:
+            raise OptionError(f"{path}: format {content['format']!r} given; allowed: {FORMAT!r}")
+        samples = {name: np.asarray(column, float) for name, column in content["samples"].items()}
+        if {len(column) for column in samples.values()} != {len(content["phase"])}:
             raise OptionError(f"{path}: columns of unequal lengths given; allowed: one per tick")
         known = {field.name for field in fields(ScenarioRun)}
-        given = {name: value for name, value in told.items() if name in known}
+        given = {name: value for name, value in content.items() if name in known}
         return ScenarioRun(
             **{
                 **given,
-                "layers": tuple(told["layers"]),
-                "phase": tuple(told["phase"]),
+                "layers": tuple(content["layers"]),
+                "phase": tuple(content["phase"]),
                 "samples": samples,
-                "events": tuple(ScenarioEvent(**event) for event in told["events"]),
+                "events": tuple(ScenarioEvent(**event) for event in content["events"]),
                 "presses": tuple(
-                    Press(**{**press, "place": tuple(press["place"])}) for press in told["presses"]
+                    Press(**{**press, "place": tuple(press["place"])})
+                    for press in content["presses"]
                 ),
             }
         )

@@ -1,7 +1,7 @@
 """The scenarios of ``palpate scenario``, on the built-in phantom or on a scan (thesis 5.28.3).
 
-``drilling`` goes into bone, ``needle-skull`` through what covers a bone, ``needle-liver`` through
-the liver to the bone behind it, and ``palpation`` presses soft tissue along a line over bone.
+``drilling`` drills into bone, ``needle-skull`` passes the tissue over a bone, ``needle-liver`` the
+liver in front of bone, and ``palpation`` presses soft tissue along a line over bone.
 """
 
 from __future__ import annotations
@@ -50,42 +50,42 @@ BONES = ("ribs", "sternum", "spine", "pelvis", "shoulders", "femurs")
 """Parts of the phantom that are bone."""
 
 SOFT = ("skin", "fat", "muscle", "liver")
-"""Parts of the phantom that have a tissue and a material of their own; all others are muscle."""
+"""Parts of the phantom with a tissue and a material of their own; all others are muscle."""
 
 AIR_END = -300.0
-"""Where a body begins [HU]."""
+"""Lowest value of a body [HU]."""
 
 RAW_SHIFT = 1024.0
-"""What scans without HU that begin at 0 have beyond them: CThead does."""
+"""Offset of the values of scans without HU that begin at 0, such as CThead."""
 
 DRILL_STIFFNESS = 4.0
-"""Of the spring between drive and drill, as a hand that holds a drill firmly [N/mm]."""
+"""Stiffness of the spring between drive and drill, like a firm hand [N/mm]."""
 
 ENERGY_ANYWHERE = 1300.0
-"""Work of a drill where values are no HU: that of cortical bone [mJ/mm³]."""
+"""Work of a drill where values are not HU: that of cortical bone [mJ/mm³]."""
 
 LONGEST = 1000.0
-"""Of what is given as a length [mm]."""
+"""Largest length that may be given [mm]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Body:
-    """A scan, and what of it is what."""
+    """A scan and masks of its tissues."""
 
     volume: Volume
     soft: Mapping[str, Mask]
-    """What gives way, by names of tissues where they are known, else as one ``soft tissue``."""
+    """Masks of deformable tissue by name; one ``soft tissue`` where tissues are not known."""
     bone: Mask
 
     @property
     def all_soft(self) -> Mask:
-        """All that gives way."""
+        """Mask of all deformable tissue."""
         soft: Mask = np.logical_or.reduce(list(self.soft.values()))
         return soft
 
 
 def body_of_phantom() -> Body:
-    """Returns the phantom."""
+    """Returns the phantom and its tissues."""
     made = phantom()
     bone = np.isin(made.labels, [made.names[name] for name in BONES])
     soft = {name: made.labels == made.names[name] for name in SOFT}
@@ -100,34 +100,34 @@ def body_of_scan(
     liver: int = 6,
     bone: float | None = None,
 ) -> Body:
-    """Returns what is body and bone of a scan by its values, and its liver by a label map.
+    """Returns body and bone of a scan by its values, and its liver by a label map.
 
     Args:
         volume: The scan.
-        labels: Its label map; without one the liver is soft tissue as all else.
+        labels: Label map; without one the liver is soft tissue like all other tissue.
         liver: Number of the liver in the label map.
-        bone: Where bone begins [unit of the scan]; by default as it is offered for touch.
+        bone: Lower end of bone [unit of the scan]; the default is that of ``Volume.offered_bone``.
 
     Raises:
-        OptionError: The label map does not fit.
-        EmptySegmentError: There is no such voxel.
+        OptionError: The label map does not fit the scan.
+        EmptySegmentError: There is no voxel of bone.
     """
     values = volume.slope * volume.array.astype(np.float32) + volume.intercept
     shift = RAW_SHIFT if volume.unit != "HU" and volume.range[0] >= 0.0 else 0.0
-    hard = values > (volume.anchors.bone if bone is None else bone)
+    solid = values > (volume.anchors.bone if bone is None else bone)
     body = values > AIR_END + shift
     soft = {}
     if labels is not None:
         soft["liver"] = _label(volume, labels, liver)
-        hard &= ~soft["liver"]
+        solid &= ~soft["liver"]
         body &= ~soft["liver"]
-    if not hard.any():
+    if not solid.any():
         raise EmptySegmentError("the scan has no bone; allowed: --bone with a lower value")
-    return Body(volume=volume, soft={"soft tissue": body & ~hard, **soft}, bone=hard)
+    return Body(volume=volume, soft={"soft tissue": body & ~solid, **soft}, bone=solid)
 
 
 def scene_of_body(body: Body) -> Scene:
-    """Returns what is shown of a body: its bone, and organs that are known beside it."""
+    """Returns a scene of a body: its bone and its known organs."""
     scene = Scene(body.volume)
     scene.add(body.volume.segment(body.bone, name="bone"), shown_as="surface")
     if "liver" in body.soft:
@@ -139,10 +139,10 @@ def scene_of_body(body: Body) -> Scene:
 def run_needle(
     scenario: NeedleScenario, body: Body, *, speed: float = 5.0, force_limit: float = 6.0
 ) -> ScenarioRun:
-    """Drives a needle to the bone: through the liver, or through what covers it closely.
+    """Drives a needle to bone: through the liver, or through the tissue over it.
 
     Raises:
-        OptionError: No line meets what is asked for.
+        OptionError: No line meets these structures.
     """
     if scenario == "needle-liver":
         if "liver" not in body.soft:
@@ -174,14 +174,14 @@ def run_drilling(
     """Drives a drill straight into bone; nothing else is in its way.
 
     Args:
-        body: Whose bone.
-        depth: How deep the drive goes [mm]; the burr's face stays behind by what the spring gives.
-        radius: Of the burr [mm].
-        speed: Of the drive [mm/s].
-        force_limit: Where it stops [N].
+        body: The body.
+        depth: Depth of the drive [mm]; the spring makes the burr lag behind it.
+        radius: Radius of the burr [mm].
+        speed: Speed of the drive [mm/s].
+        force_limit: Force at which the drive stops [N].
 
     Raises:
-        OptionError: No bone is met from the front, or an option is not allowed.
+        OptionError: There is no bone seen from the front, or an option is not allowed.
     """
     _check_lengths(depth=depth, radius=radius)
     volume = body.volume
@@ -220,18 +220,19 @@ def run_palpation(
     radius: float | None = None,
     progress: Callable[[str, float | None], None] | None = None,
 ) -> ScenarioRun:
-    """Presses soft tissue along a line over bone that is near in the middle and far at the ends.
+    """Presses soft tissue along a line over bone that is near in the middle and deep at both ends.
 
     Args:
-        body: Whose; what is not joined to the largest part of it, as a table, is left out.
-        sides: Of the patient, where such a line is looked for.
-        voxel: Finer voxels are merged until they are about as large [mm]: a finger is larger.
-        places: How many are pressed.
-        length: Of the line [mm].
-        depth: How deep they are pressed [mm].
-        radius: Of the ball [mm]; by default two of the smallest spacing then, the largest for
-            which the lattice's box is as good as an endless one.
-        progress: Told of each press.
+        body: The body; parts that are not connected to its largest part, such as a table, are left
+            out.
+        sides: Sides of the patient to search for a line.
+        voxel: Voxel size to which finer scans are downsampled [mm]; a finger is larger.
+        places: Number of places.
+        length: Length of the line [mm].
+        depth: Depth of a press [mm].
+        radius: Radius of the ball [mm]; the default is twice the smallest spacing after
+            downsampling, the largest for which the lattice's box counts as infinite.
+        progress: Called before each press.
 
     Raises:
         OptionError: There is no such line, or an option is not allowed.
@@ -258,14 +259,14 @@ def run_palpation(
 
 
 def _check_lengths(**lengths: float | None) -> None:
-    """Refuses what is no length [mm]."""
+    """Refuses lengths that are not positive and finite [mm]."""
     for name, length in lengths.items():
         if length is not None and not 0.0 < length <= LONGEST:
             raise OptionError(f"{name} {length:g} mm given; allowed: above 0, at most {LONGEST:g}")
 
 
 def _largest_part(mask: Mask, volume: Volume) -> Mask:
-    """The largest part of a mask, without what only hangs on it by thin bridges."""
+    """Returns the largest part of a mask, without what is connected to it by thin bridges only."""
     reach = 2.0 * max(volume.spacing)
     core = keep_largest(opened(mask, volume.spacing, reach))
     # the faces of what is kept are as they were

@@ -214,7 +214,7 @@ class Live:
     def _publish_state(self) -> bool:
         """Tells what is now and what changed; False where the session has ended."""
         frame = self.session.frame()
-        for level, text in frame.pop("notices"):
+        for level, text in frame["notices"]:
             self._publish(protocol.Notice(level=level, text=text))
         self._publish_from_threads()
         if not self.session.is_running:
@@ -223,8 +223,8 @@ class Live:
             )
             return False
         self._scene_of_now = (frame["edit"], frame["poses"])
-        versions = [frame.pop(f"{kind}_version") for kind in ("segments", "voxels")]
-        if self.segments.refresh(versions[0], voxels_version=versions[1], pending=frame["pending"]):
+        versions, voxels = frame["segments_version"], frame["voxels_version"]
+        if self.segments.refresh(versions, voxels_version=voxels, pending=frame["pending"]):
             self._publish(self.segments.message)
             for text in self.segments.take_notices():
                 self._publish(protocol.Notice(level="info", text=text))
@@ -233,7 +233,9 @@ class Live:
         if needle is not None:
             self._publish(needle)
         try:
-            state = msgspec.convert(frame, protocol.State)
+            fields = protocol.State.__struct_fields__
+            told = {name: value for name, value in frame.items() if name in fields}
+            state = msgspec.convert(told, protocol.State)
         except msgspec.ValidationError as error:
             self._publish(
                 protocol.Notice(level="error", text=f"the engine is out of order: {error}")

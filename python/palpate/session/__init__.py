@@ -1,4 +1,4 @@
-"""Sessions: a scene, a device and the engine between them; tools, settings and recordings."""
+"""Sessions of touch: a scene, a device and the engine; tools, settings and recordings."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
-"""Pose of a segment that stands where the scan has it."""
+"""Pose of a segment that was not moved."""
 
 
 class ShownAppearance(SegmentAppearance, frozen=True):
@@ -119,7 +119,7 @@ def scene_with_appearances(
     Also returns sentences on what files cannot hold.
 
     Raises:
-        OptionError: Segments came or went meanwhile.
+        OptionError: Segments were added or removed meanwhile.
     """
     scene, notes = session.scene_now(values), []
     states = session.segments()

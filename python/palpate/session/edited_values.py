@@ -1,4 +1,4 @@
-"""The values of a scan with the edits that a session tells of.
+"""Stored values of a scan with the edits that a session reports.
 
 Arrays are [z, y, x], boxes count voxels along x, y, z.
 """
@@ -14,12 +14,12 @@ Corner = tuple[int, int, int]
 
 
 class EditedValues:
-    """The scan's stored values, with each box that ``Session.picture_changes`` told of."""
+    """Stored values of a scan, updated with each box of ``Session.picture_changes``."""
 
     def __init__(self, values: NDArray[np.int16]) -> None:
-        """Begins with the values of the scan, which stay as they are."""
+        """Starts with the values of the scan, which are not changed."""
         self.values = values
-        """Shape [z, y, x]; a copy once an edit has changed some."""
+        """Shape [z, y, x]; a copy as soon as an edit has changed some."""
         self._copied = False
 
     def write(self, low: Corner, high: Corner, stored: bytes) -> None:

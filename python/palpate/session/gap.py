@@ -9,11 +9,12 @@ __all__ = ["Gap"]
 
 @dataclass(frozen=True)
 class Gap:
-    """How far the surface of one segment is from another one, and by how much they overlap."""
+    """Distance of the surface of one segment from another segment, and their overlap."""
 
     minimum: float
-    """Where they are nearest [mm]; 0 where they overlap. Right to half a voxel."""
+    """Smallest distance [mm], accurate to half a voxel; 0 where they overlap."""
     mean: float
-    """Over the surface of the first, weighted by area [mm]; what lies inside counts as 0."""
+    """Mean distance over the surface of the first, weighted by area [mm]; points inside the other
+    count as 0."""
     overlap: float
-    """Volume of the voxels of the first whose middles lie in the second [mm³]."""
+    """Volume of the voxels of the first whose centres lie in the other [mm³]."""

@@ -1,66 +1,90 @@
-"""What a session can do with its journal: every change on disk, so that a crash loses none."""
+"""The journal of a session: every change on disk, so that a crash loses none."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from palpate.session.part import SessionPart, given
+from palpate.session.engine import Engine, option_errors
 
 __all__ = ["SessionJournal"]
 
 
-class SessionJournal(SessionPart):
-    """The journal of a session."""
+class SessionJournal:
+    """Writes a journal, and recovers a session from one."""
+
+    def __init__(self, engine: Engine) -> None:
+        """Takes the engine."""
+        self._engine = engine
 
     def look_at_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int] | None:
-        """Counts the steps of a journal and the bytes at its end that are lost.
+        """Inspects a journal without changing anything.
+
+        Args:
+            path: The file.
+            scan_hash: SHA-256 of the scan, 32 bytes.
 
         Returns:
-            Both, or None where there is no such file.
+            The number of its steps, and of damaged bytes at its end; None where there is no file.
 
         Raises:
-            OptionError: The file is no journal of this scan.
-            OSError: The disk refuses it, or another session writes it (BlockingIOError).
+            OptionError: The file is not a journal of this scan.
+            OSError: The file cannot be read, or another session writes it (BlockingIOError).
         """
-        with given():
-            return self._internal.look_at_journal(path, scan_hash)
+        with option_errors():
+            return self._engine.look_at_journal(path, scan_hash)
 
     def begin_journal(self, path: Path, scan_hash: bytes) -> None:
-        """Writes every change to a new file from now on, after what is there now.
+        """Starts a journal: the current state, and from now on every change.
+
+        Args:
+            path: A new file.
+            scan_hash: SHA-256 of the scan, 32 bytes.
 
         Raises:
-            OSError: The file exists already, or the disk refuses it.
+            OSError: The file exists, or cannot be written.
         """
-        with given():
-            self._internal.begin_journal(path, scan_hash)
+        with option_errors():
+            self._engine.begin_journal(path, scan_hash)
 
     def keep_state(self, path: Path, scan_hash: bytes) -> None:
-        """Writes what is there now into a new file, as a journal without steps.
+        """Writes the current state as a journal without steps; a running journal continues.
+
+        Args:
+            path: A new file.
+            scan_hash: SHA-256 of the scan, 32 bytes.
 
         Raises:
-            OptionError: The file exists already, or the disk says no.
+            OptionError: The file exists, or cannot be written.
         """
-        with given():
-            self._internal.keep_state(path, scan_hash)
+        with option_errors():
+            self._engine.keep_state(path, scan_hash)
 
     def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
-        """Does again what a journal says, step by step, and goes on with that file.
+        """Repeats the changes of a journal, and continues it.
+
+        Args:
+            path: The file.
+            scan_hash: SHA-256 of the scan, 32 bytes.
 
         Returns:
-            Steps, bytes at the end that are lost, and notes, oldest first.
+            The number of its steps, of damaged bytes at its end, and its notes, oldest first.
 
         Raises:
-            OptionError: A record cannot be; what came before it is there then.
-            OSError: The disk refuses it, or another session writes it (BlockingIOError).
+            OptionError: A record cannot be repeated; the changes before it are done then.
+            OSError: The file cannot be read, or another session writes it (BlockingIOError).
         """
-        with given():
-            return self._internal.recover_journal(path, scan_hash)
+        with option_errors():
+            return self._engine.recover_journal(path, scan_hash)
 
     def end_journal(self) -> None:
-        """Writes what waits and closes the journal."""
-        with given():
-            self._internal.end_journal()
+        """Writes what is pending, and closes the journal."""
+        with option_errors():
+            self._engine.end_journal()
 
     def note_in_journal(self, note: bytes) -> None:
-        """Keeps bytes beside the voxels, where there is a journal."""
-        self._internal.note_in_journal(note)
+        """Writes a note into the journal; does nothing where there is no journal.
+
+        Args:
+            note: Any bytes; ``recover_journal`` returns them.
+        """
+        self._engine.note_in_journal(note)

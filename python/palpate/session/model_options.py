@@ -1,22 +1,27 @@
-"""Models by which matter gives way: their names, what each offers to choose, what is chosen.
+"""Deformation models of soft tissue: their names, the options of each, and those chosen.
 
-docs/understand/deformation.md says what the options do.
+``docs/understand/deformation.md`` explains the options.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import NamedTuple
 
 from palpate import _core
+from palpate.session.deformation_state import (
+    Calibration,
+    DeformationReport,
+    Motion,
+    OptionsState,
+)
 
 __all__ = [
     "Boxes",
-    "Calibration",
+    "Deformation",
     "Fading",
     "Model",
     "ModelOptions",
-    "Motion",
     "Prony",
     "Range",
     "Shares",
@@ -25,53 +30,60 @@ __all__ = [
 ]
 
 
-Calibration = Literal["young", "wave-speed"]
-"""How the stiffness of particles follows from the material: by E, or by the speed of longitudinal
-waves as in the thesis (5.14)."""
-
-Motion = Literal["scaled-time", "fire"]
-"""How particles come to rest: they swing in scaled time with friction (thesis 5.17), or FIRE."""
-
-
 class Prony(NamedTuple):
-    """A force that fades while matter is held."""
+    """Stress relaxation: a fraction of the force decays while tissue is held."""
 
     share: float
-    """Of the force at once, the share that fades."""
+    """Fraction of the initial force that decays, 0 to 1."""
     time: float
     """Time constant [s]."""
 
 
 class ModelOptions(NamedTuple):
-    """What is chosen of a model; nothing chosen is as usual.
+    """Options of a deformation model; None is the model's default.
 
-    Scene files hold them in this order: what is new goes last, with a default.
+    Scene files store them in this order: new options are added at the end, with a default.
     """
 
     edge: int | None = None
-    """Nodes or cells along each edge of its box."""
+    """Nodes or cells along each edge of the model's box."""
     binding: float | None = None
-    """Springs to the initial positions, as a share of a link's stiffness (thesis 5.12)."""
+    """Stiffness of springs to the initial positions, relative to that of a link (thesis 5.12)."""
     walls: bool = False
     """Whether particles are kept out of empty voxels (thesis 5.13)."""
     prony: Prony | None = None
-    """Force that fades while matter is held; None for elastic matter."""
+    """Stress relaxation; None for elastic tissue."""
     yield_strain: float | None = None
-    """Strain from which on matter stays as it is pressed; None where it comes back."""
+    """Strain beyond which deformation is plastic; None where it is always elastic."""
     layers: int | None = None
-    """Parts of the work of an answer, from the tool outward (thesis 5.21)."""
+    """Layers, from the tool outward, in which an answer is computed (thesis 5.21)."""
     calibration: Calibration | None = None
     motion: Motion | None = None
 
     @classmethod
-    def of_state(cls, state: dict[str, Any]) -> ModelOptions:
-        """Returns the options as the engine tells them."""
+    def of_state(cls, state: OptionsState) -> ModelOptions:
+        """Returns the options that the engine reports."""
         prony = state["prony"]
-        return cls(**state | {"prony": None if prony is None else Prony(**prony)})
+        return cls(
+            edge=state["edge"],
+            binding=state["binding"],
+            walls=state["walls"],
+            prony=None if prony is None else Prony(**prony),
+            yield_strain=state["yield_strain"],
+            layers=state["layers"],
+            calibration=state["calibration"],
+            motion=state["motion"],
+        )
+
+
+class Deformation(DeformationReport):
+    """State of the deformation model, with its options."""
+
+    options: ModelOptions
 
 
 class Boxes(NamedTuple):
-    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
+    """Allowed sizes of a model's box: nodes or cells along each edge, odd numbers."""
 
     least: int
     usual: int
@@ -79,7 +91,7 @@ class Boxes(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """Shares that can be chosen."""
+    """Allowed fractions, and the default."""
 
     least: float
     usual: float
@@ -87,50 +99,50 @@ class Shares(NamedTuple):
 
 
 class Range(NamedTuple):
-    """Numbers that can be chosen where nothing is usual."""
+    """Allowed numbers, where there is no default."""
 
     least: float
     most: float
 
 
 class Fading(NamedTuple):
-    """How a force can fade."""
+    """Allowed stress relaxation."""
 
     shares: Range
-    """Shares of it."""
+    """Fractions of the force that can decay."""
     times: Range
     """Time constants [s]."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """A model, and what it offers to choose."""
+    """A deformation model and the options it has."""
 
     name: str
     title: str
-    """Its name, as a person reads it."""
+    """Name to display."""
     bonded: bool
-    """Whether it is of nodes and bonds that can break; else of particles."""
+    """Whether it consists of nodes and breakable bonds; else of particles."""
     boxes: Boxes | None
-    """None where it takes all matter."""
+    """None where it always deforms all tissue."""
     binding: Shares | None
-    """None where nothing is bound."""
+    """Allowed springs to the initial positions; None where it has none."""
     walls: bool
     """Whether particles can be kept out of empty voxels."""
     fades: Fading | None
-    """How its force can fade; None where it cannot."""
+    """Stress relaxation; None where it has none."""
     yields: Range | None
-    """Strains from which on its matter stays as it is pressed; None where it comes back."""
+    """Allowed yield strains; None where it is always elastic."""
     layers: int | None
-    """Layers at most, one is usual; None where its work is not parted."""
+    """Most layers, the default is 1; None where it has none."""
     calibration: bool
-    """Whether calibrations can be chosen."""
+    """Whether there is a choice of ``calibration``."""
     motion: bool
-    """Whether motions can be chosen."""
+    """Whether there is a choice of ``motion``."""
 
 
 def offered_models() -> list[Model]:
-    """Lists the models by which matter gives way."""
+    """Returns all deformation models."""
     return [
         Model(
             name=each["name"],
@@ -150,5 +162,5 @@ def offered_models() -> list[Model]:
 
 
 def deformation_models() -> list[str]:
-    """Lists the names of the models by which matter gives way."""
+    """Returns the names of all deformation models."""
     return [model.name for model in offered_models()]

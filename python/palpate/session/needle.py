@@ -1,6 +1,6 @@
-"""Needles: what tissues are to them, and what happens to one in a session.
+"""Needles: properties of tissue, and events of a needle in a session.
 
-The law is told in ``docs/understand/needle.md``. Points are in the patient [mm].
+``docs/understand/needle.md`` explains the model. Points are in the patient, LPS [mm].
 """
 
 from __future__ import annotations
@@ -15,29 +15,30 @@ __all__ = ["DIAMETER", "TISSUES", "NeedleEvent", "Tissue"]
 
 @dataclass(frozen=True)
 class Tissue:
-    """What a needle meets in a tissue that it can puncture."""
+    """Properties of a tissue for a needle of diameter ``DIAMETER``."""
 
     linear: float
-    """Force per deflection of the tissue under the tip [N/mm]."""
+    """Stiffness of the tissue under the tip, linear part [N/mm]."""
     quadratic: float
-    """What the square of the deflection adds [N/mm²]."""
+    """Stiffness of the tissue under the tip, quadratic part [N/mm²]."""
     puncture: float
-    """Force at which the tip goes in [N]."""
+    """Force at which the tip punctures the surface [N]."""
     cutting: float
-    """Force at the tip while it cuts its way on [N]."""
+    """Force at the tip while it cuts [N]."""
     friction: float
     """Friction of the shaft per length in the tissue [N/mm]."""
     lateral: float
-    """Stiffness against the side per length of shaft in the tissue [N/mm per mm]."""
+    """Lateral stiffness per length of shaft in the tissue [N/mm per mm]."""
     relaxation: float
-    """Share of the cutting force that a tip at rest loses."""
+    """Fraction of the cutting force that relaxes while the tip rests, 0 to 1."""
     relaxation_secs: float
-    """Time in which that loss comes to 63 % [s]."""
+    """Time constant of that relaxation [s]."""
 
     def met_by(self, diameter: float) -> Tissue:
-        """Returns what a needle of another diameter [mm] meets.
+        """Returns the properties for a needle of another diameter [mm].
 
-        Forces at tip and shaft grow in proportion to it, as the shaft's face does; that is assumed.
+        Forces at tip and shaft are assumed to be proportional to the diameter, as the shaft's
+        surface is.
         """
         share = diameter / DIAMETER
         return replace(
@@ -51,23 +52,23 @@ class Tissue:
 
 
 DIAMETER = 1.0
-"""Of the needle that the presets are for [mm]."""
+"""Diameter of the needle of the presets [mm]."""
 
 TISSUES: Mapping[str, Tissue] = {name: Tissue(*figures) for name, figures in _core.needle_tissues()}
-"""Presets by name; bone is none of them, since no needle punctures it."""
+"""Presets by name; bone is not among them, since a needle does not puncture it."""
 
 
 @dataclass(frozen=True)
 class NeedleEvent:
-    """What happened to a needle in a session."""
+    """An event of a needle in a session."""
 
     kind: str
     """``punctured``, ``crossed``, ``stopped`` or ``withdrawn``."""
     segment: int
-    """Which segment; 0 where none."""
+    """Number of the segment; 0 for none."""
     time: float
-    """When [s]."""
+    """Time of the event [s]."""
     depth: float
-    """How deep, from where the needle went in [mm]."""
+    """Distance of the tip from the point of entry [mm]."""
     force: float
-    """At the tip [N]."""
+    """Force at the tip [N]."""

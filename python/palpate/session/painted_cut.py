@@ -1,4 +1,4 @@
-"""A line that was painted on the picture, to cut a segment along.
+"""A line that was drawn on the picture, to split a segment along it.
 
 Frame: scene, LPS [mm].
 """
@@ -17,18 +17,18 @@ Triple = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class PaintedCut:
-    """A line on the picture of an eye, by points of the scene that lie under it."""
+    """A line on the picture seen from an eye, given by points of the scene below it."""
 
     line: ArrayLike
-    """Points before the eye, shape [count, 3]; two or more."""
+    """Points in front of the eye, shape [count, 3]; two or more."""
     eye: Triple
-    """Where the eye is."""
+    """Position of the eye."""
     view: Triple
-    """Where it looks, of any length but zero."""
+    """Direction of view, of any length but zero."""
     closed: bool = False
-    """Whether its end is joined to its beginning; else both go on straight without end."""
+    """Whether the line is closed; else it continues straight beyond both ends."""
 
     def given(self) -> tuple[NDArray[np.float64], Triple, Triple, bool]:
-        """Returns what the engine takes."""
+        """Returns the form that the engine takes."""
         points = np.ascontiguousarray(np.atleast_2d(np.asarray(self.line, dtype=np.float64)))
         return points, self.eye, self.view, self.closed

@@ -1,7 +1,7 @@
-"""A stroke of the brush in slices, or what an outline encloses: one step of undo when it is done.
+"""A stroke of the brush in slices, or the inside of an outline, as one step of undo.
 
-Each piece of its way becomes edits of boxes of voxels, so that picture, surfaces and touch follow
-as they follow the tools in the hand, by the same admission.
+Each piece becomes edits of boxes of voxels, so that picture, surfaces and touch follow as they
+follow a tool at the probe.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ __all__ = ["PaintedStroke"]
 
 
 class PaintedStroke:
-    """Paints voxels of a segment, or takes them away, until it is finished or cancelled."""
+    """Adds voxels to a segment, or removes them, until it is finished or cancelled."""
 
     def __init__(self, session: Session, segment_id: int, *, erases: bool = False) -> None:
         """Begins a stroke.
 
         Raises:
-            OptionError: There is no such segment, or it does not stand where the scan has it.
+            OptionError: There is no such segment, or it was moved or has a grid of its own.
         """
         segment = session.segment(segment_id)
         pose = {state["id"]: state["pose"] for state in session.segments()}.get(segment_id)
@@ -47,14 +47,14 @@ class PaintedStroke:
 
     @property
     def changed(self) -> int:
-        """How many voxels it has changed."""
+        """Number of voxels that it has changed."""
         return abs(self._counts[-1] - self._counts[0])
 
     def along(self, brush: Brush, points: Sequence[Point]) -> None:
-        """Goes from the first point over the others [scene].
+        """Moves the brush along points of the scene.
 
         Raises:
-            OptionError: A number of the brush is out of range, or the segment is gone.
+            OptionError: A setting of the brush is out of range, or the segment was removed.
         """
         brush.check()
         ways = pairwise(points) if len(points) > 1 else [(points[0], points[0])] if points else []
@@ -68,15 +68,17 @@ class PaintedStroke:
         normal: Sequence[float],
         values: tuple[float, float] | None = None,
     ) -> None:
-        """Covers the voxels of a slice whose middles an outline encloses.
+        """Covers the voxels of a slice whose centres an outline encloses.
 
         Args:
-            outline: Corners [scene]; the first one says which slice. The last is joined to it.
-            normal: Of the slice, along an axis of the scan.
-            values: Only voxels with such values are changed [unit of the scan]; None is all.
+            outline: Corners in the scene, LPS [mm]; the first one selects the slice. The outline is
+                closed.
+            normal: Normal of the slice, along an axis of the scan.
+            values: Lowest and highest value of voxels to change [unit of the scan]; None for all.
 
         Raises:
-            OptionError: There are fewer than three corners, or the slice lies along no axis.
+            OptionError: There are fewer than three corners, or the normal is along none of the
+                axes.
         """
         if len(outline) < 3:
             raise OptionError(f"{len(outline)} corners given; allowed: three or more")
@@ -87,12 +89,12 @@ class PaintedStroke:
         self._take(where.box, np.expand_dims(filled, 2 - where.axis))
 
     def finish(self) -> None:
-        """Makes one step of undo of what was changed."""
+        """Makes the changes one step of undo."""
         self._session.group_steps(self.segment_id, self._counts)
         self._counts = self._counts[-1:]
 
     def cancel(self) -> None:
-        """Takes back what was changed."""
+        """Undoes the changes."""
         if len(self._counts) > 1:
             self.finish()
             self._session.undo()
@@ -101,7 +103,7 @@ class PaintedStroke:
         self._take(*covered(self._volume, brush, ends))
 
     def _take(self, box: Box, mask: Mask) -> None:
-        """Changes those voxels of a part of the scan that are not as they shall be."""
+        """Changes the voxels of a box that are not as they should be."""
         part = self._mask[box]
         new = mask & (part if self.erases else ~part)
         corner = np.array([side.start for side in reversed(box)])

@@ -1,18 +1,21 @@
-"""What a session tells the picture: surfaces, and what changed in voxels."""
+"""The picture of a session: surfaces of segments, and changes of voxels."""
 
 from __future__ import annotations
 
-from typing import Any
-
 from palpate.base.errors import OptionError
-from palpate.session.part import SessionPart, given
+from palpate.session.engine import Engine, option_errors
+from palpate.session.picture_change import PictureChange
 from palpate.volumes.surface import Source
 
 __all__ = ["SessionPicture"]
 
 
-class SessionPicture(SessionPart):
-    """The picture of a session."""
+class SessionPicture:
+    """Surfaces that follow their segments, and changes that a picture has to follow."""
+
+    def __init__(self, engine: Engine) -> None:
+        """Takes the engine."""
+        self._engine = engine
 
     def show_surface(
         self,
@@ -22,62 +25,73 @@ class SessionPicture(SessionPart):
         step: int = 1,
         source: Source = "intensities",
     ) -> None:
-        """Keeps a surface of a segment that follows its voxels, for ``picture_changes``.
+        """Keeps a surface of a segment up to date for ``picture_changes``.
 
         Args:
-            segment_id: Which segment.
-            smoothing: Degree; 0 shows the voxels as they are, each degree looks a cell farther.
+            segment_id: Number of the segment.
+            smoothing: Degree of smoothing; 0 shows the voxels, each degree smooths over one more
+                cell.
             step: Edge of a cell: 1, 2 or 4 voxels.
-            source: What it is made from; see ``Surface``.
+            source: What the surface is made from; see ``Surface``.
 
         Raises:
             OptionError: A value is out of range, or there is no such segment.
         """
-        with given():
-            self._internal.show_surface(
+        with option_errors():
+            self._engine.show_surface(
                 segment_id, smoothing=smoothing, step=step, of_bits=source == "bits"
             )
 
     def hide_surface(self, segment_id: int) -> None:
-        """Keeps no surface of a segment any more."""
-        with given():
-            self._internal.hide_surface(segment_id)
+        """Stops keeping a surface of a segment.
+
+        Raises:
+            OptionError: There is no such segment.
+        """
+        with option_errors():
+            self._engine.hide_surface(segment_id)
 
     def follow_edits(self, every: int) -> None:
-        """Has ``picture_changes`` follow edits every so many-th of 60 frames a second.
-
-        Source: thesis 5.2.2.
+        """Sets how often ``picture_changes`` reports edits (thesis 5.2.2).
 
         Args:
-            every: 1 follows at once; up to 4, for slow machines.
+            every: Number of frames, of 60 a second, between two reports: 1 to 4. Slow machines need
+                the larger ones.
 
         Raises:
             OptionError: The number is out of range.
         """
         if every not in range(1, 5):
             raise OptionError(f"every {every}th frame given; allowed: 1 to 4")
-        self._internal.follow_edits(every)
+        self._engine.follow_edits(every)
 
     def set_labelled(self, segment_ids: list[int]) -> None:
-        """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""
-        self._internal.set_labelled(segment_ids)
-
-    def wait_for_changes(self, heard: int, seconds: float) -> int:
-        """Waits until there may be ``picture_changes`` that were not there before.
+        """Sets the segments whose labels ``picture_changes`` reports.
 
         Args:
-            heard: What the call before returned, at first 0.
-            seconds: How long to wait at most.
+            segment_ids: Numbers of the segments; where they overlap, the last one counts.
         """
-        return self._internal.wait_for_changes(heard, seconds)
+        self._engine.set_labelled(segment_ids)
 
-    def picture_changes(self) -> list[dict[str, Any]]:
-        """Returns what changed in voxels and surfaces since the call before, oldest first.
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until there may be new ``picture_changes``.
 
-        The keys are the fields of ``protocol.Changed``. The first call begins to watch.
+        Args:
+            heard: What the previous call returned; 0 at first.
+            seconds: Longest wait [s], 0 to 10.
+
+        Returns:
+            How often the picture has changed since the session's start.
         """
-        return self._internal.picture_changes()
+        return self._engine.wait_for_changes(heard, seconds)
 
-    def whole_surfaces(self) -> dict[str, Any]:
-        """Returns all surfaces as they are, as one of ``picture_changes``."""
-        return self._internal.whole_surfaces()
+    def picture_changes(self) -> list[PictureChange]:
+        """Returns the changes of voxels and surfaces since the previous call, oldest first.
+
+        The first call starts the observation. The keys are the fields of ``protocol.Changed``.
+        """
+        return self._engine.picture_changes()
+
+    def whole_surfaces(self) -> PictureChange:
+        """Returns all current surfaces, in the form of one of ``picture_changes``."""
+        return self._engine.whole_surfaces()

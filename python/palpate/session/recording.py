@@ -1,7 +1,7 @@
-"""What a session did, tick by tick: kept, computed again, written as tables.
+"""Recordings of sessions, tick by tick: stored, replayed, and written as tables.
 
 Points are in the scene, LPS [mm]; forces [N] in scene axes; times [s] since the session's start.
-Columns that end in ``_in_device`` have the device's own frame.
+Columns that end in ``_in_device`` are in the device's own frame.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import msgspec
 import numpy as np
@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.base.errors import OptionError, RecordingFormatError
+from palpate.session.recording_columns import TapeColumns, TickColumns
 from palpate.session.recording_file import About, read_file, write_file
 from palpate.session.recording_table import write_csv, write_npz
 
 __all__ = ["Recording", "Replay"]
-
-Columns = dict[str, NDArray[Any]]
 
 EVENTS = {
     "Root": "segments",
@@ -36,54 +35,59 @@ EVENTS = {
     "Pose": "move",
     "Mark": "recording",
 }
-"""What a person calls the engine's commands; others keep their own name."""
+"""Names for users of the engine's commands; others keep their own name."""
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What came out when a recording was computed again."""
+    """Result of replaying a recording."""
 
     first_tick: int
-    """Number of the first tick that was computed again."""
+    """Number of the first replayed tick."""
     ticks: int
-    """How many were."""
+    """Number of replayed ticks."""
     seconds: float
-    """From the first to the last of them."""
+    """Duration of the replayed ticks [s]."""
     recorded_hash: str
-    """Of what was recorded: 16 hexadecimal digits over the bits of every probe and force."""
+    """Hash of the recorded ticks: 16 hexadecimal digits over the bits of every probe and force."""
     replayed_hash: str
-    """The same of what was computed now."""
+    """Hash of the replayed ticks."""
     different: int
-    """Ticks that differ in any bit."""
+    """Number of ticks that differ in any bit."""
     first_difference: dict[str, float] | None
-    """The first of them: ``tick``, ``time`` [s], ``probe`` [mm] and ``force`` [N] apart."""
+    """The first of them: ``tick``, ``time`` [s], and differences of ``probe`` [mm] and ``force``
+    [N]."""
     stopped: str
     """Why the replay ended before the recording; "" where it did not."""
     same_build: bool
-    """Whether this build recorded it; another one may compute other bits."""
+    """Whether the same build recorded it; another build may compute other bits."""
     positions: NDArray[np.float64]
-    """Where the probe is now, shape [ticks, 3]."""
+    """Replayed positions of the probe, shape [ticks, 3]."""
     forces: NDArray[np.float64]
-    """Force of the contact now, shape [ticks, 3]."""
+    """Replayed contact forces, shape [ticks, 3]."""
 
     @property
     def is_equal(self) -> bool:
-        """Whether every tick that was computed again is what it was, bit for bit."""
+        """Whether every replayed tick equals the recorded one bit for bit."""
         return self.different == 0
 
 
 class Recording:
-    """Every tick of a stretch of time, one row per tick."""
+    """All ticks of a period of a session, one row for each tick."""
 
     def __init__(
-        self, columns: Columns, *, tape: Columns | None = None, about: About | None = None
+        self,
+        columns: TickColumns,
+        *,
+        tape: TapeColumns | None = None,
+        about: About | None = None,
     ) -> None:
-        """Takes columns as the engine or a file gives them.
+        """Takes columns as the engine or a file provides them.
 
         Args:
             columns: The ticks.
             tape: What else a replay needs.
-            about: Where it comes from.
+            about: Origin of the recording.
         """
         self.columns = columns
         self.about = about
@@ -104,95 +108,95 @@ class Recording:
 
     @property
     def times(self) -> NDArray[np.float64]:
-        """Since the session's start [s], shape [count]."""
+        """Times since the session's start [s], shape [count]."""
         return self.columns["time"]
 
     @property
     def devices(self) -> NDArray[np.float64]:
-        """Where the device was, shape [count, 3]."""
+        """Positions of the device, shape [count, 3]."""
         return self.columns["device"]
 
     @property
     def hands(self) -> NDArray[np.float64]:
-        """Where the hand pulled it to, shape [count, 3]."""
+        """Positions of the hand that pulls the device, shape [count, 3]."""
         return self.columns["hand"]
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Where the probe was, shape [count, 3]."""
+        """Positions of the probe, shape [count, 3]."""
         return self.columns["proxy"]
 
     @property
     def forces(self) -> NDArray[np.float64]:
-        """Force of the contact, before the safety stage, shape [count, 3]."""
+        """Contact forces, before the safety stage, shape [count, 3]."""
         return self.columns["force"]
 
     @property
     def sent_forces(self) -> NDArray[np.float64]:
-        """Force that the device was sent, shape [count, 3]."""
+        """Forces sent to the device, shape [count, 3]."""
         return self.columns["sent_force"]
 
     @property
     def contacts(self) -> NDArray[np.bool_]:
-        """Whether an obstacle held the probe back, shape [count]."""
+        """Whether an obstacle stopped the probe, shape [count]."""
         return self.columns["contact"]
 
     @property
     def touched(self) -> NDArray[np.uint8]:
-        """Number of the segment that was touched, some ms late; 0 is none; shape [count]."""
+        """Numbers of the touched segments, some milliseconds late; 0 for none; shape [count]."""
         return self.columns["touched"]
 
     @property
     def tool_volumes(self) -> NDArray[np.float64]:
-        """Volume that the tool has changed since it was pressed last [mm³], shape [count]."""
+        """Volume that the tool has changed in the current stroke [mm³], shape [count]."""
         return self.columns["tool_volume"]
 
     @property
     def tool_times(self) -> NDArray[np.float64]:
-        """Time that the tool was at work since then [s], shape [count]."""
+        """Time at work of the tool in the current stroke [s], shape [count]."""
         return self.columns["tool_time"]
 
     @property
     def tool_loads(self) -> NDArray[np.float64]:
-        """Power of the drill on matter [N mm/s], 0 where it rests, shape [count]."""
+        """Power of the drill [N mm/s], 0 where it rests, shape [count]."""
         return self.columns["tool_load"]
 
     # --- figures --------------------------------------------------------------------------
 
     @property
     def depths(self) -> NDArray[np.float64]:
-        """How far the device was from the probe [mm], shape [count]."""
+        """Distances of device and probe [mm], shape [count]."""
         lengths: NDArray[np.float64] = np.linalg.norm(self.devices - self.positions, axis=1)
         return lengths
 
     @property
     def seconds(self) -> float:
-        """From the first tick to the last."""
+        """Duration from the first tick to the last [s]."""
         return float(self.times[-1] - self.times[0]) if len(self) else 0.0
 
     @property
     def contact_share(self) -> float:
-        """Share of the ticks in contact."""
+        """Fraction of the ticks in contact, 0 to 1."""
         return float(self.contacts.mean()) if len(self) else 0.0
 
     @property
     def largest_force(self) -> float:
-        """Of the contact, before the safety stage [N]."""
+        """Largest contact force, before the safety stage [N]."""
         return float(np.linalg.norm(self.forces, axis=1).max()) if len(self) else 0.0
 
     @property
     def lost(self) -> int:
-        """Ticks that are missing between the first and the last."""
+        """Number of ticks missing between the first and the last."""
         return int(self.ticks[-1] - self.ticks[0]) + 1 - len(self) if len(self) else 0
 
     @property
     def can_be_replayed(self) -> bool:
-        """Whether it holds all that a replay needs, from some tick on."""
+        """Whether it holds what a replay needs, from some tick on."""
         return self._tape is not None
 
     @cached_property
     def events(self) -> list[str]:
-        """What happened in each tick beside touch: commands, and ticks lost before it."""
+        """Events of each tick beside touch: commands, and ticks lost before it; "" for none."""
         said: dict[int, list[str]] = {}
         steps = np.diff(self.ticks.astype(np.int64))
         for before in np.flatnonzero(steps > 1).tolist():
@@ -205,7 +209,7 @@ class Recording:
         return events
 
     def _commands(self) -> list[tuple[int, str]]:
-        """Lists the commands: the row that obeyed each, and its name."""
+        """Returns the row and the name of each command."""
         if self._tape is None:
             return []
         try:
@@ -231,8 +235,8 @@ class Recording:
         """Computes the ticks again and compares every bit of probe and force.
 
         Raises:
-            OptionError: It does not hold what a replay needs.
-            RecordingFormatError: What it holds does not fit together.
+            OptionError: The recording lacks what a replay needs.
+            RecordingFormatError: Its parts do not fit together.
         """
         if self._tape is None:
             raise OptionError(
@@ -271,17 +275,17 @@ class Recording:
         """Reads a file that ``save`` wrote.
 
         Raises:
-            RecordingFormatError: It is no recording, is cut off or damaged.
-            OSError: It cannot be read.
+            RecordingFormatError: The file is not a recording, is truncated or damaged.
+            OSError: The file cannot be read.
         """
         ticks, tape, about = read_file(Path(path))
         return cls(ticks, tape=tape, about=about)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes all of it to a file, so that it can be replayed.
+        """Writes a file that can be replayed.
 
         Raises:
-            OptionError: Nothing is known of where it comes from.
+            OptionError: The origin of the recording is not known.
             OSError: The file cannot be written.
         """
         if self.about is None:
@@ -289,16 +293,16 @@ class Recording:
         write_file(Path(path), ticks=self.columns, tape=self._tape, about=self.about)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Writes poses, forces and events as a table of text."""
+        """Writes poses, forces and events as a CSV file."""
         write_csv(Path(path), self.columns, self.events)
 
     def to_npz(self, path: str | PathLike[str]) -> None:
-        """Writes poses, forces and events as NumPy arrays."""
+        """Writes poses, forces and events as a NumPy archive."""
         write_npz(Path(path), self.columns, self.events)
 
 
 def _event_of(command: object) -> str:
-    """Names a command: the engine packs it as its name, or as a map with its name as the key."""
+    """Returns the name of a command: it is packed as its name, or as a map with that key."""
     name = next(iter(command)) if isinstance(command, dict) else command
     return EVENTS.get(str(name), str(name).lower())
 

@@ -1,9 +1,9 @@
-"""Recordings as files: one NumPy archive with a column of numbers each, compressed.
+"""Recordings as files: one compressed NumPy archive with an array for each column.
 
-``numpy.load`` opens a ``.palpate-session`` file too. Ticks stand in columns of one row per tick;
-what else a replay needs (the state at the start, commands, bricks) in columns of its own, as the
-engine gives them; ``about`` holds UTF-8 JSON on where all that comes from. Nothing in a file is
-ever executed: arrays are read as plain numbers, and only where kind, shape and size are right.
+``numpy.load`` opens a ``.palpate-session`` file too. Ticks are columns with one row for each tick;
+what else a replay needs (the state at the start, commands, bricks) has columns of its own, as the
+engine provides them; ``about`` is UTF-8 JSON on the origin of the recording. Nothing in a file is
+ever executed: arrays are read as plain numbers, and only where type, shape and size are right.
 
 Frames: those of ``recording.py``.
 """
@@ -16,15 +16,24 @@ import re
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any, BinaryIO
+from typing import IO, Any, BinaryIO, cast
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import RecordingFormatError
+from palpate.session.recording_columns import (
+    SINCE_3,
+    SINCE_4,
+    TAPE,
+    TICKS,
+    Columns,
+    TapeColumns,
+    TickColumns,
+    by_name,
+)
 
 __all__ = [
     "FORMAT",
@@ -38,76 +47,19 @@ __all__ = [
 
 FORMAT = "palpate-session"
 VERSION = 4
-"""Of the form of the file; an older Palpate refuses a newer form."""
+"""Version of the file format; an older Palpate refuses a newer version."""
 OLDEST_VERSION = 2
-"""The oldest form that is read: it does not know the tool, which counts as resting then."""
-
-Columns = dict[str, NDArray[Any]]
-
-TICKS: dict[str, tuple[str, int]] = {
-    "tick": ("<u8", 0),
-    "time": ("<f8", 0),
-    "device": ("<f8", 3),
-    "hand": ("<f8", 3),
-    "proxy": ("<f8", 3),
-    "force": ("<f8", 3),
-    "sent_force": ("<f8", 3),
-    "contact": ("|b1", 0),
-    "touched": ("|u1", 0),
-    "tool_volume": ("<f8", 0),
-    "tool_time": ("<f8", 0),
-    "tool_load": ("<f8", 0),
-    "command": ("<u8", 0),
-    "reading": ("<u8", 0),
-    "read_at": ("<f8", 0),
-    "position_in_device": ("<f8", 3),
-    "velocity_in_device": ("<f8", 3),
-    "orientation": ("<f8", 4),
-    "buttons": ("<u4", 0),
-    "hand_target": ("<f8", 3),
-    "hand_number": ("<u8", 0),
-    "has_room": ("|b1", 0),
-}
-"""Columns of the ticks: kind of number, and how many a row has; 0 is one without an axis."""
-
-SINCE_3 = ("tool_volume", "tool_time", "tool_load")
-"""Columns of the ticks that version 2 did not have."""
-
-TAPE: dict[str, tuple[str, int]] = {
-    "start": ("|u1", 0),
-    "commands": ("|u1", 0),
-    "command_ends": ("<u8", 0),
-    "brick_ends": ("<u8", 0),
-    "brick_segment": ("|u1", 0),
-    "brick_index": ("<u4", 0),
-    "brick_words": ("<u8", 8),
-    "solid_segment": ("|u1", 0),
-    "solid_index": ("<u4", 0),
-    "solid_words": ("<u8", 8),
-    "value_index": ("<u4", 0),
-    "value_stored": ("<i2", 512),
-    "share_ends": ("<u8", 0),
-    "share_segment": ("|u1", 0),
-    "share_index": ("<u4", 0),
-    "share_bytes": ("|u1", 512),
-    "known_segment": ("|u1", 0),
-    "known_index": ("<u4", 0),
-    "known_bytes": ("|u1", 512),
-}
-"""Columns of what else a replay needs."""
-
-SINCE_4 = tuple(name for name in TAPE if name.startswith(("share_", "known_")))
-"""Columns of these that version 3 did not have: nothing was known of the shares of masks."""
+"""Oldest version that can be read. It has no tool; the tool counts as resting then."""
 
 MAGIC = b"\x93NUMPY\x01\x00"
 HEADER = re.compile(
     rb"\{'descr': '([\x21-\x7e]{1,20})', 'fortran_order': False, "
     rb"'shape': \(((?:\d{1,12}, ?)*\d{0,12})\), \} *\n"
 )
-"""What stands in front of the numbers of an array (NEP 1), as NumPy writes it."""
+"""Header of an array (NEP 1), as NumPy writes it."""
 
 MOST_BYTES = 1 << 32
-"""Unpacked; the longest recording takes a third of it."""
+"""Most unpacked bytes; the longest recording takes a third of it."""
 
 MOST_ABOUT_BYTES = 1 << 20
 
@@ -115,7 +67,7 @@ Vector = tuple[float, float, float]
 
 
 class AboutScan(msgspec.Struct, frozen=True):
-    """The scan that was touched; see ``Volume`` for what the fields mean."""
+    """The scan of a session; see ``Volume`` for the fields."""
 
     name: str
     modality: str
@@ -127,7 +79,7 @@ class AboutScan(msgspec.Struct, frozen=True):
 
 
 class AboutSegment(msgspec.Struct, frozen=True):
-    """A segment as it was when the recording began."""
+    """A segment at the start of a recording."""
 
     id: int
     name: str
@@ -137,7 +89,7 @@ class AboutSegment(msgspec.Struct, frozen=True):
 
 
 class About(msgspec.Struct, frozen=True):
-    """Where a recording comes from."""
+    """Origin of a recording."""
 
     format: str
     version: int
@@ -150,17 +102,16 @@ class About(msgspec.Struct, frozen=True):
     scan: AboutScan
     segments: list[AboutSegment]
     settings: dict[str, Any]
+    """Settings of touch; the names are those of the version that wrote the file."""
 
 
-def write_file(
-    path: Path, *, ticks: Mapping[str, NDArray[Any]], tape: Columns | None, about: About
-) -> None:
-    """Writes a recording; either all of it is there in the end, or nothing.
+def write_file(path: Path, *, ticks: TickColumns, tape: TapeColumns | None, about: About) -> None:
+    """Writes a recording, completely or not at all.
 
     Raises:
         OSError: The folder cannot be written.
     """
-    columns = dict(ticks) | (tape or {})
+    columns = by_name(ticks) | ({} if tape is None else by_name(tape))
     columns["about"] = np.frombuffer(msgspec.json.encode(about), np.uint8)
     handle, unfinished = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
@@ -173,12 +124,12 @@ def write_file(
         raise
 
 
-def read_file(path: Path) -> tuple[Columns, Columns | None, About]:
-    """Reads a recording: its ticks, what else a replay needs, and where it comes from.
+def read_file(path: Path) -> tuple[TickColumns, TapeColumns | None, About]:
+    """Reads a recording: its ticks, what else a replay needs, and its origin.
 
     Raises:
-        RecordingFormatError: The file is no recording, is cut off or damaged.
-        OSError: There is no such file, or it may not be read.
+        RecordingFormatError: The file is not a recording, is truncated or damaged.
+        OSError: The file cannot be read.
     """
     try:
         with path.open("rb") as file:
@@ -197,7 +148,7 @@ def read_file(path: Path) -> tuple[Columns, Columns | None, About]:
         raise _refused(path, f"is damaged ({error})") from None
 
 
-def _read(path: Path, file: BinaryIO) -> tuple[Columns, Columns | None, About]:
+def _read(path: Path, file: BinaryIO) -> tuple[TickColumns, TapeColumns | None, About]:
     if not zipfile.is_zipfile(file):
         raise _refused(path, "is no recording, or was cut off")
     with zipfile.ZipFile(file) as archive:
@@ -210,21 +161,25 @@ def _read(path: Path, file: BinaryIO) -> tuple[Columns, Columns | None, About]:
         about = _about(path, _column(archive, "about", ("|u1", 0)))
 
         has_tape = not names.isdisjoint(TAPE)
-        told = [name for name in TICKS if about.version >= 3 or name not in SINCE_3]
+        stored = [name for name in TICKS if about.version >= 3 or name not in SINCE_3]
         taped = [name for name in TAPE if about.version >= 4 or name not in SINCE_4]
-        missing = (set(told) | (set(taped) if has_tape else set())) - names
+        missing = (set(stored) | (set(taped) if has_tape else set())) - names
         if missing:
             raise _refused(path, f"lacks {', '.join(sorted(missing))}")
-        ticks = {name: _column(archive, name, TICKS[name]) for name in told}
-        for name in set(TICKS) - set(told):
+        ticks: Columns = {name: _column(archive, name, TICKS[name]) for name in stored}
+        for name in set(TICKS) - set(stored):
             ticks[name] = np.zeros(len(ticks["tick"]))
-        tape = {name: _column(archive, name, TAPE[name]) for name in taped} if has_tape else {}
+        tape: Columns = (
+            {name: _column(archive, name, TAPE[name]) for name in taped} if has_tape else {}
+        )
         for name in set(TAPE) - set(taped):
             kind, width = TAPE[name]
             tape[name] = np.zeros((0, width) if width else 0, kind)
     if len({len(column) for column in ticks.values()}) > 1:
         raise _refused(path, "has columns of different length")
-    return ticks, tape if has_tape else None, about
+    # all names are there, with the right kinds of number
+    whole = cast("TapeColumns", tape) if has_tape else None
+    return cast("TickColumns", ticks), whole, about
 
 
 def _about(path: Path, packed: NDArray[Any]) -> About:
@@ -246,7 +201,7 @@ def _about(path: Path, packed: NDArray[Any]) -> About:
 
 
 def _column(archive: zipfile.ZipFile, name: str, kind: tuple[str, int]) -> NDArray[Any]:
-    """Reads one array; its kind and shape are known before its numbers are read."""
+    """Reads one array; its type and shape are checked before its numbers are read."""
     with archive.open(f"{name}.npy") as member:
         given, shape = _header(name, member)
         width = kind[1]
@@ -262,9 +217,9 @@ def _column(archive: zipfile.ZipFile, name: str, kind: tuple[str, int]) -> NDArr
 
 
 def _header(name: str, member: IO[bytes]) -> tuple[str, tuple[int, ...]]:
-    """Reads what stands before the numbers, in the one way in which NumPy writes it.
+    """Reads the header of an array, in the one form that NumPy writes.
 
-    NumPy's own reader takes any literal of Python, and fails in many ways.
+    NumPy's own reader accepts any literal of Python, and fails in many ways.
     """
     start = member.read(len(MAGIC) + 2)
     length = int.from_bytes(start[len(MAGIC) :], "little")

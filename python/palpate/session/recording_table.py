@@ -1,8 +1,8 @@
-"""Recordings as tables for other programs: CSV, and NumPy archives with a column each.
+"""Recordings as tables for other programs: CSV, and NumPy archives with an array for each column.
 
-Numbers are written so that reading them gives the same bits, with "." in every country. Lengths
-mm, forces N, times s, points in the scene (LPS); the orientation is a quaternion x, y, z, w that
-takes the device's handle to the device's axes.
+Numbers are written so that reading them gives the same bits, with "." in every locale. Lengths mm,
+forces N, times s, points in the scene (LPS); the orientation is a quaternion x, y, z, w from the
+frame of the device's handle to that of the device.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["write_csv", "write_npz"]
+from palpate.session.recording_columns import TickColumns, by_name
 
-Columns = dict[str, NDArray[Any]]
+__all__ = ["write_csv", "write_npz"]
 
 EXPORTED: dict[str, tuple[str, ...]] = {
     "tick": ("tick",),
@@ -34,26 +34,26 @@ EXPORTED: dict[str, tuple[str, ...]] = {
     "tool_time": ("tool_time_s",),
     "tool_load": ("tool_load_mW",),
 }
-"""Names of columns in a recording and in a table; ``event`` stands after them."""
+"""Columns of a recording and their names in a table; ``event`` comes last."""
 
 ROWS_AT_ONCE = 10_000
 
 
-def write_csv(path: Path, ticks: Columns, events: Sequence[str]) -> None:
-    """Writes a row per tick under a line of names; contact is 0 or 1."""
+def write_csv(path: Path, ticks: TickColumns, events: Sequence[str]) -> None:
+    """Writes a header and a row for each tick; contact is 0 or 1."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow([name for names in EXPORTED.values() for name in names] + ["event"])
         for first in range(0, len(events), ROWS_AT_ONCE):
             rows = slice(first, first + ROWS_AT_ONCE)
-            columns = [_numbers(ticks[name][rows]) for name in EXPORTED]
+            columns = [_numbers(by_name(ticks)[name][rows]) for name in EXPORTED]
             parts = zip(*columns, events[rows], strict=True)
             writer.writerows([*_flat(part[:-1]), part[-1]] for part in parts)
 
 
-def write_npz(path: Path, ticks: Columns, events: Sequence[str]) -> None:
+def write_npz(path: Path, ticks: TickColumns, events: Sequence[str]) -> None:
     """Writes arrays under the names of a recording's columns, and ``event``."""
-    columns = {name: ticks[name] for name in EXPORTED}
+    columns = {name: by_name(ticks)[name] for name in EXPORTED}
     with path.open("wb") as file:
         np.savez_compressed(
             file, allow_pickle=False, event=np.asarray(list(events), dtype=np.str_), **columns
@@ -61,7 +61,7 @@ def write_npz(path: Path, ticks: Columns, events: Sequence[str]) -> None:
 
 
 def _numbers(column: NDArray[Any]) -> list[Any]:
-    """Returns Python's numbers, whose text gives the same bits again."""
+    """Returns numbers of Python, whose text gives the same bits again."""
     numbers: list[Any] = (column.astype(np.uint8) if column.dtype == bool else column).tolist()
     return numbers
 

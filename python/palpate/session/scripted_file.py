@@ -1,7 +1,7 @@
-"""Paths for the scripted device in files: CSV, or JSON.
+"""Files with a path for the scripted device: CSV or JSON.
 
-CSV: rows ``time, x, y, z``, with or without a line of names above. JSON: a list of such rows, or
-an object with that list under ``path``. Times in s from 0, points in the scene, LPS [mm].
+CSV: rows ``time, x, y, z``, with or without a header. JSON: a list of such rows, or an object with
+that list under ``path``. Times in s from 0, points in the scene, LPS [mm].
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class _PathFile(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def read_path(path: Path) -> ScriptedPath:
-    """Reads a path; the ending of the file's name tells its form.
+    """Reads a path in the format of the file name's extension.
 
     Raises:
-        OptionError: It is no path.
-        OSError: It cannot be read.
+        OptionError: The file is not a valid path.
+        OSError: The file cannot be read.
     """
     ending = path.suffix.lower()
     if ending not in {".csv", ".json"}:

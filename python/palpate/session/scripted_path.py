@@ -1,7 +1,7 @@
 """A path for the device instead of a hand: positions at times.
 
-Frame: scene, LPS [mm]; times in s since the path's start. Between two positions the device
-moves in a straight line at even speed; after the last one it stays there.
+Frame: scene, LPS [mm]; times in s since the start of the path. Between two positions the device
+moves in a straight line at constant speed; after the last one it stays there.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ __all__ = ["ScriptedPath"]
 
 
 class ScriptedPath:
-    """Positions at rising times; each step returns a longer path."""
+    """Positions at increasing times; ``move`` and ``hold`` return a longer path."""
 
     def __init__(self, points: ArrayLike, times: ArrayLike = (0.0,)) -> None:
         """Takes positions and their times.
 
         Args:
-            points: One position, or several, shape [count, 3].
-            times: One for each, rising from 0.
+            points: One position, or several, in the scene, LPS [mm], shape [count, 3].
+            times: A time for each position [s], increasing from 0.
 
         Raises:
-            OptionError: Numbers are not finite, times do not rise from 0, or counts differ.
+            OptionError: Numbers are not finite, times do not increase from 0, or counts differ.
         """
         self.points: NDArray[np.float64] = np.atleast_2d(np.asarray(points, dtype=np.float64))
         self.times: NDArray[np.float64] = np.atleast_1d(np.asarray(times, dtype=np.float64))
@@ -44,25 +44,30 @@ class ScriptedPath:
 
     @property
     def duration(self) -> float:
-        """When the last position is reached [s]."""
+        """Time of the last position [s]."""
         return float(self.times[-1])
 
     @property
     def rows(self) -> NDArray[np.float64]:
-        """Time and position in rows (t, x, y, z), shape [count, 4]."""
+        """Times and positions in rows (t, x, y, z), shape [count, 4]."""
         return np.column_stack([self.times, self.points])
 
     def move(self, to: ArrayLike, *, seconds: float) -> ScriptedPath:
-        """Returns this path and then a straight move."""
+        """Returns this path followed by a straight move.
+
+        Args:
+            to: Where the move ends, in the scene, LPS [mm].
+            seconds: How long it takes [s].
+        """
         points = np.vstack([self.points, np.asarray(to, dtype=np.float64)])
         return ScriptedPath(points, np.append(self.times, self.duration + seconds))
 
     def hold(self, seconds: float) -> ScriptedPath:
-        """Returns this path and then a rest where it ends."""
+        """Returns this path followed by a rest of so many seconds."""
         return self.move(self.points[-1], seconds=seconds)
 
     def at(self, times: ArrayLike) -> NDArray[np.float64]:
-        """Returns where the device is at times [s], shape [count, 3]."""
+        """Returns the positions of the device at times [s], shape [count, 3]."""
         asked = np.atleast_1d(np.asarray(times, dtype=np.float64))
         axes = [np.interp(asked, self.times, self.points[:, axis]) for axis in range(3)]
         return np.column_stack(axes)

@@ -1,16 +1,15 @@
-"""What a session can do with segments: add, change, move and part them."""
+"""Segments of a session: adding, changing, moving and splitting them."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.session.engine import Engine, Point, option_errors, triple
 from palpate.session.gap import Gap
 from palpate.session.painted_cut import PaintedCut
-from palpate.session.part import Point, given, triple
-from palpate.session.soft_tissue import SessionMatter
+from palpate.session.regions import Regions
+from palpate.session.segment_state import SegmentState
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
@@ -18,126 +17,177 @@ from palpate.volumes.volume import Volume
 __all__ = ["SessionSegments"]
 
 
-class SessionSegments(SessionMatter):
-    """Segments of a session, and what they are made of."""
+class SessionSegments:
+    """The segments of a session: their voxels, poses and touch settings."""
+
+    def __init__(self, engine: Engine, scene: Scene, regions: Regions) -> None:
+        """Takes the engine, the scene at the start, and the regions of segments."""
+        self._engine = engine
+        self._volume = scene.volume
+        self._first = dict(enumerate(scene, start=1))
+        self._regions = regions
 
     def add_segment(self, segment: Segment, *, touchable: bool = True) -> int:
-        """Adds a segment and returns its number, 1..255."""
-        with given():
+        """Adds a segment.
+
+        Args:
+            segment: Its voxels, on the grid of the scan or on one of its own.
+            touchable: Whether the probe collides with it.
+
+        Returns:
+            The number of the segment, 1 to 255.
+
+        Raises:
+            OptionError: It has another grid than the scan, or there are 255 segments.
+        """
+        with option_errors():
             voxels = segment._internal  # noqa: SLF001
-            return self._new(self._internal.add_segment(voxels, touchable, segment.range))
+            return self._regions.clear_for_new(
+                self._engine.add_segment(voxels, touchable, segment.range)
+            )
 
     def replace_segment(self, segment_id: int, segment: Segment) -> None:
-        """Puts other voxels in the place of a segment's."""
-        with given():
+        """Replaces the voxels of a segment.
+
+        Raises:
+            OptionError: There is no such segment, it is locked, or the grids differ.
+        """
+        with option_errors():
             voxels = segment._internal  # noqa: SLF001
-            self._internal.replace_segment(segment_id, voxels, segment.range)
+            self._engine.replace_segment(segment_id, voxels, segment.range)
 
     def remove_segment(self, segment_id: int) -> None:
-        """Removes a segment; ``undo`` brings it back."""
-        with given():
-            self._internal.remove_segment(segment_id)
+        """Removes a segment; ``undo`` restores it.
+
+        Raises:
+            OptionError: There is no such segment, or it is locked.
+        """
+        with option_errors():
+            self._engine.remove_segment(segment_id)
 
     def set_touchable(self, segment_id: int, *, touchable: bool) -> None:
-        """Sets whether the probe is stopped by a segment."""
-        with given():
-            self._internal.set_touchable(segment_id, touchable)
+        """Sets whether the probe collides with a segment.
+
+        Raises:
+            OptionError: There is no such segment.
+        """
+        with option_errors():
+            self._engine.set_touchable(segment_id, touchable)
 
     def set_locked(self, segment_id: int, *, locked: bool) -> None:
-        """Sets whether the voxels of a segment stay as they are.
+        """Sets whether the voxels of a segment are protected from changes.
 
-        No tool, threshold, change of shape, cut or matter that gives way changes a locked one, and
-        it is not removed; its looks, feel and place are free. Undo and redo reach what was done
-        before.
+        Tools, thresholds, shape operations, cuts and deformation do not change a locked segment,
+        and it cannot be removed. Its appearance, touch settings and pose can still change. Undo and
+        redo still reach earlier changes.
+
+        Raises:
+            OptionError: There is no such segment.
         """
-        with given():
-            self._internal.set_locked(segment_id, locked)
+        with option_errors():
+            self._engine.set_locked(segment_id, locked)
 
     def move_segment(
         self, segment_id: int, pose: NDArray[np.float64], *, goes_on: bool = False
     ) -> None:
-        """Moves a segment from where the scan has it to a pose; touch goes there smoothly.
+        """Moves a segment to a pose; touch follows it smoothly.
 
         Args:
-            segment_id: Which segment.
-            pose: A rigid transform of the scene as a homogeneous matrix, shape [4, 4] [mm].
-            goes_on: Whether the next move of it belongs to the same step of undo.
+            segment_id: Number of the segment.
+            pose: Rigid transform from where the scan has the segment, as a homogeneous matrix of
+                the scene, shape [4, 4] [mm].
+            goes_on: Whether the next move of the segment belongs to the same step of undo.
 
         Raises:
-            OptionError: The pose has scale, shear or numbers that are none, or 16 segments are
-                moved already.
+            OptionError: The pose has scale, shear or numbers that are not finite, or 16 segments
+                are moved already.
         """
-        with given():
+        with option_errors():
             matrix = np.ascontiguousarray(pose, dtype=np.float64)
-            self._internal.move_segment(segment_id, matrix, goes_on)
+            self._engine.move_segment(segment_id, matrix, goes_on)
 
     def grab(self, segment_id: int | None, *, collides: bool = False) -> None:
-        """Takes a segment in the hand, or lets go of it (thesis 4.7, no-collision mode).
+        """Attaches a segment to the probe, or releases it (thesis 4.7, no-collision mode).
 
-        It follows the probe's way and the turn of the device's handle, and is no obstacle for
-        the probe meanwhile; let go, it is one again as soon as the probe is out of it.
+        It follows the motion of the probe and the rotation of the device's handle, and is no
+        obstacle for the probe meanwhile. Once released, it is one again as soon as the probe is
+        outside of it.
 
         Args:
-            segment_id: Which segment; None lets go.
+            segment_id: Number of the segment; None releases the one that is attached.
             collides: Whether other touchable segments stop it.
 
         Raises:
             OptionError: There is no such segment, or 16 segments are moved already.
         """
-        with given():
-            self._internal.grab(segment_id, collides)
+        with option_errors():
+            self._engine.grab(segment_id, collides)
 
     def turn_grabbed(self, rotation: Point) -> None:
-        """Turns the segment in the hand about the probe by a rotation vector [rad]."""
-        with given():
-            self._internal.turn_grabbed(*triple(rotation))
+        """Rotates the attached segment about the probe.
+
+        Args:
+            rotation: Rotation vector in scene axes [rad].
+        """
+        with option_errors():
+            self._engine.turn_grabbed(*triple(rotation))
 
     def cut(self, segment_id: int, point: Point, normal: Point) -> int:
-        """Parts a segment by a plane of the scene; one step of undo.
+        """Splits a segment by a plane of the scene; one step of undo.
 
-        The segment keeps what lies behind the plane.
+        The segment keeps the part behind the plane.
+
+        Args:
+            segment_id: Number of the segment.
+            point: A point of the plane [scene, mm].
+            normal: Normal of the plane, of any length but zero.
 
         Returns:
-            The number of a new segment, which has what lies before it, where ``normal`` points.
+            The number of a new segment: the part on the side to which ``normal`` points.
 
         Raises:
-            OptionError: The plane leaves all of the segment on one side.
+            OptionError: The whole segment lies on one side of the plane.
         """
-        with given():
-            return self._new(self._internal.cut(segment_id, triple(point), triple(normal)))
+        with option_errors():
+            return self._regions.clear_for_new(
+                self._engine.cut(segment_id, triple(point), triple(normal))
+            )
 
     def cut_along(self, segment_id: int, cut: PaintedCut) -> int:
-        """Parts a segment along a line that was painted on the picture; one step of undo.
+        """Splits a segment along a line drawn on the picture; one step of undo.
 
-        The line is extruded away from the eye. The segment keeps the larger part.
+        The line is extruded along the lines of sight. The segment keeps the larger part.
 
         Returns:
-            The number of a new segment, which has the smaller part.
+            The number of a new segment: the smaller part.
 
         Raises:
-            OptionError: The line is none, or leaves all of the segment on one side.
+            OptionError: The line is not valid, or the whole segment lies on one side of it.
         """
-        with given():
-            return self._new(self._internal.cut_along(segment_id, cut.given()))
+        with option_errors():
+            return self._regions.clear_for_new(self._engine.cut_along(segment_id, cut.given()))
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
-        """Returns the volumes of the parts that ``cut_along`` would make, larger first [ml].
+        """Returns the volumes of the parts that ``cut_along`` would make.
+
+        Returns:
+            The larger and the smaller volume [ml].
 
         Raises:
-            OptionError: The line is none, or leaves all of the segment on one side.
+            OptionError: The line is not valid, or the whole segment lies on one side of it.
         """
-        with given():
-            larger, smaller = self._internal.preview_cut(segment_id, cut.given())
+        with option_errors():
+            larger, smaller = self._engine.preview_cut(segment_id, cut.given())
             return larger / 1000.0, smaller / 1000.0
 
     def gap(self, segment_id: int, other_id: int) -> Gap:
-        """Measures the gap from the surface of one segment to another, where both stand by now.
+        """Measures the gap from the surface of one segment to another, at their current poses.
 
         Raises:
             OptionError: There is no such segment, or one of them is empty.
         """
-        with given():
-            return Gap(*self._internal.gap(segment_id, other_id))
+        with option_errors():
+            return Gap(*self._engine.gap(segment_id, other_id))
 
     def set_feel(
         self,
@@ -147,37 +197,51 @@ class SessionSegments(SessionMatter):
         friction_static: float | None = None,
         friction_kinetic: float | None = None,
     ) -> None:
-        """Sets how the surface of a segment feels; None is as the settings of touch say.
+        """Sets the touch settings of one segment.
 
-        Friction without one of its own is that of the segment's material, where it has one.
+        None means the session's setting; for friction, that of the segment's material where it has
+        one.
+
+        Args:
+            segment_id: Number of the segment.
+            stiffness: Stiffness of the surface [N/mm].
+            friction_static: Static Coulomb coefficient, 0 to 2.
+            friction_kinetic: Kinetic Coulomb coefficient, at most the static one.
 
         Raises:
-            OptionError: A value is out of range.
+            OptionError: There is no such segment, or a value is out of range.
         """
-        with given():
-            self._internal.set_feel(segment_id, stiffness, friction_static, friction_kinetic)
+        with option_errors():
+            self._engine.set_feel(segment_id, stiffness, friction_static, friction_kinetic)
 
     def segment(self, segment_id: int, *, name: str = "segment") -> Segment:
-        """Returns the voxels of a segment as they are now."""
-        with given():
-            internal = self._internal.segment(segment_id)
+        """Returns the current voxels of a segment.
+
+        Args:
+            segment_id: Number of the segment.
+            name: Name of what is returned.
+
+        Raises:
+            OptionError: There is no such segment.
+        """
+        with option_errors():
+            internal = self._engine.segment(segment_id)
         own_grid = internal.own_grid
-        volume = self.scene.volume if own_grid is None else _empty(internal.dimensions, own_grid)
+        volume = self._volume if own_grid is None else _empty(internal.dimensions, own_grid)
         made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
         return Segment(internal, name=name, volume=volume, range=None, made_by=made_by)
 
     def scene_now(self, values: NDArray[np.int16] | None = None) -> Scene:
-        """Returns the scan and its segments as they are now, such as for ``export_scene``.
+        """Returns the scan and its current segments, for example for ``export_scene``.
 
         Args:
-            values: The scan's stored values where edits have changed them, shape
-                [depth, height, width], as ``picture_changes`` tell them.
+            values: Stored values of the scan where edits have changed them (``picture_changes``
+                reports these), shape [depth, height, width].
         """
-        volume = self.scene.volume if values is None else self.scene.volume.with_values(values)
-        known = dict(zip(self.ids, self.scene, strict=True))
+        volume = self._volume if values is None else self._volume.with_values(values)
         now = Scene(volume)
         for state in self.segments():
-            shown = known.get(state["id"])
+            shown = self._first.get(state["id"])
             name = f"segment {state['id']}" if shown is None else shown.name
             segment = self.segment(state["id"], name=name)
             segment.terminology = None if shown is None else shown.segment.terminology
@@ -188,14 +252,17 @@ class SessionSegments(SessionMatter):
             )
         return now
 
-    def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now.
+    def segments(self) -> list[SegmentState]:
+        """Returns the current state of all segments.
 
-        Each has id, voxels, volume [mm³], bounds, touchable, locked, pending, range, made_by, feel,
-        pose, and grid: ``patient_from_grid`` by rows where it has a grid of its own, to which
-        bounds belong then.
+        Returns:
+            For each its ``id``, ``voxels``, ``volume`` [mm³], ``bounds`` [voxels], ``touchable``,
+            ``locked``, ``pending`` (touch does not follow its latest change yet), ``range`` and
+            ``made_by`` (thresholds), ``feel``, ``material``, ``pose``, and ``grid``:
+            ``patient_from_grid`` by rows where it has a grid of its own, in whose voxels ``bounds``
+            are then.
         """
-        return self._internal.segments_state()
+        return self._engine.segments_state()
 
     def fill_box(
         self,
@@ -205,9 +272,19 @@ class SessionSegments(SessionMatter):
         high: tuple[int, int, int],
         solid: bool,
     ) -> None:
-        """Makes the voxels from ``low`` up to, but without, ``high`` part of a segment or not."""
-        with given():
-            self._internal.fill_box(segment_id, low, high, solid)
+        """Adds the voxels of a box to a segment, or removes them.
+
+        Args:
+            segment_id: Number of the segment.
+            low: First voxel (x, y, z).
+            high: One past the last voxel on each axis.
+            solid: Whether voxels are added; else they are removed.
+
+        Raises:
+            OptionError: There is no such segment, it is locked, or the box is outside of the scan.
+        """
+        with option_errors():
+            self._engine.fill_box(segment_id, low, high, solid)
 
 
 def _empty(

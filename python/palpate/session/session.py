@@ -5,25 +5,24 @@ Frame: scene, LPS [mm]; forces [N] in scene axes; times [s] since the session's 
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 
-from palpate import _core
-from palpate.base.package_version import package_version
+from palpate.session.engine import Engine, option_errors
+from palpate.session.frame_state import FrameState, LatenessState
+from palpate.session.history import SessionHistory
 from palpate.session.journal import SessionJournal
-from palpate.session.part import Point, given, triple
+from palpate.session.part_method import PartMethod
 from palpate.session.picture import SessionPicture
-from palpate.session.recording import Recording
-from palpate.session.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
+from palpate.session.probe import SessionProbe
+from palpate.session.recorder import SessionRecorder
+from palpate.session.regions import Regions
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.segments import SessionSegments
-from palpate.session.step_groups import StepGroup, StepGroups
+from palpate.session.soft_tissue import SessionSoftTissue
 from palpate.session.tools import SessionTools
 from palpate.session.touch_settings import TouchSettings
 from palpate.volumes.scene import Scene
@@ -33,22 +32,36 @@ __all__ = ["Session", "SessionOptions"]
 
 @dataclass(frozen=True, kw_only=True)
 class SessionOptions:
-    """How a session runs; what is None is the engine's own choice."""
+    """Options of a session; None is the engine's default."""
 
     rate_hz: int = 1000
-    """Ticks of the servo a second."""
+    """Rate of the servo loop [Hz], 500 to 10000."""
     device_rate_hz: int | None = None
-    """Readings of the device a second; None is the servo's rate."""
+    """Rate at which the device is read [Hz], 500 to 10000; None is the rate of the servo loop."""
     real_time: bool = True
-    """Whether time is that of the clock; else the session stands still until ``run``."""
+    """Whether the session runs in real time; else time stands still except in ``run`` and
+    ``let_pass``."""
     start: tuple[float, float, float] | None = None
-    """Where the device starts [scene]; by default beside the scan."""
+    """Start of the device [scene, mm]; None is in front of the scan."""
     touch: TouchSettings = field(default_factory=TouchSettings)
-    """How touch feels."""
+    """Settings of touch."""
 
 
-class Session(SessionSegments, SessionTools, SessionPicture, SessionJournal):
-    """A running session; leaving its ``with`` block stops it and takes the force away."""
+class Session:
+    """A running session of touch.
+
+    Use it in a ``with`` block: leaving the block stops the session and the force. Segments are
+    known by their number, 1 to 255, in the order in which they were added.
+    """
+
+    scene: Scene
+    """The scan and its segments at the start."""
+    ids: list[int]
+    """Numbers of these segments."""
+    options: SessionOptions
+    """How the session runs."""
+    device: Literal["simulated", "scripted"]
+    """What moves the probe."""
 
     def __init__(
         self,
@@ -67,13 +80,13 @@ class Session(SessionSegments, SessionTools, SessionPicture, SessionJournal):
         Raises:
             OptionError: An option is out of range.
         """
-        super().__init__()
         self.scene = scene
+        self.ids = list(range(1, len(scene) + 1))
         self.options = options or SessionOptions()
-        self.device = device if isinstance(device, str) else "scripted"
+        self.device = "scripted" if isinstance(device, ScriptedPath) else device
         path = np.ascontiguousarray(device.rows) if isinstance(device, ScriptedPath) else None
-        with given():
-            self._internal = _core.Session(
+        with option_errors():
+            engine = Engine(
                 scene.volume._internal,  # noqa: SLF001  # only this class and its kin unwrap it
                 device=self.device,
                 path=path,
@@ -87,9 +100,18 @@ class Session(SessionSegments, SessionTools, SessionPicture, SessionJournal):
                     for shown in scene
                 ],
             )
-        self.ids = list(range(1, len(scene) + 1))
-        self._about: About | None = None
-        self._groups = StepGroups(self._voxel_count)
+        regions = Regions(engine)
+        self._engine = engine
+        self._probe = SessionProbe(engine)
+        self._segments = SessionSegments(engine, scene, regions)
+        self._soft_tissue = SessionSoftTissue(engine, regions, unit=scene.volume.unit)
+        self._tools = SessionTools(engine, scene.volume)
+        self._history = SessionHistory(engine, regions)
+        self._picture = SessionPicture(engine)
+        self._journal = SessionJournal(engine)
+        self._recorder = SessionRecorder(
+            engine, scene, rate_hz=self.options.rate_hz, real_time=self.options.real_time
+        )
 
     def __enter__(self) -> Self:
         return self
@@ -102,175 +124,111 @@ class Session(SessionSegments, SessionTools, SessionPicture, SessionJournal):
     ) -> None:
         self.stop()
 
+    # --- the session itself ---------------------------------------------------------------
+
     def stop(self) -> None:
-        """Takes the force away and ends the threads; a second call does nothing."""
-        self._internal.stop()
+        """Stops the force and the threads; a second call does nothing."""
+        self._engine.stop()
 
     @property
     def is_running(self) -> bool:
-        """Whether it was neither stopped nor ended by itself."""
-        return self._internal.is_running
+        """Whether the session runs: false once it was stopped, or has ended with an error."""
+        return self._engine.is_running
 
     @property
     def device_limits(self) -> tuple[float, float]:
-        """The largest stiffness [N/mm] and force [N] that the device bears."""
-        return self._internal.device_limits
+        """Largest stiffness [N/mm] and force [N] that the device allows."""
+        return self._engine.device_limits
 
     @property
     def device_reach(self) -> float:
-        """How far from the middle of its workspace the device reaches [device mm]."""
-        return self._internal.device_reach
+        """Radius of the device's workspace [mm of the device]."""
+        return self._engine.device_reach
 
-    # --- the hand -------------------------------------------------------------------------
+    def frame(self) -> FrameState:
+        """Returns the current state: the fields of ``protocol.State``, and notices."""
+        return self._engine.frame()
 
-    def hand(self, target: Point) -> None:
-        """Lets the hand of the simulated device pull to a point."""
-        with given():
-            self._internal.hand(*triple(target))
+    def lateness(self) -> LatenessState:
+        """Returns how punctual each thread has been since the start, with a histogram."""
+        return self._engine.lateness()
 
-    def place(self, point: Point) -> tuple[float, float, float]:
-        """Puts probe, device and hand at a point, or in the free voxel nearest to it.
+    # Each of the following groups is done by one part of the session, which documents it.
 
-        Returns:
-            Where they are.
+    # --- probe ----------------------------------------------------------------------------
 
-        Raises:
-            OptionError: There is no free voxel near.
-        """
-        with given():
-            return self._internal.place(*triple(point))
+    hand = PartMethod("_probe", SessionProbe.hand)
+    place = PartMethod("_probe", SessionProbe.place)
+    view = PartMethod("_probe", SessionProbe.view)
+    settings = PartMethod("_probe", SessionProbe.settings)
+    clutch = PartMethod("_probe", SessionProbe.clutch)
 
-    def view(self, *, right: Point, up: Point) -> None:
-        """Turns the device's axes to those of the view (thesis 4.7).
+    # --- segments -------------------------------------------------------------------------
 
-        Raises:
-            OptionError: The axes are not perpendicular.
-        """
-        with given():
-            self._internal.view(triple(right), triple(up))
+    add_segment = PartMethod("_segments", SessionSegments.add_segment)
+    replace_segment = PartMethod("_segments", SessionSegments.replace_segment)
+    remove_segment = PartMethod("_segments", SessionSegments.remove_segment)
+    segment = PartMethod("_segments", SessionSegments.segment)
+    segments = PartMethod("_segments", SessionSegments.segments)
+    scene_now = PartMethod("_segments", SessionSegments.scene_now)
+    set_touchable = PartMethod("_segments", SessionSegments.set_touchable)
+    set_locked = PartMethod("_segments", SessionSegments.set_locked)
+    set_feel = PartMethod("_segments", SessionSegments.set_feel)
+    move_segment = PartMethod("_segments", SessionSegments.move_segment)
+    grab = PartMethod("_segments", SessionSegments.grab)
+    turn_grabbed = PartMethod("_segments", SessionSegments.turn_grabbed)
+    cut = PartMethod("_segments", SessionSegments.cut)
+    cut_along = PartMethod("_segments", SessionSegments.cut_along)
+    preview_cut = PartMethod("_segments", SessionSegments.preview_cut)
+    gap = PartMethod("_segments", SessionSegments.gap)
+    fill_box = PartMethod("_segments", SessionSegments.fill_box)
 
-    def settings(self, changes: TouchSettings | None = None) -> dict[str, Any]:
-        """Changes what is given, as far as the device bears it; returns what holds.
+    # --- soft tissue ----------------------------------------------------------------------
 
-        Raises:
-            OptionError: A setting is out of range.
-        """
-        with given():
-            return self._internal.settings(asdict(changes or TouchSettings()))
+    set_material = PartMethod("_soft_tissue", SessionSoftTissue.set_material)
+    set_regions = PartMethod("_soft_tissue", SessionSoftTissue.set_regions)
+    regions = PartMethod("_soft_tissue", SessionSoftTissue.regions)
+    set_deformation = PartMethod("_soft_tissue", SessionSoftTissue.set_deformation)
+    set_force_source = PartMethod("_soft_tissue", SessionSoftTissue.set_force_source)
+    deformation = PartMethod("_soft_tissue", SessionSoftTissue.deformation)
+    show_model_parts = PartMethod("_soft_tissue", SessionSoftTissue.show_model_parts)
+    model_parts = PartMethod("_soft_tissue", SessionSoftTissue.model_parts)
 
-    def clutch(self, *, on: bool) -> None:
-        """Has the device move without the probe, or with it again from where both are then.
+    # --- tools ----------------------------------------------------------------------------
 
-        So a device with a small workspace goes on beyond its end. Without the probe it feels
-        nothing.
-        """
-        with given():
-            self._internal.clutch(on)
+    set_tool = PartMethod("_tools", SessionTools.set_tool)
+    stroke = PartMethod("_tools", SessionTools.stroke)
+    needle_events = PartMethod("_tools", SessionTools.needle_events)
+    withdraw_needle = PartMethod("_tools", SessionTools.withdraw_needle)
 
     # --- undo -----------------------------------------------------------------------------
 
-    def undo(self) -> bool:
-        """Takes the last edit back; says whether there was one."""
-        with self._keeping_regions():
-            return self._groups.undo(self._internal.undo)
+    undo = PartMethod("_history", SessionHistory.undo)
+    redo = PartMethod("_history", SessionHistory.redo)
+    group_steps = PartMethod("_history", SessionHistory.group_steps)
 
-    def redo(self) -> bool:
-        """Applies the last undone edit again; says whether there was one."""
-        with self._keeping_regions():
-            return self._groups.redo(self._internal.redo)
+    # --- the picture ----------------------------------------------------------------------
 
-    def group_steps(self, segment_id: int, counts: Sequence[int]) -> None:
-        """Has ``undo`` and ``redo`` take edits of a segment as one.
+    show_surface = PartMethod("_picture", SessionPicture.show_surface)
+    hide_surface = PartMethod("_picture", SessionPicture.hide_surface)
+    follow_edits = PartMethod("_picture", SessionPicture.follow_edits)
+    set_labelled = PartMethod("_picture", SessionPicture.set_labelled)
+    wait_for_changes = PartMethod("_picture", SessionPicture.wait_for_changes)
+    picture_changes = PartMethod("_picture", SessionPicture.picture_changes)
+    whole_surfaces = PartMethod("_picture", SessionPicture.whole_surfaces)
 
-        Args:
-            segment_id: Which segment.
-            counts: How many voxels it had before the first of these edits, and after each; each
-                only adds voxels, or only takes some away.
-        """
-        self._groups.add(StepGroup(segment_id, tuple(counts)))
+    # --- time and recordings --------------------------------------------------------------
 
-    def _voxel_count(self, segment_id: int) -> int | None:
-        try:
-            return self._internal.segment(segment_id).voxel_count
-        except ValueError:
-            return None
+    let_pass = PartMethod("_recorder", SessionRecorder.let_pass)
+    run = PartMethod("_recorder", SessionRecorder.run)
+    start_recording = PartMethod("_recorder", SessionRecorder.start_recording)
+    stop_recording = PartMethod("_recorder", SessionRecorder.stop_recording)
 
-    # --- what happens ---------------------------------------------------------------------
+    # --- the journal ----------------------------------------------------------------------
 
-    def frame(self) -> dict[str, Any]:
-        """Returns what is now: the fields of ``protocol.State``, and notices."""
-        return self._internal.frame()
-
-    def lateness(self) -> dict[str, dict[str, Any]]:
-        """Returns the pace of each thread since the start, with a histogram of lateness."""
-        return self._internal.lateness()
-
-    def start_recording(self) -> None:
-        """Starts to keep every tick, and all that a replay needs.
-
-        A recording that runs is thrown away. Where a change waits for the probe, it can be
-        replayed from when touch follows that change.
-        """
-        self._about = self._describe()
-        self._internal.start_recording()
-
-    def stop_recording(self) -> Recording:
-        """Returns the ticks kept since ``start_recording``; it may be called after ``stop``."""
-        ticks, tape = self._internal.stop_recording()
-        return Recording(ticks, tape=tape, about=self._about)
-
-    def let_pass(self, seconds: float) -> None:
-        """Lets time pass; without ``real_time`` the ticks are computed at once."""
-        if self.options.real_time:
-            time.sleep(seconds)
-        else:
-            with given():
-                self._internal.run(seconds)
-
-    def run(self, seconds: float) -> Recording:
-        """Lets time pass and returns every tick of it.
-
-        Without ``real_time`` the ticks are computed at once, and the same session gives the
-        same numbers every time.
-        """
-        self.start_recording()
-        self.let_pass(seconds)
-        return self.stop_recording()
-
-    def _describe(self) -> About:
-        """Says what a recording that begins now comes from."""
-        volume = self.scene.volume
-        names = {
-            segment_id: shown.name for segment_id, shown in zip(self.ids, self.scene, strict=True)
-        }
-        segments = [
-            AboutSegment(
-                id=state["id"],
-                name=names.get(state["id"], f"segment {state['id']}"),
-                touchable=state["touchable"],
-                voxels=state["voxels"],
-                range=state["range"],
-            )
-            for state in self.segments()
-        ]
-        return About(
-            format=FORMAT,
-            version=VERSION,
-            palpate=package_version(),
-            build=_core.build(),
-            recorded=datetime.now(UTC).isoformat(timespec="seconds"),
-            device=self.device,
-            rate_hz=self.options.rate_hz,
-            real_time=self.options.real_time,
-            scan=AboutScan(
-                name=volume.name,
-                modality=volume.modality,
-                unit=volume.unit,
-                dimensions=volume.dimensions,
-                spacing=volume.spacing,
-                origin=volume.origin,
-                direction=[float(cosine) for cosine in volume.direction.ravel()],
-            ),
-            segments=segments,
-            settings=self.settings(),
-        )
+    begin_journal = PartMethod("_journal", SessionJournal.begin_journal)
+    end_journal = PartMethod("_journal", SessionJournal.end_journal)
+    note_in_journal = PartMethod("_journal", SessionJournal.note_in_journal)
+    keep_state = PartMethod("_journal", SessionJournal.keep_state)
+    look_at_journal = PartMethod("_journal", SessionJournal.look_at_journal)
+    recover_journal = PartMethod("_journal", SessionJournal.recover_journal)

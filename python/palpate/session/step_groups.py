@@ -1,7 +1,8 @@
-"""Steps of the engine that a person takes back, and does again, as one.
+"""Groups of the engine's steps that undo and redo take as one.
 
-The engine's undo knows boxes. A group is known again by how many voxels the segment has after each
-of its steps: so steps of others in between, before or after never count as its own.
+The engine's undo knows edits of boxes. A group is recognised by the number of voxels that the
+segment has after each of its steps, so that steps of others before, between or after never count as
+its own.
 """
 
 from __future__ import annotations
@@ -13,23 +14,23 @@ from dataclasses import dataclass
 __all__ = ["StepGroup", "StepGroups"]
 
 MOST = 1000
-"""Older groups are taken back step by step."""
+"""Most groups; older ones are undone step by step."""
 
 
 @dataclass(frozen=True)
 class StepGroup:
-    """Steps that follow each other, all on one segment."""
+    """Successive steps on one segment."""
 
     segment_id: int
     counts: tuple[int, ...]
-    """Voxels of the segment: before the first step, and after each."""
+    """Voxels of the segment before the first step and after each step."""
 
 
 class StepGroups:
-    """The groups of a session."""
+    """All groups of a session."""
 
     def __init__(self, count: Callable[[int], int | None]) -> None:
-        """Takes what tells how many voxels a segment has; None where it is gone."""
+        """Takes the function that counts a segment's voxels; None where it was removed."""
         self._count = count
         self._groups: deque[StepGroup] = deque(maxlen=MOST)
 
@@ -39,11 +40,11 @@ class StepGroups:
             self._groups.append(group)
 
     def undo(self, once: Callable[[], bool]) -> bool:
-        """Takes a step or a group back; ``once`` takes a step back, if there is one."""
+        """Undoes a step or a group; ``once`` undoes one step, if there is one."""
         return self._go(once, back=True)
 
     def redo(self, once: Callable[[], bool]) -> bool:
-        """Does a step or a group again; ``once`` does a step again, if there is one."""
+        """Redoes a step or a group; ``once`` redoes one step, if there is one."""
         return self._go(once, back=False)
 
     def _go(self, once: Callable[[], bool], *, back: bool) -> bool:

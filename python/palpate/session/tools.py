@@ -1,4 +1,4 @@
-"""What a session can do with tools: which is in the hand, and its strokes."""
+"""Tools of a session: eraser, adder, drill, needle and painter, and their strokes."""
 
 from __future__ import annotations
 
@@ -6,20 +6,26 @@ from collections.abc import Sequence
 from dataclasses import astuple
 from typing import Literal
 
+from palpate.session.engine import Engine, option_errors
 from palpate.session.needle import NeedleEvent, Tissue
-from palpate.session.part import SessionPart, given
+from palpate.volumes.volume import Volume
 
 __all__ = ["SessionTools"]
 
 AIR = -1000.0
-"""What a scan in HU reads where the drill has taken matter away."""
+"""Value of drilled voxels in a scan in HU."""
 
 CORTICAL_ENERGY = 1300.0
 """Work of the drill per volume of cortical bone [mJ/mm³] (docs/understand/tools.md)."""
 
 
-class SessionTools(SessionPart):
-    """Tools of a session."""
+class SessionTools:
+    """The tool in use, and its strokes."""
+
+    def __init__(self, engine: Engine, volume: Volume) -> None:
+        """Takes the engine and the scan, whose unit decides how the drill works."""
+        self._engine = engine
+        self._volume = volume
 
     def set_tool(
         self,
@@ -31,61 +37,67 @@ class SessionTools(SessionPart):
         depth: float | None = None,
         overlaps: bool = False,
     ) -> None:
-        """Chooses the tool for the next strokes; a stroke that is on ends.
+        """Chooses the tool for the next strokes; a stroke in progress ends.
 
-        The eraser frees voxels of the segments along the probe's way, the adder makes them
-        solid, the drill removes matter by the work that touch does on it. Where the scan's unit
-        is not HU, the drill takes the same work for each mm³, that of cortical bone, and leaves
-        the scan's lowest value behind. The needle changes nothing: it goes into the segments, and
-        they are no obstacle for it until it is out. The painter gives what is touched of the
-        segments to the first of them; what is solid stays so.
+        - The eraser removes voxels from segments along the path of the probe, the adder adds them.
+        - The drill removes voxels by the work of the contact force. In a scan whose unit is not HU
+          every mm³ takes the work of cortical bone, and drilled voxels get the scan's lowest value.
+        - The needle changes nothing. It enters segments, which are no obstacle for it until it is
+          withdrawn.
+        - The painter adds the touched voxels of segments to the first of them. They stay solid.
 
         Args:
-            kind: Which tool; None empties the hand.
-            radius: Of the tool's ball [mm].
-            segment_ids: Segments that it may change, or go into.
-            tissues: What each of them is for the needle.
-            depth: How deep below the surface the painter paints [mm]; None is all of its ball.
-            overlaps: Whether what is painted stays in the segments that have it, too.
+            kind: Name of the tool; None for no tool.
+            radius: Radius of the tool's ball [mm].
+            segment_ids: Segments that the tool may change or enter.
+            tissues: For the needle: the tissue of each of these segments.
+            depth: For the painter: how deep it paints below the surface [mm]; None for its whole
+                ball.
+            overlaps: For the painter: whether painted voxels also stay in their segment.
 
         Raises:
             OptionError: Radius or depth do not fit the voxels, or there is no such segment.
         """
-        with given():
+        with option_errors():
             if kind is None:
-                self._internal.set_tool(None)
+                self._engine.set_tool(None)
                 return
-            volume = self.scene.volume
-            is_density = volume.unit == "HU"
-            self._internal.set_tool(
+            is_density = self._volume.unit == "HU"
+            self._engine.set_tool(
                 kind,
                 radius=radius,
                 segment_ids=list(segment_ids),
-                air=AIR if is_density else volume.range[0],
+                air=AIR if is_density else self._volume.range[0],
                 energy=None if is_density else CORTICAL_ENERGY,
                 tissues=[astuple(tissue) for tissue in tissues],
                 paint=(depth, overlaps),
             )
 
     def needle_events(self) -> list[NeedleEvent]:
-        """Returns what happened to the needle since it was taken in the hand, oldest first."""
-        with given():
-            return [NeedleEvent(*event) for event in self._internal.needle_events()]
+        """Returns what happened to the needle since it was chosen, oldest first."""
+        with option_errors():
+            return [NeedleEvent(*event) for event in self._engine.needle_events()]
 
     def withdraw_needle(self) -> bool:
-        """Takes the needle out on the way that it went in; returns whether one was in.
+        """Withdraws the needle along the path on which it was inserted.
+
+        Returns:
+            Whether a needle was inserted.
 
         Raises:
-            OptionError: There is no free voxel near where it went in.
+            OptionError: There is no free voxel near the entry point.
         """
-        with given():
-            return self._internal.withdraw_needle()
+        with option_errors():
+            return self._engine.withdraw_needle()
 
     def stroke(self, *, on: bool) -> None:
-        """Begins a stroke of the chosen tool, or ends it: it is one step of undo.
+        """Begins or ends a stroke of the tool; a stroke is one step of undo.
+
+        Args:
+            on: Whether a stroke begins.
 
         Raises:
-            OptionError: It is to begin, and no tool is chosen.
+            OptionError: A stroke is to begin, and no tool is chosen.
         """
-        with given():
-            self._internal.stroke(on)
+        with option_errors():
+            self._engine.stroke(on)

@@ -1,1 +1,1 @@
-"""Scans and what is in them: volumes, segments, scenes, surfaces, meshes and materials."""
+"""Scans and their contents: volumes, segments, scenes, surfaces, meshes and materials."""

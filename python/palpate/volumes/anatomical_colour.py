@@ -1,4 +1,4 @@
-"""Colours by which structures of the body are known in atlases, told by their names.
+"""Colours of anatomical structures as atlases use them, by their names.
 
 Colours are sRGB, each 0..1.
 """
@@ -32,11 +32,11 @@ BY_NAME: tuple[tuple[str, Colour], ...] = (
     ("brain|spinal|nerve", (0.86, 0.82, 0.72)),
     ("(?<![a-z])(fat|skin|body)", (0.92, 0.76, 0.62)),
 )  # fmt: skip
-"""Patterns of names, and the colour of what they name; the first that fits counts."""
+"""Patterns of names and the colour of what they match; the first match counts."""
 
 
 def colour_of_name(name: str) -> Colour | None:
-    """Returns a structure's usual colour; None where its name tells none."""
+    """Returns the usual colour of a structure; None where its name is not known."""
     found = (colour for pattern, colour in BY_NAME if re.search(pattern, name.lower()))
     return next(found, None)
 
@@ -44,8 +44,8 @@ def colour_of_name(name: str) -> Colour | None:
 def first_colour(name: str, others: Iterable[str], *, otherwise: Colour) -> Colour:
     """Returns the colour of a segment for which nobody has chosen one.
 
-    It is that by which its name is known; ``otherwise`` where the name tells none, or where one of
-    the ``others`` is called the same, so that the two can be told apart.
+    It is the usual colour of its name; ``otherwise`` where the name is not known, or where one of
+    the ``others`` has the same usual colour, so that the two can be distinguished.
     """
     if any(other.casefold() == name.casefold() for other in others):
         return otherwise

@@ -1,6 +1,6 @@
-"""Scans of fewer, larger voxels: what a finger feels is larger than a voxel of a fine scan.
+"""Downsampling of scans and masks to larger voxels.
 
-Values are means, and a mask is where most of the voxels belong to it.
+A voxel gets the mean of those it replaces; in a mask it is set where most of them are.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ Mask = NDArray[np.bool_]
 def merged(
     volume: Volume, masks: Mapping[str, Mask], *, size: float
 ) -> tuple[Volume, dict[str, Mask]]:
-    """Merges voxels along each axis until they are about as large as asked.
+    """Merges voxels along each axis until they are about as large as requested.
 
-    What does not fill a voxel at the upper ends is left out.
+    Voxels at the upper ends that do not fill a larger voxel are dropped.
 
     Args:
         volume: The scan.
-        masks: By name, of its shape.
-        size: Of a voxel's side [mm]; sides that are as long are left as they are.
+        masks: Masks by name, of the shape of the scan.
+        size: Edge of the new voxels [mm]; axes with voxels as long as that stay as they are.
     """
     count = np.maximum(1, np.floor(size / np.array(volume.spacing[::-1]) + 0.5).astype(int))
     if (count == 1).all():

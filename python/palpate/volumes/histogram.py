@@ -1,11 +1,11 @@
 """Where air, soft tissue and bone lie among the values of a scan.
 
-CT values are linear in attenuation, so the peaks of air (-1000 HU) and soft tissue (40 HU)
-tell what 250 HU is in a scan without a unit. Scans of other kinds get the same offer, as a
-place to start from.
+CT values are linear in attenuation, so the peaks of air (-1000 HU) and soft tissue (40 HU) give the
+value of 250 HU in a scan without a unit. Other kinds of scan get a threshold in the same way, as a
+starting point.
 
-Source for the split between air and tissue: N. Otsu, "A threshold selection method from
-gray-level histograms", IEEE Trans. SMC 9 (1979).
+Source of the split between air and tissue: N. Otsu, "A threshold selection method from gray-level
+histograms", IEEE Trans. SMC 9 (1979).
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ __all__ = ["Anchors", "Histogram", "anchors"]
 SOFT_TISSUE_HU = 40.0
 BONE_HU = 250.0
 BONE_BEYOND_SOFT = (BONE_HU - SOFT_TISSUE_HU) / (SOFT_TISSUE_HU + 1000.0)
-"""How far bone lies beyond soft tissue, as a share of the way from air to soft tissue."""
+"""Distance of bone from soft tissue, as a fraction of that from air to soft tissue."""
 
 SMOOTHING = 5
-"""Bins of the moving mean that hides noise between neighbouring bins."""
+"""Bins of the moving mean that suppresses noise."""
 PEAK_REACH = 8
-"""Bins on each side of which a peak must be the highest."""
+"""Bins on each side among which a peak is the highest."""
 PEAK_SHARE = 0.5
-"""A peak counts from this share of the tallest on its side of the split: fat and muscle both
-count, contrast medium and bone do not."""
+"""Height from which a peak counts, relative to the tallest on its side of the split. Fat and muscle
+both count; contrast medium and bone do not."""
 PADDING_SHARE = 0.01
-"""A lowest value stands alone where the bins beside it hold at most this share of it."""
+"""A lowest value is padding where the bins beside it hold at most this fraction of its count."""
 LEAST_BONE = 5e-4
-"""Smallest share of voxels worth offering as a segment."""
+"""Smallest fraction of voxels that is offered as a segment."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Histogram:
 
     @property
     def centres(self) -> NDArray[np.float64]:
-        """Middle of each bin, shape [bins]."""
+        """Centre of each bin [unit of the scan], shape [bins]."""
         width = (self.high - self.low) / len(self.counts)
         bins = np.arange(len(self.counts), dtype=np.float64)
         return self.low + width * (bins + 0.5)
@@ -54,14 +54,14 @@ class Histogram:
 
 @dataclass(frozen=True)
 class Anchors:
-    """Values that stand for soft tissue and for the lower end of bone [unit of the scan]."""
+    """Values of soft tissue and of the lower end of bone [unit of the scan]."""
 
     soft_tissue: float
     bone: float
 
 
 def anchors(histogram: Histogram, *, unit: str) -> Anchors:
-    """Returns where soft tissue and bone lie: known for HU, else told by the histogram."""
+    """Returns the values of soft tissue and bone: fixed for HU, else by the histogram."""
     if unit == "HU":
         return Anchors(SOFT_TISSUE_HU, BONE_HU)
     counts = _without_padding(histogram.counts.astype(np.float64))
@@ -79,13 +79,13 @@ def anchors(histogram: Histogram, *, unit: str) -> Anchors:
 
 
 def _tidy(value: float, width: float) -> float:
-    """Rounds a value to the power of ten below a bin's width: a person is to read it."""
+    """Rounds a value to the power of ten below the width of a bin, for display."""
     # a scan of one value has bins without width
     return round(value, -math.floor(math.log10(width))) if width > 0.0 else value
 
 
 def _without_padding(counts: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Leaves out a lowest value that stands alone: what scanners write outside their view."""
+    """Removes a lowest value that stands alone: padding outside the scanner's field of view."""
     near = counts[1 : PEAK_REACH + 1].sum()
     if near > PADDING_SHARE * counts[0] or counts[PEAK_REACH + 1 :].sum() == 0.0:
         return counts
@@ -95,7 +95,7 @@ def _without_padding(counts: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _otsu(counts: NDArray[np.float64], values: NDArray[np.float64]) -> int:
-    """Returns the last bin of the lower class where two classes differ most (Otsu 1979)."""
+    """Returns the last bin of the lower class of Otsu's split (1979)."""
     below = np.cumsum(counts)
     moment = np.cumsum(counts * values)
     above = below[-1] - below
@@ -106,7 +106,7 @@ def _otsu(counts: NDArray[np.float64], values: NDArray[np.float64]) -> int:
 
 
 def _peaks(smooth: NDArray[np.float64]) -> dict[int, float]:
-    """Maps the bins that are the highest around them to their height."""
+    """Maps the bins that are local maxima to their height."""
     reach = range(len(smooth))
     highest = (smooth[max(0, i - PEAK_REACH) : i + PEAK_REACH + 1].max() for i in reach)
     return {
@@ -125,6 +125,6 @@ def _last_big(peaks: dict[int, float], bins: range, *, default: int) -> int:
 
 
 def _upper_value(counts: NDArray[np.float64], values: NDArray[np.float64]) -> float:
-    """Returns a value with enough voxels above it to be felt."""
+    """Returns a value with enough voxels above it for touch."""
     share_above = 1.0 - np.cumsum(counts) / counts.sum()
     return float(values[int(np.argmax(share_above < LEAST_BONE))])

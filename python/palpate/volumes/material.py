@@ -1,6 +1,6 @@
-"""What segments are made of: constants of isotropic matter, in SI.
+"""Materials of segments: constants of isotropic elastic tissue, in SI units.
 
-Models of deformation read them; docs/understand/deformation.md says what each does with them.
+``docs/understand/deformation.md`` explains what each deformation model does with them.
 """
 
 from __future__ import annotations
@@ -23,30 +23,33 @@ __all__ = [
 ]
 
 Treatment = Literal["deformable", "rigid", "empty"]
-"""How matter takes part: it gives, stays where it is, or is as if it were not there."""
+"""How a region takes part in deformation: it deforms, is rigid, or counts as empty."""
 
 ForceSource = Literal["matter", "voxels"]
-"""What a tool feels of matter that gives way: its own force, or its voxels until they move."""
+"""Source of the force of soft tissue on a tool: the model, or voxels that are rigid until moved.
+"""
 
 
 class Material(NamedTuple):
-    """Constants that hold everywhere in a segment, as for MR scans."""
+    """Material with the same constants in a whole segment."""
 
     young: float
-    """Young's modulus [Pa]."""
+    """Young's modulus [Pa], 1 to 2e12."""
     poisson: float = 0.45
-    """Poisson's ratio, below 0.5; what a model cannot do is told, and the nearest is taken."""
+    """Poisson's ratio, more than -1, less than 0.5; a model that cannot represent it takes the
+    nearest possible value and reports that."""
     density: float = 1050.0
-    """[kg/m³]; no model reads it, since matter is brought to rest."""
+    """Density [kg/m³], 0.1 to 23000; no model uses it, since tissue is brought to rest."""
     breaking_strain: float = float("inf")
-    """Strain at which bonds break; infinity for matter that never breaks."""
+    """Strain at which bonds break; infinity for tissue that never breaks."""
     friction: float = 0.2
-    """Coulomb friction with a tool that sticks; four fifths of it where one slides, 2 at most."""
+    """Static Coulomb friction with a tool, 0 to 10; kinetic friction is four fifths of it, 2 at
+    most."""
 
 
 @dataclass(frozen=True)
 class LinearMaterial:
-    """Constants linear in HU between two materials, held at its ends (thesis 5.54)."""
+    """Material with constants linear in HU, and constant beyond two ends (thesis 5.54)."""
 
     interval: tuple[float, float]
     """HU of ``low`` and of ``high``."""
@@ -56,50 +59,53 @@ class LinearMaterial:
 
 @dataclass(frozen=True)
 class Region:
-    """Some of a segment that takes part in its own way; all of it where nothing else is told."""
+    """A region of a segment, and how it takes part in deformation.
+
+    At most one of ``box`` and ``shared_with`` is given; without both it is the whole segment.
+    """
 
     treatment: Treatment
     box: tuple[tuple[int, int, int], tuple[int, int, int]] | None = None
-    """What lies in a box of voxels (x, y, z): first, and one past the last."""
+    """First voxel (x, y, z) of a box, and one past the last."""
     shared_with: int | None = None
-    """What belongs to this other segment too."""
+    """Number of another segment: the region is what both have in common."""
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A material that can be chosen by its name."""
+    """A material with a name."""
 
     name: str
     source: str
-    """Where its constants are from."""
+    """Source of its constants."""
     needs_hounsfield: bool
-    """Whether its constants follow HU: it is for CT only."""
+    """Whether its constants depend on HU, so that it is for CT only."""
     low: Material
-    """Its constants, at the lower end where they follow HU."""
+    """Constants, at the lower end of HU where they depend on it."""
     high: Material
-    """Its constants, at the upper end where they follow HU."""
+    """Constants, at the upper end of HU where they depend on it."""
 
 
 def require_hounsfield(material: Material | LinearMaterial | str | None, *, unit: str) -> None:
-    """Refuses a material whose constants follow HU, for a scan with values of another unit.
+    """Refuses a material that depends on HU for a scan in another unit.
 
     Raises:
-        OptionError: They follow HU, and values are not known to be HU.
+        OptionError: It depends on HU, and the scan's values are not known to be HU.
     """
     constant = [preset.name for preset in material_presets() if not preset.needs_hounsfield]
     by_name = [preset.name for preset in material_presets() if preset.needs_hounsfield]
     if unit == "HU" or not (isinstance(material, LinearMaterial) or material in by_name):
         return
-    told = f'"{material}"' if isinstance(material, str) else "LinearMaterial"
+    name = f'"{material}"' if isinstance(material, str) else "LinearMaterial"
     raise OptionError(
-        f"material {told}, which follows HU, given for a scan whose values are not known to be HU; "
+        f"material {name}, which follows HU, given for a scan whose values are not known to be HU; "
         f"allowed: a Material, or one of {', '.join(constant)}; where they are HU, read the scan "
         'with unit="HU" (--unit HU)'
     )
 
 
 def material_presets() -> list[Preset]:
-    """Lists the materials that have a name."""
+    """Returns all materials with a name."""
     return [
         Preset(name, source, needs_hounsfield, Material(*low), Material(*high))
         for name, source, needs_hounsfield, low, high in _core.material_presets()

@@ -1,9 +1,9 @@
-"""Reading of meshes: STL, PLY, OBJ and GLB, and grids to make voxels of them.
+"""Reading of meshes (STL, PLY, OBJ, GLB), and grids to voxelise them.
 
-A mesh comes into the patient (LPS) [mm]. In which frame and unit it was written stands in the
-header of some files (``SPACE=LPS``, as 3D Slicer writes it, ``UNIT=mm``); GLB is in metres with
-y up by its own rules; else the person says it. Vertices at one place become one, triangles that
-are none are left out, and a mesh turned inside out is turned: all of it is told.
+Meshes are converted to the patient frame, LPS [mm]. Some files state their frame and unit in the
+header (``SPACE=LPS``, as 3D Slicer writes it, ``UNIT=mm``); GLB is in metres with y up by
+definition; for all others the caller states them. Equal vertices are merged, degenerate triangles
+are removed, and a mesh that is inside out is flipped; ``notes`` report all of that.
 """
 
 from __future__ import annotations
@@ -43,32 +43,32 @@ FRAMES: dict[str, tuple[float, float, float]] = {"LPS": (1.0, 1.0, 1.0), "RAS": 
 UNITS = {"mm": 1.0, "m": 1000.0}
 
 HEAD_BYTES = 4096
-"""In which a header says what it says."""
+"""Bytes of the file that are searched for a header."""
 SMALLEST_MM = 3.0
-"""A mesh that is smaller, taken as mm, is more likely one in metres."""
+"""A mesh smaller than this, read as mm, is probably in metres [mm]."""
 MARGIN = 2
-"""Voxels around a mesh."""
+"""Empty voxels around a mesh."""
 THICK_IN_VOXELS = 4
-"""How many voxels a plate is thick at least, where nobody says how large they are to be."""
+"""Thickness of a plate in voxels, where no voxel size is given."""
 MOST_VOXELS = 1 << 25
-"""Voxels of a mesh then, at most."""
+"""Most voxels of a mesh, where no voxel size is given."""
 STL_HEADER, STL_TRIANGLE = 84, 50
 
 BROKEN = (
     *(ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, ImportError),
     *(NotImplementedError, EOFError, AssertionError, OverflowError),
 )
-"""What a reader of meshes says of damaged files."""
+"""Exceptions that readers of meshes raise for damaged files."""
 
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh from a file, in the patient."""
+    """A mesh read from a file, in the patient frame, LPS [mm]."""
 
     mesh: Mesh
     name: str
     holes: int
-    """Borders where the surface is open; 0 for a closed one."""
+    """Number of open borders; 0 for a closed mesh."""
     notes: tuple[str, ...] = field(default=())
     """Sentences on what was repaired."""
 
@@ -77,14 +77,14 @@ def read_mesh(path: Path, *, frame: Frame | None = None, unit: Unit | None = Non
     """Reads a mesh.
 
     Args:
-        path: A file that ends with .stl, .ply, .obj or .glb.
-        frame: In which it is, where the file does not say so.
-        unit: Of its lengths, where the file does not say so.
+        path: A .stl, .ply, .obj or .glb file.
+        frame: Frame of its vertices, where the file does not state it.
+        unit: Unit of its lengths, where the file does not state it.
 
     Raises:
-        MeshFormatError: It holds no mesh, is damaged, or lies about its size.
-        OptionError: Its frame or its unit is not known, or not the one that is given.
-        OSError: It cannot be read.
+        MeshFormatError: The file has no mesh, is damaged, or declares a wrong size.
+        OptionError: Frame or unit are not known, or contradict the file.
+        OSError: The file cannot be read.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise MeshFormatError(f"{path.name!r} given; allowed: a file with {', '.join(SUFFIXES)}")
@@ -94,19 +94,19 @@ def read_mesh(path: Path, *, frame: Frame | None = None, unit: Unit | None = Non
         in_patient = np.linalg.inv(GLTF_FROM_PATIENT)[:3, :3]
         vertices = vertices @ in_patient.T
     else:
-        told = _told_by(path)
-        turned = FRAMES[_frame_of(path, told.get("SPACE"), frame)]
-        vertices = vertices * turned * UNITS[_unit_of(path, told.get("UNIT"), (unit, vertices))]
+        header = _header_of(path)
+        turned = FRAMES[_frame_of(path, header.get("SPACE"), frame)]
+        vertices = vertices * turned * UNITS[_unit_of(path, header.get("UNIT"), (unit, vertices))]
     return _repaired(path, vertices, triangles)
 
 
 def hole_count(triangles: NDArray[np.integer[Any]]) -> int:
-    """Returns how many borders a mesh has; edges on a border have a triangle on one side."""
+    """Returns the number of open borders: loops of edges with a triangle on one side only."""
     return len(np.unique(_parts(_open_edges(triangles))))
 
 
 def closed(file: MeshFile) -> MeshFile:
-    """Returns the mesh with each hole closed by triangles around the middle of its border."""
+    """Returns the mesh with each hole closed by triangles around the centre of its border."""
     if file.holes == 0:
         return file
     vertices, triangles = file.mesh.vertices, file.mesh.triangles
@@ -124,7 +124,7 @@ def closed(file: MeshFile) -> MeshFile:
 
 
 def grid_around(meshes: Iterable[Mesh], spacing: float, *, name: str = "mesh") -> Volume:
-    """Returns an empty scan of cubes [mm] around meshes.
+    """Returns an empty scan around meshes, with cubic voxels [mm].
 
     Raises:
         OptionError: The spacing is not allowed, or gives too many voxels.
@@ -149,10 +149,10 @@ def grid_around(meshes: Iterable[Mesh], spacing: float, *, name: str = "mesh") -
 
 
 def suitable_spacing(mesh: Mesh, volume: Volume) -> float:
-    """Returns the edge of voxels [mm] that keep the thinnest a mesh is in the mean.
+    """Returns an edge of cubic voxels that preserves the mean thickness of a mesh [mm].
 
-    A plate is ``THICK_IN_VOXELS`` thick then; voxels are never larger than those of the scan, and
-    so many at most that they take little memory.
+    A plate is ``THICK_IN_VOXELS`` voxels thick then. Voxels are never larger than those of the
+    scan, nor more than fit into little memory.
     """
     a, b, c = mesh.vertices[mesh.triangles].transpose(1, 0, 2)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0
@@ -164,12 +164,12 @@ def suitable_spacing(mesh: Mesh, volume: Volume) -> float:
 
 
 def object_of_mesh(file: MeshFile, spacing: float) -> Segment:
-    """Returns the voxels of a mesh on a grid of its own, cubes of an edge [mm].
+    """Returns the voxels of a mesh on a grid of its own, with cubic voxels.
 
     Raises:
-        MeshFormatError: It is open.
+        MeshFormatError: The mesh is open.
         OptionError: The spacing is not allowed, or gives too many voxels.
-        EmptySegmentError: It is thinner than a voxel everywhere.
+        EmptySegmentError: The mesh is thinner than a voxel everywhere.
     """
     grid = grid_around([file.mesh], spacing, name=Path(file.name).stem)
     return segment_of_mesh(file, grid).as_object()
@@ -179,8 +179,8 @@ def segment_of_mesh(file: MeshFile, volume: Volume, *, as_shell: bool = False) -
     """Returns the voxels of a mesh on the grid of a scan.
 
     Raises:
-        MeshFormatError: It is open, and its inside is asked for.
-        EmptySegmentError: No voxel lies in it.
+        MeshFormatError: The mesh is open, and its inside is requested.
+        EmptySegmentError: No voxel lies inside.
     """
     if file.holes and not as_shell:
         raise MeshFormatError(
@@ -194,7 +194,7 @@ def segment_of_mesh(file: MeshFile, volume: Volume, *, as_shell: bool = False) -
 
 
 def _check_size(path: Path) -> None:
-    """Refuses a binary STL whose count of triangles is not that of its length."""
+    """Refuses a binary STL file whose number of triangles does not fit its length."""
     length = path.stat().st_size
     if length == 0:
         raise MeshFormatError(f"{path.name!r} is empty; allowed: a mesh")
@@ -208,13 +208,13 @@ def _check_size(path: Path) -> None:
     count = int.from_bytes(head[80:84], "little") if len(head) == STL_HEADER else -1
     if length != STL_HEADER + STL_TRIANGLE * count:
         raise MeshFormatError(
-            f"{path.name!r} tells of {max(count, 0)} triangles and has {length} bytes; allowed: "
+            f"{path.name!r} declares {max(count, 0)} triangles and has {length} bytes; allowed: "
             f"{STL_HEADER} bytes and {STL_TRIANGLE} for each triangle"
         )
 
 
 def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Returns vertices as the file has them, equal ones joined, and triangles."""
+    """Returns vertices and triangles of a file, with equal vertices merged."""
     try:
         trimesh = import_module("trimesh")
     except ImportError:
@@ -241,19 +241,21 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return joined, numbers.reshape(triangles.shape)
 
 
-def _told_by(path: Path) -> dict[str, str]:
-    """Returns what the header says as NAME=VALUE."""
+def _header_of(path: Path) -> dict[str, str]:
+    """Returns the NAME=VALUE pairs of the header."""
     with path.open("rb") as file:
         head = file.read(STL_HEADER - 4 if path.suffix.lower() == ".stl" else HEAD_BYTES)
     return dict(re.findall(r"\b(SPACE|UNIT)=(\w+)", head.decode("latin-1")))
 
 
-def _frame_of(path: Path, told: str | None, given: Frame | None) -> str:
-    if told is not None and told not in FRAMES:
-        raise MeshFormatError(f"{path.name!r} says SPACE={told}; allowed: {', '.join(FRAMES)}")
-    if told is not None and given is not None and told != given:
-        raise OptionError(f"frame {given} given, and {path.name!r} says {told}; allowed: {told}")
-    frame = told or given
+def _frame_of(path: Path, stated: str | None, given: Frame | None) -> str:
+    if stated is not None and stated not in FRAMES:
+        raise MeshFormatError(f"{path.name!r} says SPACE={stated}; allowed: {', '.join(FRAMES)}")
+    if stated is not None and given is not None and stated != given:
+        raise OptionError(
+            f"frame {given} given, and {path.name!r} says {stated}; allowed: {stated}"
+        )
+    frame = stated or given
     if frame is None:
         raise OptionError(
             f"{path.name!r} does not say in which frame it is; allowed: --frame LPS or --frame RAS"
@@ -261,20 +263,20 @@ def _frame_of(path: Path, told: str | None, given: Frame | None) -> str:
     return frame
 
 
-def _unit_of(path: Path, told: str | None, given: tuple[Unit | None, NDArray[np.float64]]) -> str:
+def _unit_of(path: Path, stated: str | None, given: tuple[Unit | None, NDArray[np.float64]]) -> str:
     unit, vertices = given
-    if told is not None and told not in UNITS:
-        raise MeshFormatError(f"{path.name!r} says UNIT={told}; allowed: {', '.join(UNITS)}")
-    if told is not None and unit is not None and told != unit:
-        raise OptionError(f"unit {unit} given, and {path.name!r} says {told}; allowed: {told}")
-    if told is None and unit is None:
+    if stated is not None and stated not in UNITS:
+        raise MeshFormatError(f"{path.name!r} says UNIT={stated}; allowed: {', '.join(UNITS)}")
+    if stated is not None and unit is not None and stated != unit:
+        raise OptionError(f"unit {unit} given, and {path.name!r} says {stated}; allowed: {stated}")
+    if stated is None and unit is None:
         extent = float(np.ptp(vertices, axis=0).max())
         if extent < SMALLEST_MM:
             raise OptionError(
                 f"{path.name!r} is {extent:.3g} long, which is little for mm; allowed: --unit m or "
                 "--unit mm"
             )
-    return told or unit or "mm"
+    return stated or unit or "mm"
 
 
 # --- repairs -------------------------------------------------------------------------------
@@ -303,7 +305,7 @@ def _repaired(path: Path, vertices: NDArray[np.float64], triangles: NDArray[np.i
 
 
 def _normals(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Returns normals of vertices, those of triangles weighed by area."""
+    """Returns vertex normals: those of the triangles, weighted by area."""
     corners = vertices[triangles]
     faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     sums = np.zeros_like(vertices)
@@ -318,7 +320,7 @@ def _normals(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDA
 
 
 def _open_edges(triangles: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
-    """Returns edges that more triangles run along one way than the other, the way they run."""
+    """Returns edges with more triangles in one direction than in the other, in that direction."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     edges = edges.astype(np.int64)
     keys, place = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
@@ -329,7 +331,7 @@ def _open_edges(triangles: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
 
 
 def _parts(edges: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Returns for each edge a number that connected ones share."""
+    """Returns a number for each edge that is the same for connected edges."""
     root: dict[int, int] = {}
 
     def root_of(vertex: int) -> int:

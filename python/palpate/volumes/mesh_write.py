@@ -1,8 +1,8 @@
-"""Writing of meshes: STL, PLY, OBJ and GLB, in the patient (LPS) [mm].
+"""Writing of meshes (STL, PLY, OBJ, GLB) in the patient frame, LPS [mm].
 
-Files say so where they can: ``SPACE=LPS`` and ``UNIT=mm`` in the header. GLB has its own frame,
-metres with y up, into which its one node turns the mesh. A file appears under its name when it
-is whole, never before.
+Files state frame and unit where they can: ``SPACE=LPS`` and ``UNIT=mm`` in the header. GLB has a
+frame of its own, metres with y up, into which its one node transforms the mesh. A file appears
+under its name only once it is complete.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ HEADER = "SPACE=LPS UNIT=mm"
 GLTF_FROM_PATIENT = np.array(
     [[1e-3, 0.0, 0.0, 0.0], [0.0, 0.0, 1e-3, 0.0], [0.0, -1e-3, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
-"""Left, superior, anterior [m] from LPS [mm]."""
+"""From patient LPS [mm] to glTF: left, superior, anterior [m]."""
 
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
 _PLY_VERTEX = np.dtype([("position", "<f4", 3), ("normal", "<f4", 3)])
@@ -33,11 +33,11 @@ _PLY_FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Writes a mesh in the format that the name ends with.
+    """Writes a mesh in the format of the file name's extension.
 
     Raises:
-        OptionError: The name ends with none of the formats.
-        OSError: It cannot be written; then nothing is left behind.
+        OptionError: The extension is not one of the formats.
+        OSError: The file cannot be written; nothing is left behind then.
     """
     encode = _ENCODERS.get(path.suffix.lower())
     if encode is None:
@@ -143,4 +143,4 @@ _ENCODERS: dict[str, Callable[[Mesh], bytes]] = {
     ".glb": _glb,
 }
 SUFFIXES = tuple(_ENCODERS)
-"""How names of mesh files end."""
+"""File name extensions of the formats."""

@@ -1,8 +1,8 @@
-"""Names of image orientations: three letters, one per axis of the file, x first.
+"""Names of image orientations: three letters, one for each axis of the file, x first.
 
-Each letter says toward which side of the patient the axis runs: L left, R right,
-P posterior, A anterior, S superior, I inferior. "LPS" is the patient frame itself; ITK's own
-letters ("RAI" for the same) say where an axis comes from instead.
+Each letter names the side of the patient toward which the axis runs: L left, R right, P posterior,
+A anterior, S superior, I inferior. "LPS" is the patient frame itself; ITK's own letters ("RAI" for
+the same) name the side where an axis starts.
 
 Frame: directions are matrices whose columns are the file's axes in LPS, shape [3, 3].
 """
@@ -23,7 +23,7 @@ SIDES = (("R", "L"), ("A", "P"), ("I", "S"))
 
 
 def letters_of(direction: NDArray[np.float64]) -> str:
-    """Returns the letters of a direction: for an oblique scan, those nearest to it."""
+    """Returns the letters of a direction; for an oblique scan, the nearest ones."""
     # the signed permutation nearest to the direction, so that no letter comes twice
     fit = max(permutations(range(3)), key=lambda rows: _along(direction, rows))
     return "".join(SIDES[row][int(direction[row, axis] > 0)] for axis, row in enumerate(fit))

@@ -17,19 +17,19 @@ __all__ = ["Phantom", "phantom"]
 
 @dataclass(frozen=True)
 class Phantom:
-    """A scan and the truth about it."""
+    """A scan and its ground truth."""
 
     volume: Volume
     labels: NDArray[np.uint8]
-    """What each voxel is, shape [depth, height, width]."""
+    """Label of each voxel, shape [depth, height, width]."""
     names: dict[str, int]
-    """The number of each part in ``labels``."""
+    """Label of each part, by name."""
 
     def part(self, name: str) -> Segment:
-        """Returns the voxels of a part, by its name.
+        """Returns the voxels of a part as a segment.
 
         Raises:
-            OptionError: There is no such part.
+            OptionError: There is no part of this name.
         """
         if name not in self.names:
             raise OptionError(f"part {name!r} is not known; allowed: {', '.join(self.names)}")
@@ -37,11 +37,11 @@ class Phantom:
 
 
 def phantom(dimensions: tuple[int, int, int] = (200, 140, 270), *, seed: int = 1) -> Phantom:
-    """Makes the phantom.
+    """Makes a procedural CT scan of a trunk, with noise, and its labels.
 
     Args:
         dimensions: Voxels along x, y, z.
-        seed: Of its noise; the same seed makes the same phantom.
+        seed: Seed of the noise; the same seed makes the same phantom.
 
     Raises:
         OptionError: The dimensions are not allowed.

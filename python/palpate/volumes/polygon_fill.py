@@ -1,4 +1,4 @@
-"""Voxels of a slice whose middles polygons enclose."""
+"""Voxels of a slice whose centres polygons enclose."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["fill_polygons"]
 def fill_polygons(
     polygons: Sequence[NDArray[np.float64]], shape: tuple[int, ...]
 ) -> NDArray[np.uint8]:
-    """Fills polygons by the even-odd rule: a polygon in another one is a hole.
+    """Fills polygons by the even-odd rule: a polygon inside another one is a hole.
 
     Args:
-        polygons: Corners as column and row, whole at the middles of voxels, shape [corners, 2].
-        shape: Of the slice, [rows, columns].
+        polygons: Corners as (column, row), integers at the centres of voxels, shape [corners, 2].
+        shape: Shape of the slice, [rows, columns].
     """
     rows, columns = shape
     toggles = np.zeros((rows, columns + 1), np.uint8)

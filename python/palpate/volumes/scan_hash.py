@@ -1,4 +1,4 @@
-"""What tells a scan from others: a hash of its values and its place."""
+"""Hash of a scan: its values and its geometry."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["scan_hash"]
 
 
 def scan_hash(volume: Volume) -> bytes:
-    """Returns 32 bytes that tell a scan from others by its stored values and its geometry."""
+    """Returns a hash of the stored values and the geometry of a scan, 32 bytes."""
     hasher = blake2b(digest_size=32)
     hasher.update(np.asarray(volume.dimensions, "<i8").tobytes())
     hasher.update(np.asarray(volume.patient_from_grid, "<f8").tobytes())

@@ -1,6 +1,7 @@
-"""A slice of a scan along its own axes: its values, and where its voxels stand.
+"""A slice of a scan along its own axes: its values, and the positions of its voxels.
 
-Places in a slice are (column, row), whole at the middles of voxels. Points are in the patient [mm].
+Places in a slice are (column, row), integers at the centres of voxels. Points are in the patient,
+LPS [mm].
 """
 
 from __future__ import annotations
@@ -22,29 +23,29 @@ Places = NDArray[np.float64]
 """Shape [count, 2]."""
 
 Point = Sequence[float] | NDArray[np.float64]
-"""x, y, z [patient]."""
+"""x, y, z in the patient, LPS [mm]."""
 
 LEAST_COSINE = 0.999
-"""Between a slice's normal and an axis of the scan."""
+"""Least cosine between the normal of a slice and an axis of the scan."""
 
 Box = tuple[slice, slice, slice]
 
 
 @dataclass(frozen=True)
 class ScanSlice:
-    """The voxels of a scan with one index along an axis."""
+    """The voxels of a scan with one index along one axis."""
 
     volume: Volume
     axis: int
-    """0, 1, 2: x, y, z of the grid."""
+    """Axis of the grid: 0, 1 or 2 for x, y or z."""
     number: int
 
     @classmethod
     def through(cls, volume: Volume, point: Point, *, normal: Sequence[float]) -> ScanSlice:
-        """Returns the slice that holds a point, across a normal of any length.
+        """Returns the slice through a point, perpendicular to a normal of any length.
 
         Raises:
-            OptionError: The point is not in the scan, or the slice lies along none of its axes.
+            OptionError: The point is outside of the scan, or the normal is along none of its axes.
         """
         length = float(np.linalg.norm(normal))
         cosines = np.abs(volume.direction.T @ np.asarray(normal, np.float64)) / (length or np.nan)
@@ -61,7 +62,7 @@ class ScanSlice:
 
     @cached_property
     def values(self) -> NDArray[np.float32]:
-        """Shape [rows, columns] [unit of the scan]."""
+        """Values of the slice [unit of the scan], shape [rows, columns]."""
         stored = np.take(self.volume.array, self.number, axis=2 - self.axis).astype(np.float32)
         values: NDArray[np.float32] = stored * np.float32(self.volume.slope)
         values += np.float32(self.volume.intercept)
@@ -69,30 +70,30 @@ class ScanSlice:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Numbers of rows and columns."""
         rows, columns = (self.volume.dimensions[axis] for axis in reversed(self._along))
         return rows, columns
 
     @property
     def edges(self) -> tuple[float, float]:
-        """Sides of a voxel along a column and along a row [mm], in the order of ``shape``."""
+        """Edges of a voxel along a column and along a row [mm], in the order of ``shape``."""
         height, width = (self.volume.spacing[axis] for axis in reversed(self._along))
         return height, width
 
     @property
     def box(self) -> Box:
-        """Its voxels in the scan's array."""
+        """Slices that select its voxels in the scan's array."""
         box = [slice(0, count) for count in self.volume.shape]
         box[2 - self.axis] = slice(self.number, self.number + 1)
         return box[0], box[1], box[2]
 
     def places(self, points: Sequence[Point] | NDArray[np.float64]) -> Places:
-        """Returns where points stand, those beside the slice straight over it."""
+        """Returns the places of points, projected onto the slice, shape [count, 2]."""
         index: Places = _index(self.volume, points)[:, self._along]
         return index
 
     def points(self, places: ArrayLike) -> NDArray[np.float64]:
-        """Returns the points in the middle of the slice that stand at places, shape [count, 3]."""
+        """Returns the points at places, on the middle plane of the slice, shape [count, 3]."""
         at = np.asarray(places, np.float64).reshape(-1, 2)
         index = np.full((len(at), 3), float(self.number))
         index[:, self._along] = at
@@ -101,17 +102,17 @@ class ScanSlice:
         return points
 
     def key(self) -> tuple[int, int]:
-        """Tells it from other slices of the scan."""
+        """Identifies the slice among those of its scan."""
         return self.axis, self.number
 
     @property
     def _along(self) -> list[int]:
-        """The grid's axes along a row and along a column."""
+        """Axes of the grid along a row and along a column."""
         return [axis for axis in range(3) if axis != self.axis]
 
 
 def _index(volume: Volume, points: Sequence[Point] | NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns indices of points, whole at the middles of voxels, shape [count, 3]."""
+    """Returns the indices of points, integers at the centres of voxels, shape [count, 3]."""
     matrix = np.linalg.inv(volume.patient_from_grid)
     at = np.asarray(cast("ArrayLike", points), np.float64).reshape(-1, 3)
     index: NDArray[np.float64] = at @ matrix[:3, :3].T + matrix[:3, 3] - 0.5

@@ -1,4 +1,4 @@
-"""What is seen and felt: a scan and the segments in it, with how each looks."""
+"""Scenes: a scan, its segments and their appearance."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ PALETTE: tuple[Colour, ...] = (
     (0.36, 0.70, 0.66),
     (0.88, 0.56, 0.70),
 )
-"""Colours given to segments in turn, sRGB: the first one is that of bone."""
+"""Colours that segments get in turn, sRGB; the first one is that of bone."""
 
 Field = TypeVar("Field")
 
 MOST_SEGMENTS = 255
-"""A segment's number is one byte, and 0 stands for none."""
+"""A segment's number is one byte, and 0 means none."""
 
 
 class _AppearanceField(Generic[Field]):
@@ -63,7 +63,7 @@ class _AppearanceField(Generic[Field]):
 
 @dataclass
 class SceneSegment:
-    """A segment and how it looks and feels."""
+    """A segment, and its appearance and touch at the start of a session."""
 
     segment: Segment
     appearance: SegmentAppearance
@@ -95,17 +95,17 @@ def new_appearance(
 
 
 class Scene:
-    """A scan and the segments that are shown and touched in it."""
+    """A scan and the segments to show and touch in it."""
 
     def __init__(self, volume: Volume, segments: Iterable[Segment] = ()) -> None:
         """Takes a scan and segments of it, each visible and touchable.
 
         Raises:
-            OptionError: A segment is of another scan's size.
+            OptionError: A segment has another size than the scan.
         """
         self.volume = volume
         self.second: SecondScan | None = None
-        """A scan that is shown with it."""
+        """A second scan to show with it."""
         self._segments: list[SceneSegment] = []
         for segment in segments:
             self.add(segment)
@@ -128,15 +128,15 @@ class Scene:
         """Adds a segment.
 
         Args:
-            segment: Voxels of this scan, or with a grid of its own; that is shown as a surface.
-            colour: sRGB, each 0..1; by default that by which its name is known, else, as for a
-                second one of that name, the next of the palette.
+            segment: Voxels of this scan, or on a grid of its own; that is shown as a surface.
+            colour: sRGB, each 0 to 1; the default is the usual colour of its name, or where that is
+                not known or taken, the next one of the palette.
             visible: Whether it is shown.
-            touchable: Whether the probe is stopped by it.
-            shown_as: Drawn from its voxels, as a surface, or both.
+            touchable: Whether the probe collides with it.
+            shown_as: How it is drawn: from its voxels, as a surface, or both.
 
         Raises:
-            OptionError: It is of another scan's size, or there are too many.
+            OptionError: It has another size than the scan, or there are too many segments.
         """
         if segment.has_own_grid:
             shown_as = "surface"
@@ -159,10 +159,10 @@ class Scene:
 
 
 def choose_segment(scene: Scene, name: str | None) -> Segment:
-    """Returns the segment of a name; the only one where none is named.
+    """Returns the segment of a name; without a name, the only one there is.
 
     Raises:
-        OptionError: There is none, or it is not clear which one.
+        OptionError: There is none, or it is ambiguous.
     """
     segments = {one.name: one.segment for one in scene}
     if name is None and len(segments) == 1:

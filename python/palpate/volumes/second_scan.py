@@ -1,7 +1,7 @@
-"""A second scan that is shown with the first one: where each of its values belongs in the first.
+"""A second scan that is shown with the first one, and the transform between both.
 
-A transform is read as SimpleITK and ITK write it (``.tfm``, ``.h5``): it maps points of the first
-(fixed) scan to the second's. Frames: patient of each scan, LPS [mm].
+Transforms are read as SimpleITK and ITK write them (``.tfm``, ``.h5``): they map points of the
+first (fixed) scan to those of the second. Frames: patient of each scan, LPS [mm].
 """
 
 from __future__ import annotations
@@ -20,42 +20,44 @@ from palpate.volumes.volume import Volume
 __all__ = ["SecondScan", "placed", "read_transform"]
 
 LEAST_DETERMINANT = 1e-6
-"""A transform that flattens more has lost the scan."""
+"""Least determinant of a transform: one that flattens more cannot be inverted."""
 
 
 @dataclass(frozen=True)
 class SecondScan:
-    """A scan beside the first, where it lies as it is; ``second_from_first`` has shape [4, 4]."""
+    """A scan beside the first one, on its own grid; ``second_from_first`` has shape [4, 4]."""
 
     volume: Volume
     second_from_first: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
-    unbent: Volume | None = None
-    """What was bent onto the first scan's grid; None where nothing was."""
+    before_resampling: Volume | None = None
+    """The scan before it was resampled by a deformable transform; None where it was not."""
 
     @property
     def as_read(self) -> Volume:
         """The scan before any transform."""
-        return self.volume if self.unbent is None else self.unbent
+        return self.volume if self.before_resampling is None else self.before_resampling
 
     @property
     def is_moved(self) -> bool:
-        """Whether a transform holds it elsewhere than its own place in the patient says."""
-        return self.unbent is not None or not np.array_equal(self.second_from_first, np.eye(4))
+        """Whether a transform places it elsewhere than its own geometry does."""
+        return self.before_resampling is not None or not np.array_equal(
+            self.second_from_first, np.eye(4)
+        )
 
 
 def placed(first: Volume, second: Volume, transform: Transform | None = None) -> SecondScan:
-    """Returns a scan as it lies with the first one.
+    """Returns a scan placed relative to the first one.
 
-    Where the transform is rigid or affine, or where there is none, the values stay as they are and
-    a matrix tells where they belong; else they are laid on the first scan's grid, linearly.
+    For a rigid or affine transform, or none, the values stay as they are and a matrix places them;
+    for a deformable one they are resampled on the first scan's grid, with linear interpolation.
 
     Args:
-        first: The scan that stays where it is.
-        second: The scan that is shown with it.
-        transform: A ``SimpleITK.Transform`` from points of the first to the second's.
+        first: The fixed scan.
+        second: The scan to show with it.
+        transform: A ``SimpleITK.Transform`` from points of the first scan to those of the second.
 
     Raises:
-        OptionError: The transform is none of space, or has no inverse.
+        OptionError: The transform is not three-dimensional, or has no inverse.
     """
     if transform is None:
         return SecondScan(second)
@@ -64,15 +66,15 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
         raise OptionError(f"a transform of {dimension} dimensions given; allowed: of 3")
     if transform.IsLinear():
         return SecondScan(second, _matrix_of(transform))
-    return SecondScan(_resampled(first, second, transform), unbent=second)
+    return SecondScan(_resampled(first, second, transform), before_resampling=second)
 
 
 def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:
-    """Returns the ``SimpleITK.Transform`` of a file, which errors name as it was ``called``.
+    """Returns the ``SimpleITK.Transform`` in a file; errors name the file as it was ``called``.
 
     Raises:
-        FileNotFoundError: There is none.
-        VolumeFormatError: It is no transform.
+        FileNotFoundError: There is no such file.
+        VolumeFormatError: It is not a transform.
     """
     file = Path(path)
     if not file.is_file():
@@ -88,7 +90,7 @@ def read_transform(path: str | PathLike[str], *, called: str | None = None) -> T
 
 
 def _matrix_of(transform: Transform) -> NDArray[np.float64]:
-    """Returns what a linear transform does to points as a matrix, shape [4, 4]."""
+    """Returns the matrix of a linear transform of points, shape [4, 4]."""
     origin = np.array(transform.TransformPoint((0.0, 0.0, 0.0)))
     ends = np.array([transform.TransformPoint(tuple(axis)) for axis in np.eye(3)])
     matrix = np.eye(4)
@@ -100,7 +102,7 @@ def _matrix_of(transform: Transform) -> NDArray[np.float64]:
 
 
 def _resampled(first: Volume, second: Volume, transform: Transform) -> Volume:
-    """Returns the second scan on the grid of the first; its lowest value outside of it."""
+    """Returns the second scan on the grid of the first one, with its lowest value outside of it."""
     module = simpleitk()
     reference = image_on(first, first.array)
     moving = image_on(second, second.array)

@@ -1,4 +1,4 @@
-"""A part of a scan: the set of voxels that can be shown and touched.
+"""A segment: the set of voxels of a scan that belong to one structure.
 
 Frames: see ``volumes/volume.py``.
 """
@@ -34,10 +34,10 @@ class Segment:
 
         Args:
             internal: The engine's voxels.
-            name: What a person calls it.
-            volume: The scan it is a part of.
-            range: The threshold (low, high) that it is, or None.
-            made_by: The threshold that made it, where edits have changed it since.
+            name: Name to display.
+            volume: The scan.
+            range: Threshold (low, high) that selects exactly these voxels, or None.
+            made_by: Threshold that made it, where edits have changed it since.
         """
         self._internal = internal
         self.name = name
@@ -45,41 +45,41 @@ class Segment:
         self.range = range
         self.made_by = made_by or range
         self.terminology: Terminology | None = None
-        """What it is in codes, where a file told."""
+        """What it is, in standard codes; None where no file states it."""
 
     def __repr__(self) -> str:
         return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_ml:.1f} ml>"
 
     @property
     def voxel_count(self) -> int:
-        """How many voxels it has."""
+        """Number of voxels."""
         return self._internal.voxel_count
 
     @property
     def volume_ml(self) -> float:
-        """How much space its voxels take [ml]."""
+        """Volume of its voxels [ml]."""
         return self.voxel_count * self.volume.voxel_volume / 1000.0
 
     @property
     def bounding_box(self) -> tuple[tuple[int, int, int], tuple[int, int, int]] | None:
-        """Lowest voxel and one past the highest on each axis, (x, y, z); None if empty."""
+        """Lowest voxel and one past the highest on each axis, (x, y, z); None where it is empty."""
         return self._internal.bounding_box
 
     @property
     def memory_bytes(self) -> int:
-        """Memory that its bricks take."""
+        """Memory that its voxels take [bytes]."""
         return self._internal.memory_bytes
 
     @property
     def has_own_grid(self) -> bool:
-        """Whether it stands on a grid of its own, ``volume``, instead of a scan's."""
+        """Whether it has a grid of its own, that of ``volume``, instead of a scan's."""
         return self._internal.own_grid is not None
 
     def as_object(self) -> Segment:
         """Returns the same voxels on a grid of their own, that of ``volume``.
 
-        Such a segment fits into any scene, whatever the voxels of its scan: a plate of 1 mm is
-        touched as one of 1 mm in a scan of 2 mm slices.
+        Such a segment fits into any scene, whatever the voxels of its scan: a plate 1 mm thick
+        feels 1 mm thick also in a scan with slices of 2 mm.
         """
         volume = self.volume
         direction = tuple(float(cosine) for cosine in volume.direction.ravel())
@@ -87,18 +87,21 @@ class Segment:
         return Segment(internal, name=self.name, volume=volume, range=None)
 
     def part_of(self, volume: Volume, *, name: str) -> Segment:
-        """Returns the same voxels as a part of another scan on the same grid."""
+        """Returns the same voxels as a segment of another scan on the same grid."""
         return Segment(self._internal, name=name, volume=volume, range=None)
 
     def mask(self) -> NDArray[np.uint8]:
-        """Returns 1 where a voxel belongs to it, else 0, shape [depth, height, width]."""
+        """Returns its mask: 1 for its voxels, else 0, shape [depth, height, width]."""
         return self._internal.mask()
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Says which points lie in its voxels.
+        """Tests which points lie in its voxels.
 
         Args:
-            points: In the patient [mm], shape [count, 3].
+            points: In the patient, LPS [mm], shape [count, 3].
+
+        Returns:
+            Shape [count].
         """
         in_patient = np.atleast_2d(np.asarray(points, dtype=np.float64))
         grid_from_patient = np.linalg.inv(self.volume.patient_from_grid)

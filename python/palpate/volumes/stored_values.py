@@ -1,10 +1,9 @@
-"""Scan values as the engine stores them: int16 with ``value = slope * stored + intercept``.
+"""Conversion of scan values to int16: ``value = slope * stored + intercept``.
 
-Whole numbers that span at most 65536 steps are stored exactly, and so are numbers that are
-whole multiples of the file's own slope. Everything else is rounded to 65536 steps over its
-range, and the largest error is reported.
+Integers that span at most 65536 steps are stored exactly, as are multiples of the file's own slope.
+All other values are rounded to 65536 steps over their range, and the largest error is reported.
 
-Layout: arrays are [z, y, x]; work goes slice by slice, so that memory stays near that of the
+Layout: arrays are [z, y, x]; slices are converted one by one, so that memory stays near that of the
 result.
 """
 
@@ -26,7 +25,7 @@ STEPS = int(I16.max) - int(I16.min)
 """Steps between the lowest and the highest int16."""
 
 ROUNDING = 1e-2
-"""Share of a step that float32 may lose in ``slope * stored + intercept`` (24 bits, 16 used)."""
+"""Fraction of a step that float32 may lose in ``slope * stored + intercept`` (24 bits, 16 used)."""
 
 
 @dataclass(frozen=True)
@@ -39,19 +38,20 @@ class Scale:
 
 @dataclass(frozen=True)
 class Stored:
-    """Values as int16, shape [depth, height, width], and how to get them back."""
+    """Values as int16, shape [depth, height, width], and their scale."""
 
     values: NDArray[np.int16]
     scale: Scale
     error: float
-    """Largest distance of a stored value from the file's [unit of the scan]; 0 if exact."""
+    """Largest difference of a stored value from the file's [unit of the scan]; 0 where all are
+    exact."""
     filled: int
-    """How many NaN or infinite values were replaced."""
+    """Number of NaN or infinite values that were replaced."""
 
 
 @dataclass(frozen=True)
 class _Survey:
-    """What the values are like, seen in one pass."""
+    """Properties of the values, collected in one pass."""
 
     low: float
     high: float
@@ -62,12 +62,12 @@ class _Survey:
 def to_stored(
     values: NDArray[Any], *, fill: float | None = None, file_scale: Scale | None = None
 ) -> Stored:
-    """Stores values as int16.
+    """Converts values to int16.
 
     Args:
         values: Numbers of any real type, shape [depth, height, width].
-        fill: Replaces NaN and infinite values.
-        file_scale: The file's own slope and intercept, tried for values that are not whole.
+        fill: Replacement for NaN and infinite values.
+        file_scale: The file's own slope and intercept, tried for values that are not integers.
 
     Raises:
         VolumeFormatError: Values are NaN or infinite and there is no ``fill``.
@@ -91,7 +91,7 @@ def to_stored(
 
 
 def _scales(survey: _Survey, file_scale: Scale | None) -> Iterator[tuple[Scale, bool]]:
-    """Yields the scales to try in order, each with whether it has to explain all values."""
+    """Yields the scales to try in order, each with whether it must represent all values exactly."""
     if survey.whole:
         yield from _steps(survey, Scale(1.0, 0.0))
     if file_scale is not None and file_scale.slope != 0.0:
@@ -132,7 +132,7 @@ def _is_whole(part: NDArray[Any]) -> bool:
 def _convert(
     values: NDArray[Any], fill: float | None, scale: Scale
 ) -> tuple[NDArray[np.int16], float]:
-    """Rounds to a scale; returns the numbers and the largest error."""
+    """Rounds to a scale; returns the stored numbers and the largest error."""
     stored = np.empty(values.shape, np.int16)
     largest = 0.0
     for part, target in zip(values, stored, strict=True):

@@ -1,4 +1,4 @@
-"""The surface of a segment: triangles in the patient, LPS [mm]."""
+"""The surface of a segment: triangles in the patient frame, LPS [mm]."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ __all__ = ["Mesh", "Source", "Surface", "voxelise"]
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles with shared vertices, in the patient."""
+    """Triangles with shared vertices, in the patient frame, LPS [mm]."""
 
     vertices: NDArray[np.float64]
     """Positions [mm], shape [vertex_count, 3]."""
     normals: NDArray[np.float32]
-    """Unit normals to the outside, shape [vertex_count, 3]."""
+    """Unit normals pointing outward, shape [vertex_count, 3]."""
     triangles: NDArray[np.uint32]
-    """Vertices of each triangle, counter-clockwise from outside, shape [triangle_count, 3]."""
+    """Vertices of each triangle, counter-clockwise seen from outside, shape [triangle_count, 3]."""
 
 
 class Surface:
@@ -44,16 +44,16 @@ class Surface:
         mode: Literal["global", "local"] = "global",
         source: Source = "intensities",
     ) -> None:
-        """Makes the whole surface.
+        """Extracts the whole surface.
 
         Args:
-            segment: Whose surface it is.
+            segment: The segment.
             step: Edge of a cell [voxels]: 1, 2 or 4.
-            smoothing: Degree, 0 to 12; 0 shows the voxels as they are.
-            mode: "global" smooths across patches, "local" each patch alone.
-            source: What it is made from: "intensities" the scan's values where a threshold made
-                the segment, else its bits; "bits" its bits alone. Where bits were edited, both
-                are as the bits.
+            smoothing: Degree of smoothing, 0 to 12; 0 shows the voxels as they are.
+            mode: "global" smooths across patches, "local" each patch on its own.
+            source: "intensities" takes the scan's values where a threshold made the segment, else
+                its voxels; "bits" takes its voxels only. Where voxels were edited, both are the
+                same.
 
         Raises:
             OptionError: A setting is not allowed.
@@ -77,7 +77,7 @@ class Surface:
             raise OptionError(str(error)) from None
 
     def mesh(self) -> Mesh:
-        """Returns all of it as one mesh.
+        """Returns the whole surface as one mesh.
 
         Raises:
             EmptySegmentError: The segment has no surface.
@@ -89,22 +89,22 @@ class Surface:
 
     @property
     def triangle_count(self) -> int:
-        """How many triangles it has."""
+        """Number of triangles."""
         return self._internal.triangle_count
 
     @property
     def area(self) -> float:
-        """Of all triangles [mm²]."""
+        """Area of all triangles [mm²]."""
         return self._internal.area()
 
     @property
     def volume(self) -> float:
-        """What it encloses [mm³]."""
+        """Enclosed volume [mm³]."""
         return self._internal.volume()
 
 
 def _values_of(segment: Segment) -> tuple[_core.Volume, tuple[float, float]] | None:
-    """Returns what says where between voxels the surface of a segment is, if a threshold did."""
+    """Returns the scan and the threshold that made a segment, if any: they locate its surface."""
     if segment.made_by is None:
         return None
     volume, (low, high) = segment.volume, segment.made_by
@@ -117,16 +117,16 @@ def _values_of(segment: Segment) -> tuple[_core.Volume, tuple[float, float]] | N
 
 
 def voxelise(mesh: Mesh, volume: Volume, *, name: str, as_shell: bool = False) -> Segment:
-    """Returns the voxels of a scan that a mesh encloses; what lies beyond the scan is cut.
+    """Returns the voxels of a scan that a mesh encloses; parts outside of the scan are cut off.
 
     Args:
-        mesh: Closed, or a shell of its surface is taken.
-        volume: On whose grid.
-        name: What to call the segment.
-        as_shell: Take only the voxels that triangles meet.
+        mesh: A closed mesh; only its shell is taken where it is open.
+        volume: The scan that provides the grid.
+        name: Name of the segment.
+        as_shell: Take only voxels that triangles intersect.
 
     Raises:
-        MeshFormatError: The mesh has vertices that are nowhere, or triangles without vertices.
+        MeshFormatError: Vertices are not finite, or triangles refer to missing vertices.
         EmptySegmentError: No voxel lies in the mesh.
     """
     from palpate.volumes.segment import Segment
@@ -152,5 +152,5 @@ def voxelise(mesh: Mesh, volume: Volume, *, name: str, as_shell: bool = False) -
 
 
 def direction_of(volume: Volume) -> tuple[float, ...]:
-    """Returns the direction of a scan, row by row."""
+    """Returns the direction of a scan, row by row, nine numbers."""
     return tuple(float(cosine) for cosine in volume.direction.ravel())

@@ -1,7 +1,7 @@
-"""What a segment is, in codes that other programs know: SNOMED CT, as DICOM and 3D Slicer use it.
+"""What a segment is, in standard codes: SNOMED CT, as DICOM and 3D Slicer use it.
 
-Source: DICOM PS3.3, C.8.20.4 (segment description); PS3.16, CID 7150 and 7151; "Segmentation
-file format", 3D Slicer developer guide (``TerminologyEntry``).
+Source: DICOM PS3.3, C.8.20.4 (segment description); PS3.16, CID 7150 and 7151; "Segmentation file
+format", 3D Slicer developer guide (``TerminologyEntry``).
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ class Code:
 
 @dataclass(frozen=True)
 class Terminology:
-    """What kind of thing a segment is, which one, and where it lies."""
+    """Category and type of a segment, and where it lies in the body."""
 
     category: Code
     kind: Code
     side: Code | None = None
-    """Modifier of the kind, such as left."""
+    """Modifier of the type, such as left."""
     region: Code | None = None
-    """Where in the body, for what may be anywhere."""
+    """Region of the body, for types that occur anywhere."""
 
     @classmethod
     def of_slicer(cls, entry: str) -> Terminology | None:
-        """Reads an entry of a ``.seg.nrrd``; None where it tells no kind."""
+        """Reads an entry of a ``.seg.nrrd``; None where it has no type."""
         parts = [_code_of(part) for part in entry.rstrip("|").split("~")]
         parts += [None] * (7 - len(parts))
         category, kind = parts[1], parts[2]
@@ -106,11 +106,11 @@ BY_NAME: tuple[tuple[str, str, str], ...] = (
     ("skin", "39937001", "Skin"),
     ("muscle", "71616004", "Muscle"),
 )
-"""Patterns of names, and the SNOMED CT code of what they name; the first that fits counts."""
+"""Patterns of names and the SNOMED CT code of what they match; the first match counts."""
 
 
 def terminology_of_name(name: str) -> Terminology:
-    """Returns what a segment of a name usually is; tissue where the name tells nothing."""
+    """Returns what a segment of a name usually is; tissue where the name is not known."""
     plain = name.lower()
     found = next((row for row in BY_NAME if re.search(row[0], plain)), None)
     if found is None:

@@ -1,4 +1,4 @@
-"""A scan: values on a grid that stands in the patient.
+"""A scan: values on a grid with a place in the patient.
 
 Frames: ``patient`` is LPS [mm]; ``grid`` is in voxels, voxel (i, j, k) covers [i, i+1) on each
 axis. Points are (x, y, z); arrays are [z, y, x], x fastest in memory.
@@ -32,22 +32,22 @@ UNKNOWN_SIDES = (
 
 @dataclass(frozen=True, kw_only=True)
 class VolumeTraits:
-    """What is known of a scan beside its values and its place."""
+    """Properties of a scan beside its values and its geometry."""
 
     name: str = "scan"
-    """What a person calls it: its description, or the name of its file or folder."""
+    """Name to display: its description, or the name of its file or folder."""
     description: str = ""
-    """What its files call it; "" where they do not."""
+    """Description in its files; "" where there is none."""
     given: bool = True
-    """Whether a person gave the path that it may be named by, and did not find or drop it."""
+    """Whether a user typed the path that gave the name, and did not pick or drop it."""
     modality: str = ""
-    """As DICOM names it, such as "CT"; "" where the file does not tell."""
+    """Modality as in DICOM, such as "CT"; "" where it is not known."""
     unit: str = ""
-    """The unit of values: "HU" where that is known; else ""."""
+    """Unit of the values: "HU" where that is known; else ""."""
     series: str = ""
     """SeriesInstanceUID, for DICOM."""
     frame: str = ""
-    """FrameOfReferenceUID, for DICOM: what shares it has the same coordinates of the patient."""
+    """FrameOfReferenceUID of DICOM; scans that share it have the same patient coordinates."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""
@@ -62,7 +62,7 @@ class Source:
 
 
 class Volume:
-    """A scan's values, stored as int16 with ``value = slope * stored + intercept``."""
+    """Values of a scan, stored as int16 with ``value = slope * stored + intercept``."""
 
     def __init__(
         self,
@@ -78,22 +78,22 @@ class Volume:
         """Places values in the patient.
 
         Args:
-            values: What is stored, shape [depth, height, width].
-            spacing: Between the centres of voxels along x, y, z [mm].
-            origin: Centre of the first voxel [patient].
+            values: Stored values, shape [depth, height, width].
+            spacing: Distance of the centres of voxels along x, y, z [mm].
+            origin: Centre of the first voxel in the patient, LPS [mm].
             direction: Axes of the grid in the patient as columns, shape [3, 3].
-            slope: Unit of the scan per stored step.
-            intercept: Value of a stored 0.
-            traits: What else is known of the scan.
+            slope: Value of a step of the stored numbers [unit of the scan].
+            intercept: Value of a stored 0 [unit of the scan].
+            traits: Other properties of the scan.
 
         Raises:
-            VolumeFormatError: The numbers describe no grid.
+            VolumeFormatError: The numbers do not describe a grid.
         """
         self.traits = traits or VolumeTraits()
         self.source: Source | None = None
         """Where it was read from; None where it was made."""
         self.edited = False
-        """Whether its values are others than those that were read."""
+        """Whether its values differ from those that were read."""
         self.spacing = _triple(spacing)
         self.origin = _triple(origin)
         self.direction = np.array(direction, dtype=np.float64)
@@ -121,14 +121,14 @@ class Volume:
 
     @property
     def name(self) -> str:
-        """What a person calls the scan."""
+        """Name of the scan to display."""
         return self.traits.name
 
     @property
     def title(self) -> str:
-        """What windows and new files may be called.
+        """Name for window titles and new files.
 
-        Names of files that nobody gave may be those of patients: they are left out.
+        File names that no user typed may be names of patients; they are left out.
         """
         if self.traits.given and not self.traits.description:
             return self.name
@@ -136,23 +136,23 @@ class Volume:
 
     @property
     def modality(self) -> str:
-        """As DICOM names it, such as "CT"; "" where it is not known."""
+        """Modality as in DICOM, such as "CT"; "" where it is not known."""
         return self.traits.modality
 
     @property
     def unit(self) -> str:
-        """The unit of values: "HU" where that is known; else ""."""
+        """Unit of the values: "HU" where that is known; else ""."""
         return self.traits.unit
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what was assumed or lost in reading, and on sides that nobody told."""
+        """Sentences on what was assumed or lost in reading, and on an unknown orientation."""
         sides = () if self.traits.orientation_known else (UNKNOWN_SIDES,)
         return self.traits.warnings + sides
 
     @property
     def dimensions(self) -> tuple[int, int, int]:
-        """Voxels along x, y, z."""
+        """Number of voxels along x, y, z."""
         return self._internal.dimensions
 
     @property
@@ -163,23 +163,23 @@ class Volume:
 
     @property
     def orientation(self) -> str:
-        """Sides toward which x, y, z run, such as "LPS"; "unknown" where nobody told."""
+        """Sides toward which x, y, z run, such as "LPS"; "unknown" where the file does not tell."""
         return letters_of(self.direction) if self.traits.orientation_known else "unknown"
 
     @property
     def patient_from_grid(self) -> NDArray[np.float64]:
-        """Homogeneous matrix, shape [4, 4] [mm]."""
+        """Transform from the grid [voxels] to the patient, LPS [mm], homogeneous, shape [4, 4]."""
         return self._internal.patient_from_grid
 
     @property
     def voxel_volume(self) -> float:
-        """Of one voxel [mm³]."""
+        """Volume of one voxel [mm³]."""
         x, y, z = self.spacing
         return x * y * z
 
     @property
     def memory_bytes(self) -> int:
-        """Memory that the values take."""
+        """Memory that the values take [bytes]."""
         return self.array.nbytes
 
     # --- what it holds --------------------------------------------------------------------
@@ -197,23 +197,23 @@ class Volume:
         return low, high
 
     def value_of(self, stored: float) -> float:
-        """Returns the value that a stored number stands for [unit of the scan]."""
+        """Returns the value of a stored number [unit of the scan]."""
         return self.slope * stored + self.intercept
 
     @cached_property
     def histogram(self) -> Histogram:
-        """Counts of all values in equal bins over the range."""
+        """Counts of all values in equal bins over their range."""
         return Histogram(*self._internal.histogram(HISTOGRAM_BINS))
 
     @cached_property
     def anchors(self) -> Anchors:
-        """Values that stand for soft tissue and for the lower end of bone."""
+        """Values of soft tissue and of the lower end of bone [unit of the scan]."""
         return anchors(self.histogram, unit=self.unit)
 
     # --- what can be made of it -----------------------------------------------------------
 
     def with_values(self, values: NDArray[np.int16]) -> Volume:
-        """Returns the same scan with other stored values, shape as ``shape``."""
+        """Returns the same scan with other stored values, of the same shape."""
         other = Volume(
             values,
             spacing=self.spacing,
@@ -231,12 +231,12 @@ class Volume:
         """Returns the segment of all voxels with low <= value <= high.
 
         Args:
-            low: Lower end [unit of the scan].
-            high: Upper end; by default the highest value of the scan.
-            name: What to call the segment.
+            low: Lowest value [unit of the scan].
+            high: Highest value [unit of the scan]; the default is the highest of the scan.
+            name: Name of the segment.
 
         Raises:
-            OptionError: The ends are not numbers, or not in order.
+            OptionError: The values are not finite, or not in order.
             EmptySegmentError: No voxel has such a value.
         """
         upper = max(self.range[1], low) if high is None else high
@@ -255,11 +255,15 @@ class Volume:
         return Segment(internal, name=name, volume=self, range=(float(low), float(upper)))
 
     def offered_bone(self) -> Segment:
-        """Returns the segment that is offered as bone: HU > 250, or told by the histogram."""
+        """Returns bone by a default threshold: 250 HU, or one estimated from the histogram."""
         return self.threshold(self.anchors.bone, name="bone")
 
     def segment(self, mask: ArrayLike, *, name: str) -> Segment:
-        """Returns the segment of the voxels where a mask is not 0, shape as ``shape``.
+        """Returns the segment of the voxels where a mask is not 0.
+
+        Args:
+            mask: Of the scan's ``shape``.
+            name: Name of the segment.
 
         Raises:
             OptionError: The mask has another shape.

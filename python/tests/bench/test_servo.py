@@ -40,10 +40,10 @@ def test_quantiles_of_lateness_lie_in_their_bins() -> None:
 
 
 def test_a_histogram_shows_every_bin_and_every_late_tick() -> None:
-    lines = servo.told(lateness()).splitlines()
+    lines = servo.histogram(lateness()).splitlines()
     assert lines[0] == "1 kHz, at rest, with real-time priority: 1000 ticks"
     assert [line.split()[-2:] for line in lines[3:]] == [["4", "█"], ["1", "█"]]
-    assert "without real-time" in servo.told(lateness(real_time=False))
+    assert "without real-time" in servo.histogram(lateness(real_time=False))
 
 
 def test_the_servo_has_its_goal_at_1_khz_where_it_had_priority() -> None:

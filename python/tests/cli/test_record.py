@@ -8,13 +8,14 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 from urllib.parse import urlsplit
 
 import msgspec
 import numpy as np
 import pytest
 from palpate.session.recording import Recording
+from palpate.session.recording_columns import TickColumns, by_name
 from running_server import PATIENCE, page_at
 
 COMMAND = [sys.executable, "-m", "palpate"]
@@ -143,9 +144,9 @@ def test_what_differs_is_told_with_exit_code_1(recorded: Path, tmp_path: Path) -
 def test_lost_ticks_are_warned_of(recorded: Path, tmp_path: Path) -> None:
     recording = Recording.load(recorded)
     kept = np.r_[0:700, 900:1500]
-    columns = {name: column[kept] for name, column in recording.columns.items()}
+    columns = {name: column[kept] for name, column in by_name(recording.columns).items()}
     gappy = tmp_path / "gappy.palpate-session"
-    Recording(columns, tape=recording._tape, about=recording.about).save(gappy)
+    Recording(cast("TickColumns", columns), tape=recording._tape, about=recording.about).save(gappy)
     done = run("replay", gappy)
     assert done.returncode == 0
     assert "not complete: 200 ticks were lost after tick 699" in done.stderr

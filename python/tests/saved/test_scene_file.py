@@ -70,7 +70,8 @@ def state(session: Session) -> list[dict[str, Any]]:
     """What is known of segments, and their voxels."""
     known = ("id", "voxels", "touchable", "locked", "range", "made_by", "feel", "pose", "material")
     return [
-        {name: each[name] for name in known} | {"mask": session.segment(each["id"]).mask().tolist()}
+        {name: value for name, value in each.items() if name in known}
+        | {"mask": session.segment(each["id"]).mask().tolist()}
         for each in session.segments()
     ]
 
@@ -300,7 +301,7 @@ def test_a_second_scan_comes_back_where_it_was(
     assert second.volume.name == "other"
     np.testing.assert_array_equal(second.second_from_first[:3, 3], (3.0, -2.0, 1.0))
     np.testing.assert_array_equal(second.volume.array.ravel(), np.arange(60))
-    assert saved.told == saved.volume.warnings
+    assert saved.messages == saved.volume.warnings
 
 
 def test_a_scene_without_its_second_scan_is_opened_and_says_so(
@@ -312,9 +313,9 @@ def test_a_scene_without_its_second_scan_is_opened_and_says_so(
     other.unlink()
     saved = open_scene(path)
     assert saved.scene().second is None
-    (told,) = [sentence for sentence in saved.told if sentence not in saved.volume.warnings]
-    assert "the second scan is not shown" in told
-    assert "'other' is not there any more" in told
+    (message,) = [sentence for sentence in saved.messages if sentence not in saved.volume.warnings]
+    assert "the second scan is not shown" in message
+    assert "'other' is not there any more" in message
 
 
 def test_a_second_scan_of_no_file_goes_into_the_scene(scan: Path, tmp_path: Path) -> None:

@@ -257,7 +257,9 @@ def test_the_picture_is_told_where_matter_stands_while_it_is_pressed() -> None:
         # and nothing is left once it has gone
         after = displacements(session, 1.0)
         assert (tuple(after[-1]["size"]), after[-1]["moved"]) == ((0, 0, 0), b"")
-        assert tuple(session.whole_surfaces()["displaced"]["size"]) == (0, 0, 0)
+        displaced = session.whole_surfaces()["displaced"]
+        assert displaced is not None
+        assert tuple(displaced["size"]) == (0, 0, 0)
 
 
 def test_without_its_model_matter_stands_in_its_voxels_again() -> None:

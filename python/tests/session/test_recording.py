@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import locale
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from palpate.base.errors import OptionError, RecordingFormatError
 from palpate.session.recording import Recording
+from palpate.session.recording_columns import TickColumns, by_name
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.session import Session, SessionOptions
 from palpate.session.touch_settings import TouchSettings
@@ -115,6 +117,12 @@ def test_events_stand_in_the_tick_that_obeyed_them(recording: Recording) -> None
     assert set(np.flatnonzero(events).tolist()) == set(obeyed[obeyed > 0].tolist())
 
 
+def rows(recording: Recording, kept: slice | NDArray[np.int64]) -> TickColumns:
+    """Returns some rows of all columns."""
+    columns = {name: column[kept] for name, column in by_name(recording.columns).items()}
+    return cast("TickColumns", columns)
+
+
 def test_a_changed_bit_is_found(recording: Recording) -> None:
     row = int(np.flatnonzero(recording.contacts)[50])
     position = recording.columns["position_in_device"].copy()
@@ -133,8 +141,7 @@ def test_a_changed_bit_is_found(recording: Recording) -> None:
 
 def test_lost_ticks_are_said_and_end_the_replay(recording: Recording) -> None:
     kept = np.r_[0:400, 417 : len(recording)]
-    columns = {name: column[kept] for name, column in recording.columns.items()}
-    gappy = Recording(columns, tape=recording._tape, about=recording.about)
+    gappy = Recording(rows(recording, kept), tape=recording._tape, about=recording.about)
     assert gappy.lost == 17
     assert gappy.events[400].startswith("17 ticks lost")
     replayed = gappy.replay()
@@ -148,14 +155,13 @@ def test_a_recording_without_its_beginning_is_not_replayed(recording: Recording)
     assert not plain.can_be_replayed
     with pytest.raises(OptionError, match="cannot be replayed"):
         plain.replay()
-    columns = {name: column[500:] for name, column in recording.columns.items()}
-    late = Recording(columns, tape=recording._tape, about=recording.about)
+    late = Recording(rows(recording, slice(500, None)), tape=recording._tape, about=recording.about)
     with pytest.raises(RecordingFormatError, match="does not hold tick"):
         late.replay()
 
 
 def test_an_empty_recording_has_figures(recording: Recording) -> None:
-    empty = Recording({name: column[:0] for name, column in recording.columns.items()})
+    empty = Recording(rows(recording, slice(0)))
     figures = (empty.seconds, empty.contact_share, empty.largest_force, empty.lost)
     assert figures == (0.0, 0.0, 0.0, 0)
     assert empty.events == []
@@ -176,7 +182,8 @@ def test_the_text_table_gives_the_same_bits_in_every_country(
         unit = "mm" if prefix == "proxy" else "N"
         got = np.array([[float(row[f"{prefix}_{axis}_{unit}"]) for axis in "xyz"] for row in rows])
         np.testing.assert_array_equal(
-            got.view(np.uint64), np.ascontiguousarray(recording.columns[column]).view(np.uint64)
+            got.view(np.uint64),
+            np.ascontiguousarray(by_name(recording.columns)[column]).view(np.uint64),
         )
     np.testing.assert_array_equal([float(row["time_s"]) for row in rows], recording.times)
     np.testing.assert_array_equal([int(row["contact"]) for row in rows], recording.contacts)

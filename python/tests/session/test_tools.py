@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from palpate.base.errors import OptionError
+from palpate.session.frame_state import ToolState
 from palpate.session.recording import Recording
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
@@ -18,14 +19,13 @@ ABOVE = SessionOptions(real_time=False, start=(20.0, 20.0, 34.0))
 """The probe 6 mm above the ball's top, and time that stands still until it is told to pass."""
 
 
-def press(session: Session, *, depth: float = 10.0, seconds: float = 1.0) -> dict[str, Any]:
+def press(session: Session, *, depth: float = 10.0, seconds: float = 1.0) -> ToolState:
     """Lets the hand pull into the ball from above while the tool is pressed; gives its report."""
     session.stroke(on=True)
     session.hand((20.0, 20.0, 28.0 - depth))
     session.let_pass(seconds)
     session.stroke(on=False)
-    tool: dict[str, Any] = session.frame()["tool"]
-    return tool
+    return session.frame()["tool"]
 
 
 def test_what_is_locked_stays_as_it_is_until_it_is_unlocked(ball_scene: Scene) -> None:
@@ -162,7 +162,7 @@ def test_the_drill_leaves_the_lowest_value_where_the_unit_is_unknown(ball_scene:
         tool = press(session, depth=8.0, seconds=2.0)
         assert tool["energy"] == pytest.approx(1300.0 * tool["volume"], abs=1300.0)
         changes = [box for change in session.picture_changes() for box in change["voxels"]]
-        values = np.concatenate([np.frombuffer(box["stored"], "<i2") for box in changes])
+        values = np.concatenate([np.frombuffer(box["stored"] or b"", "<i2") for box in changes])
         assert tool["voxels"] > 0
         assert set(np.unique(values)) <= {0, 1100}
 

@@ -9,7 +9,7 @@ import { decode, encode } from "@msgpack/msgpack";
 
 export const PROTOCOL_VERSION = 1;
 
-/** A number of a vector; the bounds keep NaN, infinity and absurd distances out. */
+/** A coordinate of a vector; the bounds exclude NaN, infinity and absurd distances. */
 export type Coordinate = number;
 
 /** x, y, z in the scene frame, LPS [mm]; forces [N]. */
@@ -18,82 +18,82 @@ export type Vector = readonly [Coordinate, Coordinate, Coordinate];
 /** The same place in two scans. */
 export type PointPair = readonly [Vector, Vector];
 
-/** A value of the scan, in its unit; the bounds keep NaN and infinity out. */
+/** A value of the scan, in its unit; the bounds exclude NaN and infinity. */
 export type Value = number;
 
-/** What a person calls a segment. */
+/** Name of a segment. */
 export type Name = string;
 
-/** A segment's number; also its value in `/api/labels`. */
+/** Number of a segment; also its value in `/api/labels`. */
 export type SegmentId = number;
 
-/** A part of a whole, 0..1. */
+/** A fraction, 0 to 1. */
 export type Share = number;
 
-/** Red, green, blue, sRGB, each 0..1. */
+/** Red, green, blue, sRGB, each 0 to 1. */
 export type Colour = readonly [Share, Share, Share];
 
-/** Of the spring between probe and device [N/mm]. */
+/** Stiffness of the spring between probe and device [N/mm]. */
 export type Stiffness = number;
 
 /** A Coulomb coefficient. */
 export type Friction = number;
 
-/** Whether a segment is drawn from its voxels, as a surface, or in both ways. */
+/** How a segment is drawn: from its voxels, as a surface, or both. */
 export type ShownAs = "volume" | "surface" | "both";
 
-/** What a surface is made from: the scan's values where a threshold made the segment, or bits. */
+/** What a surface is made from: the scan's values where a threshold made the segment, or its voxels. */
 export type SurfaceSource = "intensities" | "bits";
 
-/** On the light of one segment: 1 is that of the picture. */
+/** Factor of the light of one segment, relative to that of the picture. */
 export type LightFactor = number;
 
-/** How often the vertices of a surface are moved to the mean of their neighbours. */
+/** Number of times that vertices of a surface are moved to the mean of their neighbours. */
 export type SmoothingDegree = number;
 
-/** How the shape of a segment is changed; see `segmentation.changed_shape`. */
+/** Operation on the shape of a segment; see `segmentation.changed_shape`. */
 export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "joint" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
 
-/** How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well. */
+/** Transform of a registration: rigid, affine, or deformable as well. */
 export type RegistrationKind = "rigid" | "affine" | "bspline";
 
-/** What tells that two scans are alike; automatic goes by their modalities. */
+/** Similarity of two scans; automatic depends on their modalities. */
 export type RegistrationMetric = "automatic" | "mutual-information" | "correlation" | "mean-squares";
 
 /**
- * Where a search begins: where the second scan stands; middles of the grids or of what is bright;
- * pairs of points.
+ * Start of a registration: the current place of the second scan; centres of the grids or of bright
+ * voxels; pairs of points.
  */
 export type RegistrationStart = "as-it-stands" | "centre" | "moments" | "landmarks";
 
-/** What the probe does to voxels while it is pressed; none leaves them as they are. */
+/** Tool at the probe; none changes nothing. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle" | "painter";
 
-/** What a segment is for a needle; bone is none of them, since no needle punctures it. */
+/** Tissue of a segment for a needle; bone is not among them, since a needle does not puncture it. */
 export type TissueName = "skin" | "fat" | "muscle" | "liver";
 
 /**
- * What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
- * all, comes to one that stops it, or is out.
+ * Event of a needle: it punctures a segment, crosses into one that it has punctured or out of all,
+ * is stopped, or is withdrawn.
  */
 export type NeedleEventKind = "punctured" | "crossed" | "stopped" | "withdrawn";
 
-/** How matter takes part: it gives, stays where it is, or is as if it were not there. */
+/** How a region takes part in deformation: it deforms, is rigid, or counts as empty. */
 export type Treatment = "deformable" | "rigid" | "empty";
 
-/** What a tool feels of matter that gives way: the model's force, or its voxels until they move. */
+/** Source of the force of soft tissue on a tool: the model, or voxels that are rigid until moved. */
 export type ForceSource = "matter" | "voxels";
 
-/** How the stiffness of particles follows from the material: by E, or by the speed of waves. */
+/** How the stiffness of particles follows from the material: from Young's modulus or wave speed. */
 export type Calibration = "young" | "wave-speed";
 
-/** How particles come to rest: in scaled time with friction, or FIRE. */
+/** How particles come to rest: in scaled time with damping, or by FIRE. */
 export type Motion = "scaled-time" | "fire";
 
-/** A model of deformation. */
+/** Name of a deformation model. */
 export type ModelName = string;
 
-/** A voxel's or a patch's place along one axis. */
+/** Place of a voxel or a patch along one axis. */
 export type Index = number;
 
 /** Nodes of a box along one axis. */
@@ -112,7 +112,7 @@ export interface Histogram {
   readonly counts: readonly number[];
 }
 
-/** A range of values that stands for a tissue. */
+/** A range of values of a tissue. */
 export interface ThresholdPreset {
   readonly name: string;
   readonly low: Value;
@@ -120,12 +120,12 @@ export interface ThresholdPreset {
 }
 
 /**
- * The scan on display; its values come by HTTP from `/api/volume`.
+ * The displayed scan; its values are at `/api/volume`.
  *
- * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape
- * [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
- * `unit` is "HU" only where it is known, else "". `title` is for windows: it names no file
- * that a person has not given by its path.
+ * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape [4, 4]; grid
+ * coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. `unit` is "HU" only
+ * where it is known, else "". `title` is for windows: it contains no file name that the user did
+ * not type.
  */
 export interface Scan {
   readonly name: string;
@@ -147,9 +147,9 @@ export interface Scan {
 }
 
 /**
- * How the surface of a segment feels; null is as the settings of touch say.
+ * Touch settings of a segment; null where the settings of the session apply.
  *
- * Friction without one of its own is that of the segment's material, where it has one.
+ * Without friction of its own, that of the segment's material applies, where it has one.
  */
 export interface Feel {
   readonly stiffness: Stiffness | null;
@@ -158,9 +158,9 @@ export interface Feel {
 }
 
 /**
- * What matter is: `young` [Pa], `poisson`, `density` [kg/m³], Coulomb `friction`.
+ * Material constants: `young` [Pa], `poisson`, `density` [kg/m³], Coulomb `friction`.
  *
- * Bonds break at `breaking_strain`; null where none does.
+ * Bonds break at `breaking_strain`; null where they never do.
  */
 export interface Constants {
   readonly young: number;
@@ -171,9 +171,9 @@ export interface Constants {
 }
 
 /**
- * What a segment is made of: constants from `low` to `high` as they follow HU, or both.
+ * Material of a segment: constants from `low` to `high` by HU, or the same in both.
  *
- * `preset` is its name; null where somebody chose the constants.
+ * `preset` is its name; null where the constants were given.
  */
 export interface SegmentMaterial {
   readonly preset: Name | null;
@@ -182,10 +182,10 @@ export interface SegmentMaterial {
 }
 
 /**
- * Some of a segment that takes part in its own way; all of it where nothing else is told.
+ * A region of a segment that deforms differently; the whole segment where no part is given.
  *
- * `shared_with`: what belongs to that other segment too. `box`: voxels (x, y, z) from the
- * first to one past the last. At most one of them is told.
+ * `shared_with`: the voxels that also belong to that segment. `box`: voxels (x, y, z) from the
+ * first to one past the last. At most one of them is given.
  */
 export interface MatterRegion {
   readonly treatment: Treatment;
@@ -196,16 +196,16 @@ export interface MatterRegion {
 /**
  * A segment of the scan.
  *
- * `range` holds the threshold (low, high) while the segment is just that threshold;
- * null where its voxels come from elsewhere: then they stand in `/api/labels` under
- * the segment's `id` (1..255). `made_by` is the threshold that made it, whatever edits
- * did since; null where none did. `pose` takes the segment from where the scan has it to
- * where it stands; null where it was not moved. `bounds` are the voxels that hold it, half
- * open; null where it is empty. `material` is null where it is hard; `regions` are those that
- * take part in their own way. `grid` is the `patient_from_grid` of its voxels where they are
- * not the scan's. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
- * surface; `ambient` and `specular` are factors on its light. The voxels of a `locked` one
- * stay as they are.
+ * `range` is the threshold (low, high) as long as the segment is exactly that threshold; null
+ * where its voxels come from elsewhere: they are in `/api/labels` then, under the segment's
+ * `id` (1..255). `made_by` is the threshold that made it, whatever edits did since; null where
+ * none did. `pose` is the transform from its place in the scan to its current place; null where
+ * it was not moved. `bounds` are the voxels of its bounding box, half open; null where it is
+ * empty. `material` is null where it is rigid; `regions` are its regions that deform
+ * differently. `grid` is the `patient_from_grid` of its voxels where they are not on the
+ * scan's grid. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
+ * surface; `ambient` and `specular` are factors of its light. The voxels of a `locked`
+ * segment cannot change.
  */
 export interface Segment {
   readonly name: Name;
@@ -234,7 +234,7 @@ export interface Segment {
   readonly grid: Pose | null;
 }
 
-/** What a person can set about touch; `gain` is scene mm per mm of the device. */
+/** Settings of touch; `gain` is scene mm per mm of the device. */
 export interface Settings {
   readonly model: "exact" | "thesis-original" | "thesis-improved";
   readonly stiffness: Stiffness;
@@ -248,9 +248,9 @@ export interface Settings {
 }
 
 /**
- * What a device bears: settings that ask for more are cut to it.
+ * Limits of a device; larger settings are reduced to them.
  *
- * `reach` is how far it comes from the middle of its workspace [device mm].
+ * `reach` is the radius of its workspace [device mm].
  */
 export interface DeviceLimits {
   readonly stiffness: Stiffness;
@@ -259,7 +259,7 @@ export interface DeviceLimits {
 }
 
 /**
- * A material with a name, and where its constants are from.
+ * A material with a name, and the source of its constants.
  *
  * One that `needs_hounsfield` is for CT only: its constants go from `low` to `high`.
  */
@@ -271,40 +271,40 @@ export interface MaterialPreset {
   readonly high: Constants;
 }
 
-/** Boxes that a model can have, by the nodes or cells along each edge; these are odd. */
+/** Allowed sizes of a model's box: nodes or cells along each edge, odd numbers. */
 export interface Boxes {
   readonly least: number;
   readonly usual: number;
   readonly most: number;
 }
 
-/** Shares that can be chosen. */
+/** Allowed fractions, and the default. */
 export interface Shares {
   readonly least: number;
   readonly usual: number;
   readonly most: number;
 }
 
-/** Numbers that can be chosen where nothing is usual. */
+/** Allowed numbers, where there is no default. */
 export interface Range {
   readonly least: number;
   readonly most: number;
 }
 
-/** How a force can fade: shares of it, and time constants [s]. */
+/** Allowed stress relaxation: fractions of the force, and time constants [s]. */
 export interface Fading {
   readonly shares: Range;
   readonly times: Range;
 }
 
 /**
- * A model by which matter gives way, and what it offers to choose.
+ * A deformation model and the options it has.
  *
- * `title` is its name as a person reads it. `bonded` ones are of nodes and bonds that can
- * break, the others of particles. `boxes` is null where it takes all matter, `binding` where
- * nothing is bound, `fades` where its force cannot; `yields` tells strains from which on
- * matter can stay as it is pressed, null where it always comes back. `layers` are so many at
- * most, null where its work is not parted.
+ * `title` is its name to display. `bonded` models consist of nodes and breakable bonds, the
+ * others of particles. `boxes` is null where the model always deforms all tissue, `binding`
+ * where it has no springs to the initial positions, `fades` where it has no stress relaxation;
+ * `yields` are allowed yield strains, null where it is always elastic. `layers` is the largest
+ * number of them, null where it has none.
  */
 export interface DeformationModel {
   readonly name: ModelName;
@@ -321,9 +321,9 @@ export interface DeformationModel {
 }
 
 /**
- * First message of the engine: everything the page needs to draw.
+ * First message of the engine: what the page needs to begin.
  *
- * `defaults` are the settings that the session was started with.
+ * `defaults` are the settings at the start of the session.
  */
 export interface Hello {
   readonly type: "hello";
@@ -339,18 +339,18 @@ export interface Hello {
   readonly models: readonly DeformationModel[];
 }
 
-/** Where a moved segment stands by now: `Segment.pose` is where it was asked to go. */
+/** Current pose of a moved segment; `Segment.pose` is the requested one. */
 export interface MovedPose {
   readonly id: SegmentId;
   readonly pose: Pose;
 }
 
 /**
- * The tool in the hand, and what it did in the stroke that is on, or in the last one.
+ * The tool in use, and what its current or last stroke did.
  *
  * `radius` is that of its ball [mm]; `voxels` and `volume` [mm³] are what it changed,
- * `time` how long it was at work [s], `energy` the work done on matter [mJ], `load` the
- * power of this moment [mW]. Undo and redo hold on to `undo_bytes`, at most `undo_budget`.
+ * `time` its time at work [s], `energy` its work [mJ], `load` its current power [mW]. Undo
+ * and redo take `undo_bytes`, at most `undo_budget`.
  */
 export interface ToolState {
   readonly kind: ToolKind;
@@ -366,11 +366,11 @@ export interface ToolState {
 }
 
 /**
- * A needle, where it is the tool in the hand or still in.
+ * A needle that is in use or still inserted.
  *
- * `depth` is how far its tip is from where it went in [mm], `segment` the one at the tip, 0
- * for none. `tip` and `friction` are the forces at tip and shaft, `wall` that of what no
- * needle punctures [N]. `events` counts what `NeedleEvents` tells.
+ * `depth` is the distance of its tip from the point of entry [mm], `segment` the one at the
+ * tip, 0 for none. `tip` and `friction` are the forces at tip and shaft, `wall` that of a
+ * rigid obstacle [N]. `events` is the number of `NeedleEvents`.
  */
 export interface NeedleState {
   readonly inside: boolean;
@@ -382,18 +382,18 @@ export interface NeedleState {
   readonly events: number;
 }
 
-/** A force that fades while matter is held: this share of it, by this time constant [s]. */
+/** Stress relaxation: the fraction of the force that decays, and the time constant [s]. */
 export interface Prony {
   readonly share: number;
   readonly time: number;
 }
 
 /**
- * What is chosen of a model; null is as usual.
+ * Options of a model; null is the default.
  *
- * `edge` counts nodes or cells along its box, `binding` is a share of a link's stiffness
- * (thesis 5.12), `walls` keep particles out of empty voxels (5.13), from `yield_strain` on
- * matter stays as it is pressed, `layers` part the work of an answer (5.21).
+ * `edge` counts nodes or cells along its box, `binding` is relative to a link's stiffness
+ * (thesis 5.12), `walls` keep particles out of empty voxels (5.13), beyond `yield_strain`
+ * deformation is plastic, `layers` divide the work of an answer (5.21).
  */
 export interface ModelOptions {
   readonly edge: number | null;
@@ -407,13 +407,12 @@ export interface ModelOptions {
 }
 
 /**
- * Matter that gives way: `model` is the one at work, null where all is hard.
+ * State of the deformation; `model` is the current one, null where every segment is rigid.
  *
- * `options` tells what of it is not as usual.
- * `force` is that of the matter on the tool [N, scene], felt where `force_source` says so;
- * `answers` counts the model's answers.
- * While the next one is `late`, matter is as hard as its voxels. `nodes` take part in the
- * last answer; since the start `bonds_broken` bonds broke, which took `work_broken` [mJ].
+ * `force` is that of the tissue on the tool [N, scene], sent where `force_source` says so;
+ * `answers` counts the model's answers. While the next one is `late`, tissue is as rigid as
+ * its voxels. `nodes` take part in the last answer; since the start `bonds_broken` bonds
+ * broke, which took `work_broken` [mJ].
  */
 export interface MatterState {
   readonly model: ModelName | null;
@@ -428,9 +427,9 @@ export interface MatterState {
 }
 
 /**
- * How a thread keeps its pace over the last second.
+ * How well a thread kept its rate in the last second.
  *
- * `late` counts ticks since the start that began more than 2 ms after their time.
+ * `late` counts ticks since the start that began more than 2 ms late.
  */
 export interface Rate {
   readonly asked_hz: number;
@@ -440,7 +439,7 @@ export interface Rate {
   readonly worst_late_ms: number;
 }
 
-/** One rate per thread; `real_time` says whether the priority was granted. */
+/** Rates of all threads; `real_time` says whether the system granted real-time priority. */
 export interface Rates {
   readonly device: Rate;
   readonly servo: Rate;
@@ -450,10 +449,10 @@ export interface Rates {
 }
 
 /**
- * Interventions of the safety stage and violations of the guarantees since start.
+ * Interventions of the safety stage, and violations of guarantees, since the start.
  *
- * `force` says what stands between the contact and the hand now: "on" where nothing does;
- * `off` why no force is sent, and nothing while forces are.
+ * `force` says how the contact force is passed on: "on" where it is unchanged; `off` says why
+ * no force is sent, null while one is.
  */
 export interface Safety {
   readonly clamped: number;
@@ -470,19 +469,18 @@ export interface Safety {
 }
 
 /**
- * What is now, some 60 times a second, latest wins.
+ * Current state, about 60 times a second; latest wins.
  *
- * `samples` holds the ticks since the last state, thinned to at most 250 a second:
- * rows (time, force x, force y, force z). `contact_point` is where the force comes from:
- * on the smooth surface, beside `proxy`, which no solid voxel holds; `normal` points out
- * of the surface there, and is zero without contact. `probe_radius` is what the probe has
- * [mm]: less than the settings' where there is no room for it. `poses` says where moved
- * segments stand by now, `grabbed` which segment is in the hand, 0 for none.
- * `clutched` says that the device moves without the probe, `device_origin` is the middle of
- * its workspace. `step` counts the steps of undo that were made, less those that were taken
- * back; one that is not ended counts. `steps_made` counts those that were made and ended, ever:
- * where it rises, undone ones are forgotten. `recording` says since how long every input of the
- * servo is kept [s].
+ * `samples` are the ticks since the last state, thinned to at most 250 a second: rows (time,
+ * force x, force y, force z). `contact_point` is the origin of the force on the smooth surface,
+ * near `proxy`, which never is in a solid voxel; `normal` points outward there, and is zero
+ * without contact. `probe_radius` is the current radius of the probe [mm]: less than in the
+ * settings where there is no room for it. `poses` are the current poses of moved segments,
+ * `grabbed` the segment attached to the probe, 0 for none. `clutched` says that the device
+ * moves without the probe, `device_origin` is the centre of its workspace. `step` counts the
+ * steps of undo that are done, including one in progress. `steps_made` counts all completed
+ * steps since the start; where it increases, undone ones are discarded. `recording` is the
+ * length of the current recording [s].
  */
 export interface State {
   readonly type: "state";
@@ -517,7 +515,7 @@ export interface State {
   readonly samples: readonly (readonly [number, number, number, number])[];
 }
 
-/** The segment list after a change; `labels` is the version of `/api/labels`. */
+/** The list of segments after a change; `labels` is the version of `/api/labels`. */
 export interface Segments {
   readonly type: "segments";
   readonly segments: readonly Segment[];
@@ -525,10 +523,10 @@ export interface Segments {
 }
 
 /**
- * A box of voxels, from `low` up to, but without, `high`, as they are now.
+ * Current content of a box of voxels, from `low` up to, but without, `high`.
  *
- * `stored` holds their stored values as little-endian int16, `labels` the number of each
- * voxel's segment as uint8, both with x fastest; null where they stay as they are.
+ * `stored` are their stored values as little-endian int16, `labels` the number of each voxel's
+ * segment as uint8, both with x fastest; null where they did not change.
  */
 export interface ChangedVoxels {
   readonly low: GridPlace;
@@ -538,15 +536,14 @@ export interface ChangedVoxels {
 }
 
 /**
- * One patch of a segment's surface, where the scan has the segment (before its pose).
+ * A patch of a segment's surface, at the segment's place in the scan (before its pose).
  *
- * `index` is its place in the grid of patches. `origin` is the lower corner and `size`
- * the edges of the box that its vertices lie in: position = origin + u16 / 65535 * size.
+ * `index` is its place in the grid of patches. `origin` is the lower corner and `size` the
+ * edges of the box of its vertices: position = origin + u16 / 65535 * size.
  *
- * `vertices` are x, y, z as little-endian uint16 each; `normals` x, y, z and a byte that
- * means nothing as int8 each, unit = int8 / 127; `triangles` three vertex numbers each,
- * little-endian uint16, or uint32 where there are more than 65536 vertices, counter-clockwise
- * as seen from outside.
+ * `vertices` are x, y, z as little-endian uint16 each; `normals` x, y, z and an unused byte as
+ * int8 each, unit vector = int8 / 127; `triangles` three vertex numbers each, little-endian
+ * uint16, or uint32 where there are more than 65536 vertices, counter-clockwise seen from outside.
  */
 export interface SurfacePatch {
   readonly index: GridPlace;
@@ -558,9 +555,9 @@ export interface SurfacePatch {
 }
 
 /**
- * What changes in the surface of a segment: patches that are new or gone.
+ * Changes of the surface of a segment: patches that are new or `dropped`.
  *
- * `whole` forgets all patches that were sent before.
+ * `whole` discards all earlier patches.
  */
 export interface SegmentSurface {
   readonly id: SegmentId;
@@ -570,12 +567,11 @@ export interface SegmentSurface {
 }
 
 /**
- * Where matter stands beside the voxels that show it, at the nodes of a box.
+ * Displacement of tissue from the voxels that show it, at the nodes of a box.
  *
  * Node (i, j, k) is at `origin + step * (i, j, k)` [grid], and `size` counts nodes along each
- * axis, 0 where all matter stands in its voxels. `moved` holds how far the matter of each node
- * stands from it as little-endian float16: x, y, z along the axes of the grid [mm] and a zero,
- * nodes with x fastest.
+ * axis, 0 where nothing is displaced. `moved` is the displacement at each node as little-endian
+ * float16: x, y, z along the axes of the grid [mm] and a zero, nodes with x fastest.
  */
 export interface Displaced {
   readonly origin: Vector;
@@ -585,11 +581,11 @@ export interface Displaced {
 }
 
 /**
- * All that edits up to number `edit` change in the picture, shown in one and the same frame.
+ * Changes of the picture by edits up to number `edit`, to be shown in one frame.
  *
- * Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
+ * Boxes of voxels are in the order of their edits: where two overlap, the later one counts.
  * `applied` is when the oldest of these edits was applied [s since 1970]; null without one.
- * `displaced` goes with the voxels as they are then; null where it is as before.
+ * `displaced` belongs to the voxels after the change; null where it did not change.
  */
 export interface Changed {
   readonly type: "changed";
@@ -601,11 +597,11 @@ export interface Changed {
 }
 
 /**
- * The nodes or particles of the model at work, where this page asked for them; latest wins.
+ * Nodes or particles of the current model, for pages that requested them; latest wins.
  *
  * `places` are x, y, z as little-endian uint16 each: place = origin + number / 65535 * size
- * [scene]. `strains` are an int8 each: strain = number / 127 * 0.5, less than zero where matter
- * is pressed. `apart` is the distance of neighbours at rest [mm].
+ * [scene]. `strains` are an int8 each: strain = number / 127 * 0.5, negative in compression.
+ * `apart` is the distance of neighbours at rest [mm].
  */
 export interface MatterParts {
   readonly type: "matter_parts";
@@ -616,17 +612,17 @@ export interface MatterParts {
   readonly strains: Uint8Array;
 }
 
-/** The settings as the engine holds them. */
+/** The settings in effect. */
 export interface SettingsChanged {
   readonly type: "settings_changed";
   readonly settings: Settings;
 }
 
 /**
- * Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
+ * Changes of this scan that an earlier session left: their number, the time of the last.
  *
- * `lost_bytes` at the end of their file are not whole. `second`: name of the second scan that
- * was shown.
+ * `when` is ISO 8601. `lost_bytes` is the number of damaged bytes at the end of their file.
+ * `second` is the name of the second scan that was shown.
  */
 export interface Offer {
   readonly steps: number;
@@ -635,13 +631,13 @@ export interface Offer {
   readonly second: string | null;
 }
 
-/** What can be brought back; null once somebody has decided, or where there is nothing. */
+/** Changes that can be recovered; null once that is decided, or where there are none. */
 export interface Recovery {
   readonly type: "recovery";
   readonly offer: Offer | null;
 }
 
-/** A sentence for the person at the page. */
+/** A message for the user. */
 export interface Notice {
   readonly type: "notice";
   readonly level: "info" | "warning" | "error";
@@ -649,7 +645,7 @@ export interface Notice {
 }
 
 /**
- * The gap from the surface of segment `id` to segment `other`, as they stand by now.
+ * The gap from the surface of segment `id` to segment `other`, at their current poses.
  *
  * `minimum` and `mean` [mm], `overlap` [mm³]; null where one of them is gone or empty.
  */
@@ -663,10 +659,10 @@ export interface Gap {
 }
 
 /**
- * The answer to a `Wire` or `TraceLevel` of this number, to the page that asked.
+ * Answer to the `Wire` or `TraceLevel` with this number, to the page that sent it.
  *
- * A level's outline is closed, its last point joined to the first. Without points there is none,
- * for the reason that `problem` tells.
+ * The outline of a level is closed: its last point is connected to the first. Without points
+ * `problem` says why there is no outline.
  */
 export interface Outline {
   readonly type: "outline";
@@ -678,7 +674,7 @@ export interface Outline {
 /**
  * Volumes of the parts that a painted cut would make of segment `id` [ml], larger first.
  *
- * Both are null where it would leave all of it on one side.
+ * Both are null where the whole segment would be on one side.
  */
 export interface CutPreview {
   readonly type: "cut_preview";
@@ -688,9 +684,9 @@ export interface CutPreview {
 }
 
 /**
- * What happened to a needle at a time [s], in a segment, 0 for none.
+ * An event of a needle at a time [s], in a segment, 0 for none.
  *
- * `depth` is from where it went in [mm], `force` that at its tip [N].
+ * `depth` is the distance from the point of entry [mm], `force` that at its tip [N].
  */
 export interface NeedleEvent {
   readonly kind: NeedleEventKind;
@@ -700,24 +696,24 @@ export interface NeedleEvent {
   readonly force: number;
 }
 
-/** What happened to the needle since it was taken in the hand, oldest first, the newest 100. */
+/** Events of the needle since it was chosen, oldest first; only the newest 100. */
 export interface NeedleEvents {
   readonly type: "needle_events";
   readonly events: readonly NeedleEvent[];
 }
 
-/** What is being done to segments beside all else; null where nothing is. */
+/** What is being done to segments in the background; null where nothing is. */
 export interface SegmentWork {
   readonly type: "segment_work";
   readonly what: string | null;
 }
 
 /**
- * A scan that is shown with the first; null where there is none any more.
+ * The second scan; null where there is none any more.
  *
- * `second_from_first` maps points of the first scan to the second's, row-major, shape [4, 4],
- * patient of each [mm]; its values come from `/api/second` and are others with each `version`.
- * It `is_moved` where a transform holds it elsewhere than its own place in the patient says.
+ * `second_from_first` maps points of the first scan to the second, row-major, shape [4, 4],
+ * patient of each [mm]; its values are at `/api/second` and change with each `version`. It
+ * `is_moved` where a transform places it elsewhere than its own geometry does.
  */
 export interface SecondScan {
   readonly type: "second_scan";
@@ -727,16 +723,16 @@ export interface SecondScan {
   readonly version: number;
 }
 
-/** The metric after each step on one level of a registration; made small. */
+/** The metric after each step on one level of a registration; smaller is better. */
 export interface RegistrationLevel {
   readonly name: string;
   readonly values: readonly number[];
 }
 
 /**
- * What a registration has found: the metric before and after, and how far points move [mm].
+ * Result of a registration: the metric before and after, and how far points move [mm].
  *
- * `overlap` is the share of the first scan that the second covers in the end.
+ * `overlap` is the fraction of the first scan that the second covers afterwards.
  */
 export interface FoundRegistration {
   readonly kind: RegistrationKind;
@@ -749,12 +745,12 @@ export interface FoundRegistration {
 }
 
 /**
- * How far the registration of the second scan is, and what the last one has found.
+ * Progress of the registration of the second scan, and the result of the last one.
  *
- * `doing` and `share` are null where none runs, `failure` says why the last one changed
- * nothing; `curve` is that of the one that runs or ran last. `steps` counts registrations that
- * can be taken back, `undone` those that can be made again. `shown` tells whether the second
- * scan stands as before or after `found`.
+ * `doing` and `share` are null where none is running, `failure` says why the last one
+ * changed nothing; `curve` is that of the current or last one. `steps` counts registrations
+ * that can be undone, `undone` those that can be redone. `shown` says whether the second scan
+ * is shown before or after `found`.
  */
 export interface Registration {
   readonly type: "registration";
@@ -769,10 +765,10 @@ export interface Registration {
 }
 
 /**
- * The answer to a `Fence`: all that this page asked for before it is done.
+ * Answer to a `Fence`: everything that this page requested before it is done.
  *
- * Touch follows it from `tick` on. Thresholds, growing and changes of shape are made beside all
- * others: they may come later.
+ * Touch follows it from `tick` on. Thresholds, growing and changes of shape run in the
+ * background and may complete later.
  */
 export interface Passed {
   readonly type: "passed";
@@ -780,26 +776,26 @@ export interface Passed {
   readonly tick: number;
 }
 
-/** Where the hand pulls the device to [scene]; latest wins. */
+/** Target to which the hand pulls the device [scene]; latest wins. */
 export interface Hand {
   readonly type: "hand";
   readonly target: Vector;
 }
 
-/** Puts probe, device and hand at a point, or at the free voxel next to it. */
+/** Moves probe, device and hand to a point, or to the nearest free voxel. */
 export interface Place {
   readonly type: "place";
   readonly point: Vector;
 }
 
-/** Axes of the view in the scene: the movement frame follows them (thesis 4.7). */
+/** Axes of the view in the scene, with which those of the device are aligned (thesis 4.7). */
 export interface View {
   readonly type: "view";
   readonly right: Vector;
   readonly up: Vector;
 }
 
-/** Has the device move without the probe, or with it again. */
+/** Decouples the device from the probe, or couples them again. */
 export interface Clutch {
   readonly type: "clutch";
   readonly on: boolean;
@@ -814,17 +810,18 @@ export interface Threshold {
   readonly high: Value;
 }
 
-/** Makes a segment of each class of values but the lowest, by Otsu's thresholds. */
+/** Makes a segment of each class of values except the lowest, by Otsu's thresholds. */
 export interface Otsu {
   readonly type: "otsu";
   readonly classes: number;
 }
 
 /**
- * Makes a segment of what has values like those at `seed` and hangs together with them.
+ * Makes a segment of the connected voxels with values like those at `seed`.
  *
  * `spread` is half of the range of values, in standard deviations around the seed. Passages
- * narrower than `passage` [mm] are not entered, and it becomes no larger than `most_ml`.
+ * narrower than `passage` [mm] are not entered, and the segment becomes no larger than
+ * `most_ml`.
  */
 export interface GrowSegment {
   readonly type: "grow_segment";
@@ -835,9 +832,9 @@ export interface GrowSegment {
 }
 
 /**
- * Makes a segment of each of these: they grow until they meet where values change most.
+ * Grows a segment from each seed; they meet where values change most.
  *
- * Values are smoothed by a Gaussian of this deviation [mm].
+ * Values are smoothed by a Gaussian with this standard deviation [mm].
  */
 export interface GrowSeeds {
   readonly type: "grow_seeds";
@@ -848,8 +845,8 @@ export interface GrowSeeds {
 /**
  * Changes the shape of a segment; undo takes it back.
  *
- * `amount` counts islands to keep, is the volume from which on they stay [ml], or a length [mm];
- * `other` is the segment that is united, subtracted or intersected.
+ * `amount` is a number of islands to keep, the least volume of islands to keep [ml], or a length
+ * [mm]; `other` is the segment to unite, subtract or intersect with.
  */
 export interface ChangeShape {
   readonly type: "change_shape";
@@ -859,16 +856,16 @@ export interface ChangeShape {
   readonly other: SegmentId | null;
 }
 
-/** Stops what `SegmentWork` tells of and forgets what waits; what is not done is not begun. */
+/** Stops what `SegmentWork` reports and drops what is queued. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
 }
 
 /**
- * Finds where the second scan lies in the first; it then stands there, and undo takes it back.
+ * Registers the second scan to the first and moves it there; undo takes that back.
  *
  * Each of `pairs` is a point of the first scan and the same place in the second, in the patient
- * of each.
+ * frame of each.
  */
 export interface Register {
   readonly type: "register";
@@ -878,38 +875,38 @@ export interface Register {
   readonly pairs: readonly PointPair[];
 }
 
-/** Stops the registration that runs; nothing is changed then. */
+/** Stops the current registration; nothing is changed then. */
 export interface StopRegistration {
   readonly type: "stop_registration";
 }
 
-/** Shows the second scan as before the last registration, or as after it; no step of undo. */
+/** Shows the second scan before or after the last registration; no step of undo. */
 export interface ShowRegistration {
   readonly type: "show_registration";
   readonly which: "before" | "after";
 }
 
-/** Takes the last registration back. */
+/** Undoes the last registration. */
 export interface UndoRegistration {
   readonly type: "undo_registration";
 }
 
-/** Makes the registration again that was taken back last. */
+/** Redoes the registration that was undone last. */
 export interface RedoRegistration {
   readonly type: "redo_registration";
 }
 
-/** Makes a segment without voxels, to be painted; undo takes it away. */
+/** Adds a segment without voxels, to be painted; undo removes it. */
 export interface NewSegment {
   readonly type: "new_segment";
   readonly name: Name;
 }
 
 /**
- * Paints voxels of a segment along points, or takes them away: a stroke until `EndPaint`.
+ * Paints voxels of a segment along points, or erases them: a stroke until `EndPaint`.
  *
  * The brush has a radius [mm]. It is a disc in the slice with this `normal`, or a ball without
- * one, and changes only voxels with such `values`, where these are given.
+ * one. Where `values` is given, only voxels with such values are changed.
  */
 export interface Paint {
   readonly type: "paint";
@@ -921,13 +918,13 @@ export interface Paint {
   readonly values: readonly [Value, Value] | null;
 }
 
-/** Ends a stroke of the brush as one step of undo, or takes it back where it is not kept. */
+/** Ends a stroke of the brush as one step of undo, or undoes it where it is not kept. */
 export interface EndPaint {
   readonly type: "end_paint";
   readonly keep: boolean;
 }
 
-/** Asks for the path along edges of a slice from one point to another; see `Outline`. */
+/** Requests the path along edges of a slice from one point to another; see `Outline`. */
 export interface Wire {
   readonly type: "wire";
   readonly number: number;
@@ -936,7 +933,7 @@ export interface Wire {
   readonly normal: Vector;
 }
 
-/** Asks for the outline of the value at a point of a slice, through it; see `Outline`. */
+/** Requests the outline through a point of a slice at that point's value; see `Outline`. */
 export interface TraceLevel {
   readonly type: "trace_level";
   readonly number: number;
@@ -945,9 +942,9 @@ export interface TraceLevel {
 }
 
 /**
- * Paints what an outline in a slice encloses, or takes it away: one step of undo.
+ * Adds the voxels inside an outline in a slice to a segment, or removes them: one step of undo.
  *
- * Only voxels with such `values` are changed, where these are given.
+ * Where `values` is given, only voxels with such values are changed.
  */
 export interface FillOutline {
   readonly type: "fill_outline";
@@ -958,7 +955,7 @@ export interface FillOutline {
   readonly values: readonly [Value, Value] | null;
 }
 
-/** Changes how a segment looks and whether it can be touched, and its voxels changed. */
+/** Changes the appearance of a segment, and whether it is touchable and locked. */
 export interface SegmentProperties {
   readonly type: "segment_properties";
   readonly name: Name;
@@ -976,7 +973,7 @@ export interface SegmentProperties {
   readonly locked: boolean;
 }
 
-/** Changes how the surface of a segment feels. */
+/** Changes the touch settings of a segment. */
 export interface SegmentFeel {
   readonly type: "segment_feel";
   readonly id: SegmentId;
@@ -984,9 +981,9 @@ export interface SegmentFeel {
 }
 
 /**
- * Tells what a segment is made of, by name or by constants; with neither it is hard.
+ * Sets the material of a segment, by name or by constants; with neither it is rigid.
  *
- * Undo takes it back where it is `undoable`: what a page asks for by itself is not.
+ * It is a step of undo where it is `undoable`: what a page sends by itself is not.
  */
 export interface SetMaterial {
   readonly type: "set_material";
@@ -997,9 +994,9 @@ export interface SetMaterial {
 }
 
 /**
- * Tells how regions of a segment take part: of several that hold a voxel the last counts.
+ * Sets how regions of a segment deform; the last region that contains a voxel applies to it.
  *
- * What is in none gives way.
+ * Voxels in no region deform.
  */
 export interface SetRegions {
   readonly type: "set_regions";
@@ -1008,9 +1005,9 @@ export interface SetRegions {
 }
 
 /**
- * Chooses the model by which matter gives way, null makes all hard, and its options.
+ * Sets the deformation model and its options; null makes every segment rigid.
  *
- * Undo takes the choice back where it is `undoable`.
+ * It is a step of undo where it is `undoable`.
  */
 export interface SetDeformation {
   readonly type: "set_deformation";
@@ -1019,20 +1016,20 @@ export interface SetDeformation {
   readonly undoable: boolean;
 }
 
-/** Chooses what a tool feels of matter that gives way. */
+/** Sets the source of the force of soft tissue on a tool. */
 export interface SetForceSource {
   readonly type: "set_force_source";
   readonly source: ForceSource;
 }
 
-/** Has this page told the nodes or particles of the model, or no more. */
+/** Starts or stops sending this page the nodes or particles of the model. */
 export interface ShowParts {
   readonly type: "show_parts";
   readonly on: boolean;
 }
 
 /**
- * Moves a segment to a pose; latest wins, and the servo goes there smoothly.
+ * Moves a segment to a pose; latest wins, and the servo moves it there smoothly.
  *
  * Moves of a drag that `goes_on` and the one that ends it are one step of undo.
  */
@@ -1043,20 +1040,20 @@ export interface MoveSegment {
   readonly goes_on: boolean;
 }
 
-/** Takes a segment in the hand, null lets go of it; `collides` stops it at the others. */
+/** Attaches a segment to the probe, null releases it; others stop it where it `collides`. */
 export interface Grab {
   readonly type: "grab";
   readonly id: SegmentId | null;
   readonly collides: boolean;
 }
 
-/** Turns the segment in the hand about the probe by a rotation vector [rad]. */
+/** Rotates the attached segment about the probe by a rotation vector [rad]. */
 export interface TurnGrabbed {
   readonly type: "turn_grabbed";
   readonly rotation: Vector;
 }
 
-/** Parts a segment by the plane through a point; what lies before it is a new segment. */
+/** Splits a segment by the plane through a point; the part in front of it is a new segment. */
 export interface CutSegment {
   readonly type: "cut_segment";
   readonly id: SegmentId;
@@ -1065,11 +1062,11 @@ export interface CutSegment {
 }
 
 /**
- * Parts a segment along a line painted on the picture, extruded away from the eye.
+ * Splits a segment along a line drawn on the picture, extruded away from the eye.
  *
- * `line` are points under it before the eye; `view` is where the eye looks. A `closed` line
- * joins its ends, an open one goes on straight. The smaller part is a new segment; with
- * `preview` nothing is cut, and `CutPreview` answers.
+ * `line` are points below it in front of the eye; `view` is the direction of view. A
+ * `closed` line connects its ends, an open one continues straight. The smaller part is a new
+ * segment; with `preview` nothing is changed, and `CutPreview` answers.
  */
 export interface CutAlong {
   readonly type: "cut_along";
@@ -1081,14 +1078,14 @@ export interface CutAlong {
   readonly preview: boolean;
 }
 
-/** Has the gap between two segments measured while they move; null ends that. */
+/** Starts measuring the gap between two segments while they move; null stops it. */
 export interface WatchGap {
   readonly type: "watch_gap";
   readonly pair: readonly [SegmentId, SegmentId] | null;
 }
 
 /**
- * Has the picture follow edits every so many-th of its frames, of 60 a second.
+ * Sets how often the picture follows edits: every so many of its 60 frames a second.
  *
  * Edits in between are shown together. The slowest of several pages sets the pace.
  */
@@ -1097,25 +1094,25 @@ export interface FollowEdits {
   readonly every: number;
 }
 
-/** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
+/** Starts recording every input of the servo, or stops it; the file is at `/api/recording`. */
 export interface RecordSession {
   readonly type: "record";
   readonly on: boolean;
 }
 
-/** Removes a segment; undo brings it back. */
+/** Removes a segment; undo restores it. */
 export interface RemoveSegment {
   readonly type: "remove_segment";
   readonly id: SegmentId;
 }
 
-/** Asks for new settings. */
+/** Requests new settings. */
 export interface ChangeSettings {
   readonly type: "change_settings";
   readonly settings: Settings;
 }
 
-/** Asks to be told when all is done that the page asked for before; `number` comes back. */
+/** Requests an answer once all earlier requests of the page are done; `number` is returned. */
 export interface Fence {
   readonly type: "fence";
   readonly number: number;
@@ -1124,9 +1121,9 @@ export interface Fence {
 /**
  * Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
  *
- * Of a needle the radius is its own, and `tissues` say what each of its segments is. A painter
- * gives what is touched of the segments to the first of them, so `depth` below the surface [mm],
- * or in all of its ball; what is painted stays in its segment, too, where it `overlaps`.
+ * The radius of a needle is its own, and `tissues` are those of its segments. A painter adds the
+ * touched voxels of segments to the first of them, to `depth` below the surface [mm], or in its
+ * whole ball; where it `overlaps`, painted voxels also stay in their segment.
  */
 export interface Tool {
   readonly type: "tool";
@@ -1138,29 +1135,29 @@ export interface Tool {
   readonly overlaps: boolean;
 }
 
-/** Takes the needle out on the way that it went in. */
+/** Withdraws the needle along the path of its insertion. */
 export interface WithdrawNeedle {
   readonly type: "withdraw_needle";
 }
 
-/** Begins a stroke of the tool, or ends it: what it changed is one step of undo. */
+/** Begins or ends a stroke of the tool; a stroke is one step of undo. */
 export interface Stroke {
   readonly type: "stroke";
   readonly on: boolean;
 }
 
-/** Brings back what an earlier session left, or keeps it aside and starts afresh. */
+/** Recovers what an earlier session left, or keeps it aside and starts anew. */
 export interface Recover {
   readonly type: "recover";
   readonly bring_back: boolean;
 }
 
-/** Takes the last edit back. */
+/** Undoes the last step. */
 export interface Undo {
   readonly type: "undo";
 }
 
-/** Applies the last undone edit again. */
+/** Redoes the last undone step. */
 export interface Redo {
   readonly type: "redo";
 }

@@ -10,7 +10,7 @@ const numberBytes = 32;
 export class Resumption {
   private key: string | null = null;
 
-  /** @param address where a page that is let in is told the key. */
+  /** @param address where a page that is let in is given the key. */
   constructor(private readonly address: string) {}
 
   /** Asks for the key; without it a later engine refuses this page. */
@@ -44,14 +44,18 @@ export class Resumption {
 }
 
 function ask(wanted: object, credentials: RequestCredentials): Promise<Response | null> {
-  return fetch("/api/resume", { method: "POST", body: JSON.stringify(wanted), credentials, cache: "no-store" }).catch(() => null);
+  return fetch("/api/resume", { method: "POST", body: JSON.stringify(wanted), credentials, cache: "no-store" }).catch(
+    () => null,
+  );
 }
 
 /** HMAC-SHA-256 of who says what on which port, as hexadecimal digits. */
 async function proofOf(key: string, whose: "server" | "page", ...numbers: readonly string[]): Promise<string> {
   const said = [whose, window.location.port, ...numbers].join(" ");
   const encoder = new TextEncoder();
-  const imported = await crypto.subtle.importKey("raw", encoder.encode(key), { name: "HMAC", hash: "SHA-256" }, false, ["sign"]);
+  const imported = await crypto.subtle.importKey("raw", encoder.encode(key), { name: "HMAC", hash: "SHA-256" }, false, [
+    "sign",
+  ]);
   return hex(new Uint8Array(await crypto.subtle.sign("HMAC", imported, encoder.encode(said))));
 }
 

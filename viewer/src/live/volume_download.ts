@@ -30,13 +30,24 @@ export interface Meanwhile extends ShownParts {
 }
 
 /** Downloads every `step`-th value along each axis. */
-export async function downloadVolume(frame: ScanFrame, step: number, token: string, options: DownloadOptions = {}): Promise<DownloadedScan> {
+export async function downloadVolume(
+  frame: ScanFrame,
+  step: number,
+  token: string,
+  options: DownloadOptions = {},
+): Promise<DownloadedScan> {
   const { path = "/api/volume", progress, meanwhile } = options;
   const dimensions = storedDimensions(frame.dimensions, step);
   const plane = dimensions[0] * dimensions[1];
   const volume = { frame, step, dimensions, values: new Uint16Array(plane * dimensions[2]) };
   const url = apiAddress(`${path}?step=${String(step)}`, token);
-  const request = { kind: "values", url, dimensions, step, meanwhile: meanwhile === undefined ? null : sent(meanwhile) } as const;
+  const request = {
+    kind: "values",
+    url,
+    dimensions,
+    step,
+    meanwhile: meanwhile === undefined ? null : sent(meanwhile),
+  } as const;
   const answer = await ask(request, {
     progress,
     planes: ({ first, values }) => {
@@ -61,7 +72,7 @@ export async function downloadLabels({ frame, step }: ScanVolume, token: string)
   return answer.labels;
 }
 
-/** What of a coarse scan a worker is told. */
+/** What of a coarse scan a worker is sent. */
 function sent({ coarse: { dimensions, values, step }, parts, soon }: Meanwhile): ValuesRequest["meanwhile"] {
   return { coarse: { dimensions, values, step }, parts, soon };
 }

@@ -40,9 +40,9 @@ export type VolumeAnswer =
   | { readonly kind: "progress"; readonly share: number }
   /** Some planes: their own, or what stands in for them. */
   | { readonly kind: "planes"; readonly planes: Planes }
-  /** All planes have been told, in part by what stands in for them. */
+  /** All planes have been sent, in part by what stands in for them. */
   | { readonly kind: "arrival"; readonly arrival: Arrival }
-  /** All planes have been told. */
+  /** All planes have been sent. */
   | { readonly kind: "values"; readonly bricks: BrickRanges }
   | { readonly kind: "labels"; readonly labels: LabelVolume }
   | { readonly kind: "failed"; readonly text: string };

@@ -5,7 +5,7 @@ import { brickRanges, coveringRanges } from "../../src/core/scan/bricks";
 import { PlaneInterpolation } from "../../src/core/scan/plane_interpolation";
 import { firstQuality } from "../../src/core/view/quality";
 import type { ShownSlice } from "../../src/gl/picture/slices";
-import { edge, fieldOf, lookOf, outlineOf, viewOf, voxels, type MarchTest } from "./scenes_page";
+import { edge, fieldOf, appearanceOf, outlineOf, viewOf, voxels, type MarchTest } from "./scenes_page";
 import { finished, pictureOf, pixelsOf } from "./screen_page";
 
 export interface ArrivingResult {
@@ -31,10 +31,10 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
   // nothing fits into so short a frame: while the view moves it would be as coarse as it gets
   picture.setQuality({ ...firstQuality(true), frameBudget: 0.01 });
   picture.setScan(coarse, brickRanges(coarse));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   picture.resize(edge, edge, { x: edge / 2, y: 0, width: edge / 2, height: edge });
-  picture.setSliceLook({ window: 2000, level: 0, slab: 0, slabMode: "mean", fill: 0, outline: 0 });
+  picture.setSliceAppearance({ window: 2000, level: 0, slab: 0, slabMode: "mean", fill: 0, outline: 0 });
   picture.setSlices([coronal(extent.centre)]);
   const pictures = [await finished(drawn)];
   const planes = [picture.arrived];
@@ -71,5 +71,9 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
 /** As high as the scan, superior up, and half as wide. */
 function coronal(centre: readonly [number, number, number]): ShownSlice {
   const rect = { x: 0, y: 0, width: edge / 2, height: edge };
-  return { name: "coronal", rect, plane: { centre, right: [1, 0, 0], up: [0, 0, 1], toward: [0, -1, 0], pixel: voxels / edge } };
+  return {
+    name: "coronal",
+    rect,
+    plane: { centre, right: [1, 0, 0], up: [0, 0, 1], toward: [0, -1, 0], pixel: voxels / edge },
+  };
 }

@@ -6,7 +6,7 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import { keptSpan, planesOf, type Clip, type Plane } from "../../src/core/view/clip";
 import { frameOf } from "../../src/core/scan/scan_volume";
 import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/geometry/vector";
-import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../src/core/base/colour";
 import { keyLight } from "../../src/gl/march/key_light";
 import { scanOf } from "../support/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
@@ -106,20 +106,25 @@ test("an iso-ball in a box is seen where a ray meets both", async () => {
   expect(Math.min(counts.seen, counts.cut)).toBeGreaterThan(200);
 });
 
-test.each(["shaded", "mip", "iso"] as const)("in mode %s leaping over empty bricks changes no pixel of a cut scan", async (blend) => {
-  const optics = { blend, isoValue: 250, window: { window: 400, level: 300 } };
-  const cut = { field: "ball", softTissue: 0.6, optics, clip: [oblique, ...planesOf(box, frame)] } as const;
-  const skipped = await march({ ...cut, skip: true });
-  const visited = await march({ ...cut, skip: false });
-  const differing = skipped.pixels.filter((value, i) => Math.abs(value - (visited.pixels[i] ?? 0)) > 2e-3);
-  expect(differing.length).toBeLessThan(skipped.pixels.length / 1000);
-  expect(Math.max(...channel(skipped, 3))).toBeGreaterThan(0.2);
-});
+test.each(["shaded", "mip", "iso"] as const)(
+  "in mode %s leaping over empty bricks changes no pixel of a cut scan",
+  async (blend) => {
+    const optics = { blend, isoValue: 250, window: { window: 400, level: 300 } };
+    const cut = { field: "ball", softTissue: 0.6, optics, clip: [oblique, ...planesOf(box, frame)] } as const;
+    const skipped = await march({ ...cut, skip: true });
+    const visited = await march({ ...cut, skip: false });
+    const differing = skipped.pixels.filter((value, i) => Math.abs(value - (visited.pixels[i] ?? 0)) > 2e-3);
+    expect(differing.length).toBeLessThan(skipped.pixels.length / 1000);
+    expect(Math.max(...channel(skipped, 3))).toBeGreaterThan(0.2);
+  },
+);
 
 test("a cut surface is closed by a flat face in its colour where the scan has its segment", async () => {
   const lighting = { occlusion: 0, shadow: 0 };
   const ball = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0, lighting } as const;
-  const surfaces = [{ centre: middle, radius: 14, sectors: 4, look: { colour: [0.7, 0, 0] as const, range: [0, 3000] as const } }];
+  const surfaces = [
+    { centre: middle, radius: 14, sectors: 4, appearance: { colour: [0.7, 0, 0] as const, range: [0, 3000] as const } },
+  ];
   const pixels = await show({ scan: { ...ball, clip: [front] }, surfaces });
   const result = await march({ ...ball });
   const light = keyLight(result.camera);
@@ -136,12 +141,23 @@ test("a cut surface is closed by a flat face in its colour where the scan has it
   expect(inside).toBeGreaterThan(500);
 });
 
-test.each([false, true])("a cut translucent surface is closed too: its cut face lies over what is seen through it; orthographic %s", async (orthographic) => {
+test.each([false, true])("a cut translucent surface is closed by a face; orthographic %s", async (orthographic) => {
   const lighting = { occlusion: 0, shadow: 0 };
-  const ball = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0, lighting, orthographic } as const;
-  const look = { colour: [0.7, 0, 0] as const, opacity: 0.4 };
+  const ball = {
+    field: "ball",
+    spacing: [1, 1, 1],
+    from: "A",
+    stepsPerVoxel: 1,
+    extinction: 0,
+    lighting,
+    orthographic,
+  } as const;
+  const appearance = { colour: [0.7, 0, 0] as const, opacity: 0.4 };
   const cut = async (range: readonly [number, number] | null): Promise<number[]> =>
-    show({ scan: { ...ball, clip: [front] }, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { ...look, range } }] });
+    show({
+      scan: { ...ball, clip: [front] },
+      surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { ...appearance, range } }],
+    });
   const [closed, hollow] = [await cut([0, 3000]), await cut(null)];
   const result = await march({ ...ball });
   const light = keyLight(result.camera);
@@ -168,13 +184,15 @@ const aside: Plane = { normal: normalize([0.9, -0.2, 0.4]), offset: dot(normaliz
 
 test("of a cut surface that is seen which is left, from outside and from within", async () => {
   const air = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0 } as const;
-  const surfaces = [{ centre: middle, radius: 12, sectors: 4, look: { colour: [1, 0, 0] as const } }];
+  const surfaces = [{ centre: middle, radius: 12, sectors: 4, appearance: { colour: [1, 0, 0] as const } }];
   const pixels = await show({ scan: { ...air, clip: [aside] }, surfaces });
   const { camera, extent } = await march({ ...air });
   const counts = { seen: 0, cut: 0 };
   raysOf({ pixels: [], camera, extent }, frame).forEach(({ origin, direction }, i) => {
     const left = (radius: number, room: number): boolean =>
-      (throughBall(origin, direction, radius) ?? []).some((t) => dot(aside.normal, addScaled(origin, direction, t)) < aside.offset - room);
+      (throughBall(origin, direction, radius) ?? []).some(
+        (t) => dot(aside.normal, addScaled(origin, direction, t)) < aside.offset - room,
+      );
     const [r = 0, g = 0] = pixels.slice(4 * i, 4 * i + 2);
     const red = r > 1.6 * g && r > 30;
     // facets lie up to 0.1 % inside of the ball, and edges are a pixel wide

@@ -7,7 +7,7 @@ import type { Changed, Segment, SegmentSurface } from "../../src/core/protocol";
 import type { Vec3 } from "../../src/core/geometry/vector";
 import { ShownEdits } from "../../src/ui/features/scan/shown_edits.svelte";
 import { segment } from "../support/volumes";
-import { fieldOf, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
+import { fieldOf, appearanceOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
 import { finished, pictureOf } from "./screen_page";
 
 /** An edit of a picture: a box of voxels gets a value and a label, a surface other patches. */
@@ -18,7 +18,7 @@ export interface EditTest {
   readonly value: number | null;
   readonly label: number | null;
   /** Of the segments, in the order of their ids. */
-  readonly looks: readonly Partial<Segment>[];
+  readonly appearances: readonly Partial<Segment>[];
   readonly before?: readonly SegmentSurface[];
   readonly surfaces?: readonly SegmentSurface[];
 }
@@ -48,17 +48,25 @@ export async function edit(test: EditTest): Promise<EditResult> {
   const volume = fieldOf(test.scan);
   const held = { volume, bricks: brickRanges(volume) };
   const extent = outlineOf(test.scan);
-  const segments = test.looks.map((look, i) => ({ ...segment, id: i + 1, ...look }));
+  const segments = test.appearances.map((appearance, i) => ({ ...segment, id: i + 1, ...appearance }));
   const open = (): ReturnType<typeof pictureOf> => {
     const drawn = pictureOf(false);
     drawn.picture.setScan(volume, held.bricks);
-    drawn.picture.setLook(lookOf(test.scan));
+    drawn.picture.setAppearance(appearanceOf(test.scan));
     drawn.picture.setCamera(lookFrom(test.scan.from, extent, viewport), extent);
     edits.showAll(drawn.picture);
     drawn.picture.setSegments(segments);
     return drawn;
   };
-  const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, applied: null, voxels: [], surfaces: [], displaced: null, ...part });
+  const changed = (part: Partial<Changed>): Changed => ({
+    type: "changed",
+    edit: 1,
+    applied: null,
+    voxels: [],
+    surfaces: [],
+    displaced: null,
+    ...part,
+  });
   edits.add(changed({ surfaces: test.before ?? [] }), performance.now());
   edits.show(held, null);
   if (test.label !== null) {

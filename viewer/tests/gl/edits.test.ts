@@ -48,7 +48,8 @@ function edit({ before = [], surfaces = [], ...test }: Sent): Promise<EditResult
           })),
         })) as never;
       return (
-        window.glTests?.edit({ ...t, before: unpacked(b), surfaces: unpacked(s) }) ?? Promise.reject(new Error("no page"))
+        window.glTests?.edit({ ...t, before: unpacked(b), surfaces: unpacked(s) }) ??
+        Promise.reject(new Error("no page"))
       );
     },
     [test, plain(before), plain(surfaces)] as const,
@@ -64,27 +65,49 @@ function differing(one: readonly number[], other: readonly number[], most = 0): 
   return count;
 }
 
-const scan: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 };
+const scan: MarchTest = {
+  field: "ball",
+  spacing: [1, 1, 1],
+  from: "A",
+  stepsPerVoxel: 2,
+  segment: "visible",
+  softTissue: 0,
+};
 /** A hole in the front of the scan's ball, which reaches from 10 to 38 on each axis. */
 const hole = { low: [20, 8, 19] as Vec3, high: [29, 20, 30] as Vec3 };
 const box = [20, 8, 19, 9, 12, 11];
-const nothing = { scan, ...hole, value: null, label: null, looks: [{ colour: [1, 0, 0] as Vec3, shown_as: "surface" as const, range: null }] };
+const nothing = {
+  scan,
+  ...hole,
+  value: null,
+  label: null,
+  appearances: [{ colour: [1, 0, 0] as Vec3, shown_as: "surface" as const, range: null }],
+};
 
 test.each([
   ["values", -1000, null, [box]],
   ["labels", null, 1, [box]],
   ["values and labels", -1000, 0, [box, box]],
-] as const)("an edit of %s sends just its box, and is then what a new picture shows", async (_, value, label, uploads) => {
-  const looks = [{ colour: [0, 0, 1] as Vec3, range: null }];
-  const result = await edit({ ...nothing, scan: label === 1 ? { ...scan, segment: "hidden" } : scan, value, label, looks });
-  expect(result.complaints).toEqual([]);
-  expect(result.uploads.filter((upload) => upload.join() === box.join())).toHaveLength(uploads.length);
-  // beside the box only labels that did not exist before, and the small grid of bricks
-  const others = result.uploads.filter((upload) => upload.join() !== box.join());
-  expect(others.every(([, , , width = 0]) => width <= 48)).toBe(true);
-  expect(differing(result.before, result.after, 10)).toBeGreaterThan(50);
-  expect(differing(result.after, result.afresh)).toBe(0);
-});
+] as const)(
+  "an edit of %s sends just its box, and is then what a new picture shows",
+  async (_, value, label, uploads) => {
+    const appearances = [{ colour: [0, 0, 1] as Vec3, range: null }];
+    const result = await edit({
+      ...nothing,
+      scan: label === 1 ? { ...scan, segment: "hidden" } : scan,
+      value,
+      label,
+      appearances,
+    });
+    expect(result.complaints).toEqual([]);
+    expect(result.uploads.filter((upload) => upload.join() === box.join())).toHaveLength(uploads.length);
+    // beside the box only labels that did not exist before, and the small grid of bricks
+    const others = result.uploads.filter((upload) => upload.join() !== box.join());
+    expect(others.every(([, , , width = 0]) => width <= 48)).toBe(true);
+    expect(differing(result.before, result.after, 10)).toBeGreaterThan(50);
+    expect(differing(result.after, result.afresh)).toBe(0);
+  },
+);
 
 test("values that fill empty space are drawn: bricks that were leapt over are not any more", async () => {
   const corner = { low: [2, 2, 38] as Vec3, high: [12, 12, 46] as Vec3 };
@@ -94,7 +117,12 @@ test("values that fill empty space are drawn: bricks that were leapt over are no
 });
 
 test("voxels and patches of one edit are in the next picture together", async () => {
-  const result = await edit({ ...nothing, value: -1000, before: [{ centre: [24, 8, 24] }], surfaces: [{ centre: [24, 8, 40] }] });
+  const result = await edit({
+    ...nothing,
+    value: -1000,
+    before: [{ centre: [24, 8, 24] }],
+    surfaces: [{ centre: [24, 8, 40] }],
+  });
   expect(result.complaints).toEqual([]);
   // vertices, normals and triangles of two patches, sent before anything is drawn
   expect(result.buffers).toBe(6);
@@ -105,7 +133,12 @@ test("voxels and patches of one edit are in the next picture together", async ()
 });
 
 test("of an edit with one patch that lies nothing is shown, and it is told why", async () => {
-  const result = await edit({ ...nothing, value: -1000, before: [{ centre: [24, 8, 24] }], surfaces: [{ centre: [24, 8, 40], lie: true }] });
+  const result = await edit({
+    ...nothing,
+    value: -1000,
+    before: [{ centre: [24, 8, 24] }],
+    surfaces: [{ centre: [24, 8, 40], lie: true }],
+  });
   expect(result.complaints).toEqual([
     "Edit 1 cannot be shown: patch (1 0 0) of segment 1: 5 bytes of triangles; allowed: 6 each.",
   ]);

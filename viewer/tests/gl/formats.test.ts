@@ -31,7 +31,10 @@ const all = [["chromium", "rg8"], ["chromium", "r32f"], ["mesa", "r16"], ["mesa"
 
 test.each(all)("on %s's GL %s holds every value, and between two voxels their mean", async (renderer, format) => {
   const read = (aside: number): Promise<number[]> =>
-    pageOf(renderer).evaluate((wish) => window.glTests?.reading(wish) ?? Promise.reject(new Error("no page")), { format, aside });
+    pageOf(renderer).evaluate((wish) => window.glTests?.reading(wish) ?? Promise.reject(new Error("no page")), {
+      format,
+      aside,
+    });
   const held = await read(0);
   expect(Math.max(...held.map((value, i) => Math.abs(value - i)))).toBeLessThan(0.05);
   const between = await read(0.5);
@@ -49,7 +52,10 @@ test("a page takes 16-bit textures where the GPU has them, else bytes", async ()
 test.each(["r16", "r32f"] as const)("on Mesa's GL a picture by %s is that of bytes on Chromium's", async (format) => {
   const scan: MarchTest = { field: "marble", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, softTissue: 0.5 };
   const draw = async (renderer: keyof typeof renderers, by: MarchTest): Promise<readonly number[]> => {
-    const drawn = await pageOf(renderer).evaluate((t) => window.glTests?.march(t) ?? Promise.reject(new Error("no page")), by);
+    const drawn = await pageOf(renderer).evaluate(
+      (t) => window.glTests?.march(t) ?? Promise.reject(new Error("no page")),
+      by,
+    );
     return drawn.pixels;
   };
   const [one, other] = [await draw("mesa", { ...scan, format }), await draw("chromium", { ...scan, format: "rg8" })];

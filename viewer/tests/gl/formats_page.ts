@@ -37,7 +37,10 @@ export function reading({ format, aside }: Reading): number[] {
   while (!texture.uploadSlab(renderer));
   const marcher = new RayMarcher();
   marcher.setField(texture, volume.bricks);
-  const pass = new FullscreenPass(reader, { ...marcher.fieldUniforms, aside: { value: new THREE.Vector3(aside, 0, 0) } });
+  const pass = new FullscreenPass(reader, {
+    ...marcher.fieldUniforms,
+    aside: { value: new THREE.Vector3(aside, 0, 0) },
+  });
   pass.material.defines = { ...marcher.fieldDefines };
   const target = new THREE.WebGLRenderTarget(edge, edge, { type: THREE.FloatType, depthBuffer: false });
   pass.draw(renderer, target);

@@ -15,11 +15,11 @@ import { keyLight } from "../../src/gl/march/key_light";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { scanOf, volumeOf } from "../support/volumes";
 
-/** Dense matter in boxes of a scan of 48³ voxels of 1 mm, air around. */
+/** Dense tissue in boxes of a scan of 48³ voxels of 1 mm, air around. */
 export interface LightTest {
   /** Voxels that are dense, half open. */
   readonly dense: readonly Box[];
-  /** Of dense matter [1/mm]. */
+  /** Of dense tissue [1/mm]. */
   readonly extinction: number;
   readonly blend?: Blend;
   readonly lighting?: Partial<Lighting>;
@@ -56,7 +56,7 @@ export function light(test: LightTest): LightResult {
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher({ software: true, lightCells: 32 });
   marcher.setField(field, bricks);
-  marcher.setLook({
+  marcher.setAppearance({
     // straight in the value, so that what lies between two voxels keeps what both do
     transferFunction: {
       points: [

@@ -6,10 +6,22 @@ import { labelledBricks } from "../../src/core/scan/bricks";
 import type { Vec3 } from "../../src/core/geometry/vector";
 import { FieldTexture } from "../../src/gl/textures/field_texture";
 import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures";
-import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { segment } from "../support/volumes";
-import { bricksOf, edge, fieldOf, labelsInBox, labelsOfBall, lookOf, outlineOf, viewOf, voxels, type MarchResult, type MarchTest } from "./scenes_page";
+import {
+  bricksOf,
+  edge,
+  fieldOf,
+  labelsInBox,
+  labelsOfBall,
+  appearanceOf,
+  outlineOf,
+  viewOf,
+  voxels,
+  type MarchResult,
+  type MarchTest,
+} from "./scenes_page";
 
 export function march(test: MarchTest): MarchResult {
   const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
@@ -19,7 +31,7 @@ export function march(test: MarchTest): MarchResult {
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher({ software: test.software ?? true, lightCells: 64 });
   marcher.setField(field, bricksOf(volume, test.skip ?? true));
-  marcher.setLook(lookOf(test));
+  marcher.setAppearance(appearanceOf(test));
   marcher.setClip(test.clip ?? []);
   if (test.field === "label") {
     const [ambient, specular] = test.material ?? [1, 1];

@@ -49,11 +49,18 @@ const outside = [4, 7, 41, 44];
 test.each([
   ["the scan", { scan: green }],
   ["the scan, orthographic", { scan: { ...green, orthographic: true } }],
-  ["a surface", { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { colour: [0, 1, 0] as const } }] }],
+  [
+    "a surface",
+    { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { colour: [0, 1, 0] as const } }] },
+  ],
 ] as const)("a line through %s is faint inside, and plain beside and before it", async (_, scene) => {
   const scan: MarchTest = scene.scan;
   const camera = inProjection(front, scan.orthographic === true, extent);
-  const [bare, hidden, open] = [await show(scene), await show({ ...scene, marks: [through] }), await show({ ...scene, marks: [before] })];
+  const [bare, hidden, open] = [
+    await show(scene),
+    await show({ ...scene, marks: [through] }),
+    await show({ ...scene, marks: [before] }),
+  ];
   for (const x of inside) {
     const point: Vec3 = [x, 24, 24];
     const [none, faint] = [redAt(bare, point, camera), redAt(hidden, point, camera)];
@@ -83,7 +90,11 @@ test("rings stand at points, and lines are as wide near as far, for each eye", a
   };
   expect(Math.abs(widthAt(0.3) - widthAt(0.8))).toBeLessThan(0.8);
   const both = await show({ scan: air, marks: [[middle]], stereo, behind: 15 });
-  const back = { ...front, target: middle.map((c, i) => c - 15 * (front.back[i] ?? 0)) as unknown as Vec3, distance: front.distance + 15 };
+  const back = {
+    ...front,
+    target: middle.map((c, i) => c - 15 * (front.back[i] ?? 0)) as unknown as Vec3,
+    distance: front.distance + 15,
+  };
   for (const { aside, rect } of eyesOf(stereo, pane)) {
     const [x = NaN, y = NaN] = project(eyeCamera(back, aside), middle, pane) ?? [];
     const redOf = (right: number): number => {

@@ -3,7 +3,7 @@
  * same rays on the CPU. Scans of 48³, pictures of 96², no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../src/core/base/colour";
 import { biasedAt } from "../../src/core/scan/field";
 import { flatShare, type Lighting } from "../../src/core/appearance/appearance";
 import { blends, greyOf, shadedOptics, type GreyBlend } from "../../src/core/appearance/optics";
@@ -56,14 +56,26 @@ function expectAlike(one: readonly number[], other: readonly number[], share = 0
 const fine = 0.003;
 const tint: Vec3 = [0.2, 0.4, 0.6];
 
-test.each([1, 2, 4])("absorption of a homogeneous block is that of its length, with %d steps a voxel", async (stepsPerVoxel) => {
-  const result = await march({ field: "flat", extinction: 0.4, stepsPerVoxel, optics: { blend: "absorption", density: 0.05 } });
-  const expected = raysOf(result, frame).map(({ span }) => 1 - Math.exp(-0.05 * 0.4 * (span === null ? 0 : span[1] - span[0])));
-  for (const c of [0, 1, 2, 3]) {
-    // bright where much is absorbed
-    expect(Math.max(...channel(result, c).map((value, i) => Math.abs(value - (expected[i] ?? 0))))).toBeLessThan(fine);
-  }
-});
+test.each([1, 2, 4])(
+  "absorption of a homogeneous block is that of its length, with %d steps a voxel",
+  async (stepsPerVoxel) => {
+    const result = await march({
+      field: "flat",
+      extinction: 0.4,
+      stepsPerVoxel,
+      optics: { blend: "absorption", density: 0.05 },
+    });
+    const expected = raysOf(result, frame).map(
+      ({ span }) => 1 - Math.exp(-0.05 * 0.4 * (span === null ? 0 : span[1] - span[0])),
+    );
+    for (const c of [0, 1, 2, 3]) {
+      // bright where much is absorbed
+      expect(Math.max(...channel(result, c).map((value, i) => Math.abs(value - (expected[i] ?? 0))))).toBeLessThan(
+        fine,
+      );
+    }
+  },
+);
 
 test("emission grows with the length of the way, in the tissue's colour, and nothing hides it", async () => {
   const result = await march({ field: "flat", extinction: 0.4, optics: { blend: "emission", density: 0.05 } });
@@ -76,7 +88,9 @@ test("emission grows with the length of the way, in the tissue's colour, and not
 
 test("a composite without light is the tissue's own colour, as much as it absorbs", async () => {
   const result = await march({ field: "flat", extinction: 0.4, optics: { blend: "composite" } });
-  const opacities = raysOf(result, frame).map(({ span }) => 1 - Math.exp(-flatShare * 0.4 * (span === null ? 0 : span[1] - span[0])));
+  const opacities = raysOf(result, frame).map(
+    ({ span }) => 1 - Math.exp(-flatShare * 0.4 * (span === null ? 0 : span[1] - span[0])),
+  );
   for (const c of [0, 1, 2] as const) {
     const errors = channel(result, c).map((value, i) => Math.abs(value - tint[c] * (opacities[i] ?? 0)));
     expect(Math.max(...errors)).toBeLessThan(fine);
@@ -121,15 +135,18 @@ test.each([
   { blend: "minip", tissueFrom: -300, slab: null, window: wide },
   { blend: "average", tissueFrom: everything, slab: null, window: wide },
   { blend: "average", tissueFrom: -300, slab: null, window: wide },
-] as const)("$blend of values from $tissueFrom HU, slab $slab mm, is that of the same rays on the CPU", async (optics) => {
-  const result = await march({ field: "marble", stepsPerVoxel: 4, optics });
-  const volume = volumeOf(scanOf([voxels, voxels, voxels], spacing), marble);
-  const expected = reference(volume, result, optics);
-  // where a ray only just has tissue, the first sample of it decides
-  const grazing = optics.blend !== "mip" && optics.tissueFrom > everything ? 0.98 : 0.999;
-  expectAlike(channel(result, 0).map(seen), expected, grazing);
-  expect(Math.max(...expected) - Math.min(...expected)).toBeGreaterThan(0.25);
-});
+] as const)(
+  "$blend of values from $tissueFrom HU, slab $slab mm, is that of the same rays on the CPU",
+  async (optics) => {
+    const result = await march({ field: "marble", stepsPerVoxel: 4, optics });
+    const volume = volumeOf(scanOf([voxels, voxels, voxels], spacing), marble);
+    const expected = reference(volume, result, optics);
+    // where a ray only just has tissue, the first sample of it decides
+    const grazing = optics.blend !== "mip" && optics.tissueFrom > everything ? 0.98 : 0.999;
+    expectAlike(channel(result, 0).map(seen), expected, grazing);
+    expect(Math.max(...expected) - Math.min(...expected)).toBeGreaterThan(0.25);
+  },
+);
 
 test.each([
   { blend: "shaded", softTissue: 0.6 },
@@ -138,7 +155,11 @@ test.each([
   { blend: "mip", softTissue: 0 },
   { blend: "iso", softTissue: 0 },
 ] as const)("in mode $blend leaping over empty bricks changes no pixel", async ({ blend, softTissue }) => {
-  const test = { field: "ball", softTissue, optics: { blend, density: 1, isoValue: 250, window: { window: 400, level: 300 } } } as const;
+  const test = {
+    field: "ball",
+    softTissue,
+    optics: { blend, density: 1, isoValue: 250, window: { window: 400, level: 300 } },
+  } as const;
   const skipped = await march({ ...test, skip: true });
   const visited = await march({ ...test, skip: false });
   const differing = skipped.pixels.filter((value, i) => Math.abs(value - (visited.pixels[i] ?? 0)) > 2e-3);
@@ -146,18 +167,31 @@ test.each([
   expect(Math.max(...channel(skipped, 3))).toBeGreaterThan(0.2);
 });
 
-test.each(["shaded", "composite", "absorption", "emission"] as const)("in mode %s rays are the same with a GPU's loops and with a CPU's", async (blend) => {
-  // tissue, where steps are quartered, around a solid segment
-  const scene = { field: "ball", softTissue: 0.6, segment: "visible", optics: { blend, density: blend === "emission" ? 0.02 : 1 } } as const;
-  const [cpu, gpu] = [await march({ ...scene, software: true }), await march({ ...scene, software: false })];
-  expect(gpu.pixels).toEqual(cpu.pixels);
-  expect(Math.max(...channel(cpu, 3))).toBeGreaterThan(0.2);
-});
+test.each(["shaded", "composite", "absorption", "emission"] as const)(
+  "in mode %s rays are the same with a GPU's loops and with a CPU's",
+  async (blend) => {
+    // tissue, where steps are quartered, around a solid segment
+    const scene = {
+      field: "ball",
+      softTissue: 0.6,
+      segment: "visible",
+      optics: { blend, density: blend === "emission" ? 0.02 : 1 },
+    } as const;
+    const [cpu, gpu] = [await march({ ...scene, software: true }), await march({ ...scene, software: false })];
+    expect(gpu.pixels).toEqual(cpu.pixels);
+    expect(Math.max(...channel(cpu, 3))).toBeGreaterThan(0.2);
+  },
+);
 
 test.each(blends.filter((blend) => blend !== "minip" && blend !== "average"))(
   "in mode %s the step changes cost and not look: a quarter, a half and a whole voxel agree",
   async (blend) => {
-    const optics = { blend, density: blend === "emission" ? 0.02 : 1, isoValue: 250, window: { window: 1400, level: 0 } };
+    const optics = {
+      blend,
+      density: blend === "emission" ? 0.02 : 1,
+      isoValue: 250,
+      window: { window: 1400, level: 0 },
+    };
     const at = async (stepsPerVoxel: number): Promise<number[]> =>
       (await march({ field: "ball", softTissue: 0.5, stepsPerVoxel, optics })).pixels.map(seen);
     const quarter = await at(4);
@@ -168,13 +202,16 @@ test.each(blends.filter((blend) => blend !== "minip" && blend !== "average"))(
 );
 
 // steps of four voxels: there the mean between two samples is far from the value between them
-test.each(["shaded", "composite", "absorption"] as const)("in mode %s a scan whose values fall as the stored ones rise is drawn the same", async (blend) => {
-  const at = async (slope: number): Promise<number[]> =>
-    (await march({ field: "ball", softTissue: 0.5, stepsPerVoxel: 0.25, slope, optics: { blend } })).pixels.map(seen);
-  const usual = await at(1);
-  expectAlike(await at(-1), usual);
-  expect(Math.max(...usual)).toBeGreaterThan(0.3);
-});
+test.each(["shaded", "composite", "absorption"] as const)(
+  "in mode %s a scan whose values fall as the stored ones rise is drawn the same",
+  async (blend) => {
+    const at = async (slope: number): Promise<number[]> =>
+      (await march({ field: "ball", softTissue: 0.5, stepsPerVoxel: 0.25, slope, optics: { blend } })).pixels.map(seen);
+    const usual = await at(1);
+    expectAlike(await at(-1), usual);
+    expect(Math.max(...usual)).toBeGreaterThan(0.3);
+  },
+);
 
 test("an iso-surface is the analytic picture of a lit sphere", async () => {
   // the field falls by 400 per mm from the middle: 0 at 14 mm
@@ -220,7 +257,11 @@ test("light is the sum of its parts, and boundaries are as strong as they are as
   const none = { ambient: 0, diffuse: 0, specular: 0 };
   const lit = async (lighting: Partial<Lighting>): Promise<number[]> => channel(await march({ ...test, lighting }), 1);
   const all = await lit({});
-  const parts = [await lit({ ...none, ambient: 1 }), await lit({ ...none, diffuse: 1 }), await lit({ ...none, specular: 1 })];
+  const parts = [
+    await lit({ ...none, ambient: 1 }),
+    await lit({ ...none, diffuse: 1 }),
+    await lit({ ...none, specular: 1 }),
+  ];
   expect(Math.max(...(await lit(none)))).toBeLessThan(1e-3);
   // half floats of up to 2
   all.forEach((value, i) => {
@@ -228,7 +269,8 @@ test("light is the sum of its parts, and boundaries are as strong as they are as
   });
   const sharp = await lit({ ...none, specular: 1, shininess: 4 });
   expect(mean(sharp)).toBeLessThan(0.7 * mean(parts[2] ?? []));
-  const opacity = async (edges: number): Promise<number> => mean(channel(await march({ ...test, field: "flat", extinction: 0.02, lighting: { edges } }), 3));
+  const opacity = async (edges: number): Promise<number> =>
+    mean(channel(await march({ ...test, field: "flat", extinction: 0.02, lighting: { edges } }), 3));
   expect(await opacity(0)).toBeGreaterThan(5 * (await opacity(0.94)));
 });
 
@@ -244,7 +286,9 @@ test.each([
   own.pixels.forEach((value, i) => {
     expect(Math.abs(value - (all.pixels[i] ?? 0))).toBeLessThan(0.002);
   });
-  expect(mean(channel(plain, 0)) + mean(channel(plain, 1))).toBeGreaterThan(1.1 * (mean(channel(own, 0)) + mean(channel(own, 1))));
+  expect(mean(channel(plain, 0)) + mean(channel(plain, 1))).toBeGreaterThan(
+    1.1 * (mean(channel(own, 0)) + mean(channel(own, 1))),
+  );
 });
 
 test("a slab shows what is inside of it and nothing else", async () => {

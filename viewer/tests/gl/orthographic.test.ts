@@ -44,7 +44,11 @@ test("a block that is seen along its edges is as opaque everywhere, and as large
 });
 
 test("a slab is one of depth, also without perspective", async () => {
-  const slab = await march({ field: "flat", extinction: 0.4, optics: { blend: "absorption", density: 0.05, slab: 10 } });
+  const slab = await march({
+    field: "flat",
+    extinction: 0.4,
+    optics: { blend: "absorption", density: 0.05, slab: 10 },
+  });
   expect(Math.max(...channel(slab, 3))).toBeCloseTo(1 - Math.exp(-0.02 * 10), 2);
 });
 
@@ -58,8 +62,18 @@ function passes(result: MarchResult): number[] {
 
 test("scan and surface of one ball have the same outline, that of the ball", async () => {
   const solid = await march({ field: "ball", segment: "visible" });
-  const air = { field: "flat", spacing: [1, 1, 1], from: "A", orthographic: true, stepsPerVoxel: 1, extinction: 0 } as const;
-  const surface = await show({ scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { colour: [1, 0, 0] } }] });
+  const air = {
+    field: "flat",
+    spacing: [1, 1, 1],
+    from: "A",
+    orthographic: true,
+    stepsPerVoxel: 1,
+    extinction: 0,
+  } as const;
+  const surface = await show({
+    scan: air,
+    surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { colour: [1, 0, 0] } }],
+  });
   passes(solid).forEach((away, i) => {
     if (Math.abs(away - 14) > 0.7) {
       const [r = 0, g = 0] = surface.slice(4 * i, 4 * i + 2);
@@ -69,10 +83,23 @@ test("scan and surface of one ball have the same outline, that of the ball", asy
 });
 
 test("of a surface and the scan the nearer one is seen", async () => {
-  const green = { field: "ball", spacing: [1, 1, 1], from: "A", orthographic: true, stepsPerVoxel: 2, segment: "visible" } as const;
-  const dotAt = (y: number): SurfaceTest => ({ centre: [24, y, 24], radius: 4, sectors: 4, look: { colour: [1, 0, 0] } });
+  const green = {
+    field: "ball",
+    spacing: [1, 1, 1],
+    from: "A",
+    orthographic: true,
+    stepsPerVoxel: 2,
+    segment: "visible",
+  } as const;
+  const dotAt = (y: number): SurfaceTest => ({
+    centre: [24, y, 24],
+    radius: 4,
+    sectors: 4,
+    appearance: { colour: [1, 0, 0] },
+  });
   const centre = 4 * (edge / 2 + edge * (edge / 2));
-  const middleOf = async (y: number): Promise<readonly number[]> => (await show({ scan: green, surfaces: [dotAt(y)] })).slice(centre, centre + 2);
+  const middleOf = async (y: number): Promise<readonly number[]> =>
+    (await show({ scan: green, surfaces: [dotAt(y)] })).slice(centre, centre + 2);
   // the scan's ball begins at 10 mm
   const [before, behind] = [await middleOf(8), await middleOf(24)];
   expect(before[0]).toBeGreaterThan(1.6 * (before[1] ?? 0));

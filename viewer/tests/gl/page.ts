@@ -12,7 +12,11 @@ import { second } from "./second_page";
 import { cancelled, snapshot } from "./snapshot_page";
 import { coarseLevel, detailed, drawnTriangles, embodied } from "./surface_page";
 
-const glTests = { arriving, programs, march, light, second, reading, usualFormat, screen, show, hasty, snapshot, cancelled, refined, resizedEyes, resizedMiddle, edit, drawnTriangles, coarseLevel, detailed, embodied, turned, withoutFrames };
+const glTests = {
+  ...{ arriving, programs, march, light, second, reading, usualFormat, screen, show, hasty, snapshot, cancelled },
+  ...{ refined, resizedEyes, resizedMiddle, edit, drawnTriangles, coarseLevel, detailed, embodied, turned },
+  withoutFrames,
+};
 
 declare global {
   interface Window {

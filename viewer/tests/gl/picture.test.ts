@@ -4,7 +4,7 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { transformPoint, transformVector } from "../../src/core/geometry/affine";
 import { project, rayThrough } from "../../src/core/geometry/camera";
-import { srgbFromHex } from "../../src/core/appearance/colour";
+import { srgbFromHex } from "../../src/core/base/colour";
 import { flatShare } from "../../src/core/appearance/appearance";
 import { throughBox } from "../../src/core/picking/pick_surface";
 import { qualities, restingPictures } from "../../src/core/view/quality";
@@ -58,26 +58,29 @@ test.each([
   { spacing: [1, 1, 1], from: "A", stepsPerVoxel: 4 },
   { spacing: [0.7, 0.9, 2.5], from: "L", stepsPerVoxel: 2 },
   { spacing: [0.7, 0.9, 2.5], from: "S", stepsPerVoxel: 2 },
-] as const)("a homogeneous block absorbs as Beer and Lambert say: $spacing, from $from, $stepsPerVoxel steps", async (part) => {
-  const result = await march({ ...flat, ...part });
-  const frame = frameOf(scanOf([voxels, voxels, voxels], part.spacing));
-  const extinction = 0.4 * flatShare;
-  const stepLength = Math.min(...part.spacing) / part.stepsPerVoxel;
-  const errors: number[] = [];
-  for (let y = 0; y < edge; ++y) {
-    for (let x = 0; x < edge; ++x) {
-      const ray = rayThrough(result.camera, x + 0.5, y + 0.5, { width: edge, height: edge });
-      const origin = transformPoint(frame.gridFromScene, ray.origin);
-      const span = throughBox(origin, transformVector(frame.gridFromScene, ray.direction), frame.dimensions);
-      const path = span === null ? 0 : span[1] - span[0];
-      const expected = 1 - Math.exp(-extinction * path);
-      errors.push(Math.abs((pixelAt(result.pixels, x, y)[3] ?? 0) - expected));
+] as const)(
+  "a homogeneous block absorbs as Beer and Lambert say: $spacing, from $from, $stepsPerVoxel steps",
+  async (part) => {
+    const result = await march({ ...flat, ...part });
+    const frame = frameOf(scanOf([voxels, voxels, voxels], part.spacing));
+    const extinction = 0.4 * flatShare;
+    const stepLength = Math.min(...part.spacing) / part.stepsPerVoxel;
+    const errors: number[] = [];
+    for (let y = 0; y < edge; ++y) {
+      for (let x = 0; x < edge; ++x) {
+        const ray = rayThrough(result.camera, x + 0.5, y + 0.5, { width: edge, height: edge });
+        const origin = transformPoint(frame.gridFromScene, ray.origin);
+        const span = throughBox(origin, transformVector(frame.gridFromScene, ray.direction), frame.dimensions);
+        const path = span === null ? 0 : span[1] - span[0];
+        const expected = 1 - Math.exp(-extinction * path);
+        errors.push(Math.abs((pixelAt(result.pixels, x, y)[3] ?? 0) - expected));
+      }
     }
-  }
-  // a ray of whole steps is up to half a step longer or shorter than the block at its far
-  // end; half floats add 0.0005
-  expect(Math.max(...errors)).toBeLessThan(0.5 * extinction * stepLength + 0.002);
-});
+    // a ray of whole steps is up to half a step longer or shorter than the block at its far
+    // end; half floats add 0.0005
+    expect(Math.max(...errors)).toBeLessThan(0.5 * extinction * stepLength + 0.002);
+  },
+);
 
 test("early termination leaves no ray more than opaque", async () => {
   const result = await march({ ...flat, extinction: 50 });
@@ -104,26 +107,36 @@ test.each([0.3, 0.6, 0.9])("leaping over empty bricks changes no pixel, soft tis
   expect(differing.length).toBeLessThan(skipped.pixels.length / 1000);
 });
 
-test.each(["A", "R", "S"] as const)("a visible segment is a ball of the right size from %s, in its own colour", async (from) => {
-  const { pixels, camera } = await march({ ...ball, spacing: [1, 1, 2], from, segment: "visible" });
-  const centre: Vec3 = [24, 24, 48];
-  for (let y = 0; y < edge; y += 3) {
-    for (let x = 0; x < edge; x += 3) {
-      const [red = 0, green = 0, , alpha = 0] = pixelAt(pixels, x, y);
-      const ray = rayThrough(camera, x + 0.5, y + 0.5, { width: edge, height: edge });
-      const along = (centre[0] - ray.origin[0]) * ray.direction[0] + (centre[1] - ray.origin[1]) * ray.direction[1] + (centre[2] - ray.origin[2]) * ray.direction[2];
-      const nearest: Vec3 = [ray.origin[0] + along * ray.direction[0], ray.origin[1] + along * ray.direction[1], ray.origin[2] + along * ray.direction[2]];
-      const away = distance(nearest, centre);
-      // slices of 2 mm round the ball's edge off by less than a voxel
-      if (away < 12.5) {
-        expect(alpha).toBe(1);
-        expect(green).toBeGreaterThan(2 * red);
-      } else if (away > 15) {
-        expect(alpha).toBe(0);
+test.each(["A", "R", "S"] as const)(
+  "a visible segment is a ball of the right size from %s, in its own colour",
+  async (from) => {
+    const { pixels, camera } = await march({ ...ball, spacing: [1, 1, 2], from, segment: "visible" });
+    const centre: Vec3 = [24, 24, 48];
+    for (let y = 0; y < edge; y += 3) {
+      for (let x = 0; x < edge; x += 3) {
+        const [red = 0, green = 0, , alpha = 0] = pixelAt(pixels, x, y);
+        const ray = rayThrough(camera, x + 0.5, y + 0.5, { width: edge, height: edge });
+        const along =
+          (centre[0] - ray.origin[0]) * ray.direction[0] +
+          (centre[1] - ray.origin[1]) * ray.direction[1] +
+          (centre[2] - ray.origin[2]) * ray.direction[2];
+        const nearest: Vec3 = [
+          ray.origin[0] + along * ray.direction[0],
+          ray.origin[1] + along * ray.direction[1],
+          ray.origin[2] + along * ray.direction[2],
+        ];
+        const away = distance(nearest, centre);
+        // slices of 2 mm round the ball's edge off by less than a voxel
+        if (away < 12.5) {
+          expect(alpha).toBe(1);
+          expect(green).toBeGreaterThan(2 * red);
+        } else if (away > 15) {
+          expect(alpha).toBe(0);
+        }
       }
     }
-  }
-});
+  },
+);
 
 test("of segments in one another the outer one is seen, also where a step passes both", async () => {
   const { pixels } = await march({ ...ball, stepsPerVoxel: 1, segment: "nested" });
@@ -165,7 +178,10 @@ test("segments that are no threshold are drawn from their labels, also in clear 
   const { pixels, camera, extent } = await march({ ...ball, field: "label", from: "A" });
   expect(pixelAt(pixels, edge / 2, edge / 2)[0]).toBeGreaterThan(0.2);
   // the box fills the middle half of the scan
-  const place = project(camera, [extent.centre[0] + 15, extent.centre[1], extent.centre[2]], { width: edge, height: edge });
+  const place = project(camera, [extent.centre[0] + 15, extent.centre[1], extent.centre[2]], {
+    width: edge,
+    height: edge,
+  });
   expect(pixelAt(pixels, Math.round(place?.[0] ?? 0), edge / 2)[3]).toBe(0);
 });
 
@@ -230,7 +246,10 @@ test("a picture in haste is much coarser, and shows scan, ground and probe as th
   const bone: MarchTest = { ...ball, segment: "visible" };
   const at = (y: number): MarkerTest => ({ probe: [24, y, 24], device: [24, y, 24] });
   const hasty = (markers: MarkerTest): Promise<{ divisor: number; pixels: number[] }> =>
-    browser.page.evaluate(([t, m]) => window.glTests?.hasty(t, m) ?? Promise.reject(new Error("no page")), [bone, markers] as const);
+    browser.page.evaluate(([t, m]) => window.glTests?.hasty(t, m) ?? Promise.reject(new Error("no page")), [
+      bone,
+      markers,
+    ] as const);
   const [before, behind] = [await hasty(at(4)), await hasty(at(44))];
   // from a quarter on it is put together before it is enlarged
   expect(Math.min(before.divisor, behind.divisor)).toBeGreaterThanOrEqual(4);
@@ -316,7 +335,10 @@ test("the contact's normal points out of the surface, and only in contact", asyn
   expect((up[3] ?? 0) - middle).toBeLessThan(10);
   expect(middle - (left[0] ?? 0)).toBeGreaterThan(30);
   expect((left[2] ?? 0) - middle).toBeLessThan(10);
-  const free = difference(await screen(air, { ...touching, contact: false, show: without }), await screen(air, { ...touching, contact: false }));
+  const free = difference(
+    await screen(air, { ...touching, contact: false, show: without }),
+    await screen(air, { ...touching, contact: false }),
+  );
   expect(free.pixels).toBe(0);
 });
 
@@ -346,24 +368,30 @@ test("several jittered pictures average to the plain one", async () => {
   expect(mean(plain.map((value, i) => value - (averaged[i] ?? 0)))).toBeLessThan(0.5);
 });
 
-test("a finer quality takes more steps and averages more pictures at rest, and comes nearer to the finest", async () => {
+test("a finer quality takes more steps, averages more pictures at rest, and comes nearer to the finest", async () => {
   const tissue: MarchTest = { ...ball, softTissue: 0.6, segment: "hidden" };
   const drawn = await Promise.all(
     qualities.map((quality) =>
-      browser.page.evaluate(([t, q]) => window.glTests?.refined(t, q) ?? Promise.reject(new Error("no page")), [tissue, quality] as const),
+      browser.page.evaluate(([t, q]) => window.glTests?.refined(t, q) ?? Promise.reject(new Error("no page")), [
+        tissue,
+        quality,
+      ] as const),
     ),
   );
   expect(drawn.map(({ shown }) => shown)).toEqual(
     qualities.map((quality) => ({ divisor: 1, finished: true, triangles: 0, ...restingPictures[quality] })),
   );
-  const off = drawn.map(({ pixels }) => mean(pixels.map((value, i) => Math.abs(value - (drawn.at(-1)?.pixels[i] ?? 0)))));
+  const off = drawn.map(({ pixels }) =>
+    mean(pixels.map((value, i) => Math.abs(value - (drawn.at(-1)?.pixels[i] ?? 0)))),
+  );
   expect(off).toEqual([...off].sort((a, b) => b - a));
   expect(off[2]).toBeLessThan(0.5 * (off[0] ?? 0));
 });
 
-test("at rest a GPU goes on without waiting for frames, and what it has drawn is final once it is on the screen; a CPU waits", async () => {
+test("at rest a GPU goes on without waiting for frames, and is final once on the screen; a CPU waits", async () => {
   const drawn = await browser.page.evaluate(
-    async (scene) => [await window.glTests?.withoutFrames(scene, false), await window.glTests?.withoutFrames(scene, true)] as const,
+    async (scene) =>
+      [await window.glTests?.withoutFrames(scene, false), await window.glTests?.withoutFrames(scene, true)] as const,
     { ...ball, segment: "visible" } as MarchTest,
   );
   const [gpu, cpu] = drawn;
@@ -373,19 +401,26 @@ test("at rest a GPU goes on without waiting for frames, and what it has drawn is
   expect(cpu).toEqual({ pieces: 1, finished: [false, false] });
 });
 
-test.each([true, false])("the programs of a first picture are there before the scan, and what it shows is what the whole one shows; software: %s", async (software) => {
-  for (const scene of [{ ...ball, softTissue: 0.5 }, { ...ball, segment: "visible" as const }]) {
-    const { links, first, whole } = await browser.page.evaluate(
-      ([one, cpu]) => window.glTests?.programs(one, cpu) ?? Promise.reject(new Error("no page")),
-      [scene, software] as const,
-    );
-    const [prepared, awaited, after] = links;
-    expect(prepared).toBeGreaterThan(0);
-    // nothing is compiled while the picture is awaited; the rest follows it
-    expect(awaited).toBe(0);
-    expect(after).toBeGreaterThan(0);
-    const off = first.map((value, i) => Math.abs(value - (whole[i] ?? 0)));
-    expect(Math.max(...whole.filter((_, i) => i % 4 === 0))).toBeGreaterThan(60);
-    expect(mean(off)).toBeLessThan(6);
-  }
-});
+test.each([true, false])(
+  "the programs of a first picture are there before the scan, and what it shows is what the whole one shows; " +
+  "software: %s",
+  async (software) => {
+    for (const scene of [
+      { ...ball, softTissue: 0.5 },
+      { ...ball, segment: "visible" as const },
+    ]) {
+      const { links, first, whole } = await browser.page.evaluate(
+        ([one, cpu]) => window.glTests?.programs(one, cpu) ?? Promise.reject(new Error("no page")),
+        [scene, software] as const,
+      );
+      const [prepared, awaited, after] = links;
+      expect(prepared).toBeGreaterThan(0);
+      // nothing is compiled while the picture is awaited; the rest follows it
+      expect(awaited).toBe(0);
+      expect(after).toBeGreaterThan(0);
+      const off = first.map((value, i) => Math.abs(value - (whole[i] ?? 0)));
+      expect(Math.max(...whole.filter((_, i) => i % 4 === 0))).toBeGreaterThan(60);
+      expect(mean(off)).toBeLessThan(6);
+    }
+  },
+);

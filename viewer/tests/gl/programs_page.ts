@@ -1,7 +1,7 @@
 /**
  * Runs in the browser: watches which programs the GPU is given for a first picture, and what it looks like.
  */
-import { bricksOf, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
+import { bricksOf, fieldOf, appearanceOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 import { finished, pictureOf, pixelsOf } from "./screen_page";
 
 export interface ProgramsResult {
@@ -35,7 +35,7 @@ export async function programs(test: MarchTest, software: boolean): Promise<Prog
     const volume = fieldOf(test);
     const extent = outlineOf(test);
     picture.setScan(volume, bricksOf(volume, true));
-    picture.setLook(lookOf(test));
+    picture.setAppearance(appearanceOf(test));
     picture.setCamera(viewOf(test, extent), extent);
     await until(() => picture.hasPicture);
     const awaited = links;

@@ -38,7 +38,9 @@ export interface MarchTest {
   /** Extinction everywhere [1/mm]; else the usual look with this opacity of soft tissue. */
   readonly extinction?: number;
   readonly softTissue?: number;
-  /** The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below; or as the last of many. */
+  /**
+   * The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below; or as the last of many.
+   */
   readonly segment?: "visible" | "hidden" | "nested" | "tinted" | "last";
   /** The segment's own factors on ambient and specular light; those of the box of labels too. */
   readonly material?: readonly [number, number];
@@ -64,10 +66,14 @@ export function fieldOf({ field, spacing, step = 1, slope = 1 }: MarchTest): Sca
     const point: Vec3 = [grid[0] * spacing[0], grid[1] * spacing[1], grid[2] * spacing[2]];
     return Math.min(1000, Math.max(-1000, 400 * (14 - distance(point, centre)))) / slope;
   };
-  return volumeOf(scan, field === "ball" ? value : field === "marble" ? marble : () => (field === "flat" ? 100 : -1000), step);
+  return volumeOf(
+    scan,
+    field === "ball" ? value : field === "marble" ? marble : () => (field === "flat" ? 100 : -1000),
+    step,
+  );
 }
 
-export function lookOf(test: MarchTest): Appearance {
+export function appearanceOf(test: MarchTest): Appearance {
   const flat: TransferFunction = {
     points: [
       { value: -500, colour: [0.2, 0.4, 0.6], extinction: test.extinction ?? 0 },
@@ -75,7 +81,16 @@ export function lookOf(test: MarchTest): Appearance {
     ],
   };
   const usual = { ...defaultSoftTissueAndBone({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
-  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1, tinted: test.segment === "tinted", material: test.material ?? [1, 1] } as const;
+  const segment = {
+    id: 1,
+    low: 32768,
+    high: 65535,
+    colour: [0, 1, 0] as const,
+    visible: test.segment !== "hidden",
+    label: test.labels === undefined ? 0 : 1,
+    tinted: test.segment === "tinted",
+    material: test.material ?? [1, 1],
+  } as const;
   const nested = [{ ...segment, low: 32968 }, { ...segment, id: 2, colour: [1, 0, 0] as const }];
   const nowhere = { ...segment, low: 65535, high: 65534, colour: [1, 0, 0] as const };
   const many = [...Array.from({ length: mostRanges - 1 }, (_, place) => ({ ...nowhere, id: place + 2 })), segment];

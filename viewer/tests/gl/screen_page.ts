@@ -16,7 +16,7 @@ import type { MarkerState } from "../../src/gl/markers/markers";
 import { Picture } from "../../src/gl/picture/picture";
 import { ballSurface } from "../support/ball_surface";
 import { segment } from "../support/volumes";
-import { bricksOf, edge, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
+import { bricksOf, edge, fieldOf, appearanceOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 
 /** Markers of a test, over those of a probe at rest in the middle. */
 export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: readonly Vec3[] };
@@ -24,7 +24,18 @@ export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: 
 function stillMarkers(at: Vec3): Omit<MarkerState, "trail"> {
   const show = { contactPoint: true, normal: true, ball: true, path: true };
   const contact = { contact: false, contactPoint: at, normal: [0, 0, 0] as const };
-  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, tool: null, parts: null, pixel: 1, fullForce: 1 };
+  return {
+    probe: at,
+    device: at,
+    force: [0, 0, 0],
+    radius: 0,
+    ...contact,
+    show,
+    tool: null,
+    parts: null,
+    pixel: 1,
+    fullForce: 1,
+  };
 }
 
 /** A way of the probe through points, a tenth of a second each. */
@@ -41,7 +52,7 @@ export interface ScreenTest {
   readonly scan: MarchTest;
   readonly markers?: MarkerTest;
   readonly jitter?: boolean;
-  /** Surfaces of balls, as segments look them. */
+  /** Surfaces of balls, as segments have them. */
   readonly surfaces?: readonly SurfaceTest[];
   /** Tissue is displaced from its voxels; "none" where a model is at work and nothing has moved. */
   readonly displaced?: DisplacedTest | "none";
@@ -68,7 +79,12 @@ function displacedBy({ origin, step, size, moved }: DisplacedTest): Displacement
   forEachCell(inside, size, (i) => {
     texels.set(halves, 4 * i);
   });
-  const decoded = decodeDisplacements({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
+  const decoded = decodeDisplacements({
+    origin: [...origin],
+    step: [...step],
+    size: [...size],
+    moved: new Uint8Array(texels.buffer),
+  });
   if (decoded === null) {
     throw new Error("no displacements");
   }
@@ -82,14 +98,21 @@ export interface SurfaceTest {
   readonly sectors: number;
   /** From pole to pole. */
   readonly rings?: number;
-  readonly look: Partial<Segment>;
+  readonly appearance: Partial<Segment>;
 }
 
 export function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[]): void {
-  const segments = surfaces.map(({ look }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...look }));
+  const segments = surfaces.map(({ appearance }, i) => ({
+    ...segment,
+    shown_as: "surface" as const,
+    id: i + 1,
+    ...appearance,
+  }));
   picture.setSegments(segments);
   picture.changeSurfaces(
-    surfaces.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
+    surfaces.map(({ centre, radius, sectors, rings }, i) =>
+      decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings)),
+    ),
   );
 }
 
@@ -99,14 +122,17 @@ export function screen(test: MarchTest, markers: MarkerTest | null, jitter = fal
 }
 
 /** A scan drawn at a quality: with what it was drawn at rest, and how it looks; sRGB bytes, rows from the bottom. */
-export async function refined(test: MarchTest, quality: Quality): Promise<{ readonly shown: Picture["shown"]; readonly pixels: number[] }> {
+export async function refined(
+  test: MarchTest,
+  quality: Quality,
+): Promise<{ readonly shown: Picture["shown"]; readonly pixels: number[] }> {
   const drawn = pictureOf(true);
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), quality });
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   const pixels = await finished(drawn);
   const { shown } = picture;
@@ -114,14 +140,23 @@ export async function refined(test: MarchTest, quality: Quality): Promise<{ read
   return { shown, pixels };
 }
 
-/** A picture on a canvas of its own, before anything stands on it; `software`: as where the CPU draws, or as a GPU draws; else as the renderer is. */
-export function pictureOf(jitter: boolean, software?: boolean): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
+/**
+ * A picture on a canvas of its own, before anything stands on it; `software`: as where the CPU draws, or as a GPU
+ * draws; else as the renderer is.
+ */
+export function pictureOf(
+  jitter: boolean,
+  software?: boolean,
+): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
   const support = gpuSupport();
   const canvas = document.createElement("canvas");
   if (support === null) {
     throw new Error("no WebGL2");
   }
-  const picture = new Picture(canvas, { support: { ...support, software: software ?? support.software }, mostPixelRatio: 1 });
+  const picture = new Picture(canvas, {
+    support: { ...support, software: software ?? support.software },
+    mostPixelRatio: 1,
+  });
   picture.jitter = jitter;
   // averages are what it is about: the same on the CPU as on a GPU
   picture.setQuality(firstQuality(!jitter));
@@ -156,7 +191,16 @@ export function pixelsOf({ gl }: ReturnType<typeof pictureOf>, size = edge): num
   });
 }
 
-export async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0, marks = [] }: ScreenTest): Promise<number[]> {
+export async function show({
+  scan: test,
+  markers,
+  jitter = false,
+  surfaces = [],
+  displaced,
+  stereo,
+  behind = 0,
+  marks = [],
+}: ScreenTest): Promise<number[]> {
   // edges of markers are smooth only where a GPU draws: here they are the same everywhere
   const drawn = pictureOf(jitter, true);
   const { picture } = drawn;
@@ -167,13 +211,16 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
     picture.resize(edge, edge);
   }
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   const view = viewOf(test, extent);
-  picture.setCamera({ ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind }, extent);
+  picture.setCamera(
+    { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind },
+    extent,
+  );
   picture.setClip(test.clip ?? []);
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
-    picture.setGives(true);
+    picture.setDeforming(true);
     picture.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
   }
   if (markers !== undefined) {
@@ -185,15 +232,20 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
   return pixels;
 }
 
-/** A view that moves where nothing is quick enough; what stands on the screen then, as sRGB bytes, rows from the bottom. */
-export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ readonly divisor: number; readonly pixels: number[] }> {
+/**
+ * A view that moves where nothing is quick enough; what stands on the screen then, as sRGB bytes, rows from the bottom.
+ */
+export async function hasty(
+  test: MarchTest,
+  markers: MarkerTest,
+): Promise<{ readonly divisor: number; readonly pixels: number[] }> {
   const drawn = pictureOf(false, true);
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), frameBudget: 1e-3 });
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough([]) });
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
@@ -209,15 +261,21 @@ export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ rea
   return { divisor, pixels };
 }
 
-/** Pieces of a picture at rest that follow one frame when no other frame comes, and whether the picture is told as final without one. */
-export async function withoutFrames(test: MarchTest, software: boolean): Promise<{ readonly pieces: number; readonly finished: readonly [boolean, boolean] }> {
+/**
+ * Pieces of a picture at rest that follow one frame when no other frame comes, and whether the picture is told as final
+ * without one.
+ */
+export async function withoutFrames(
+  test: MarchTest,
+  software: boolean,
+): Promise<{ readonly pieces: number; readonly finished: readonly [boolean, boolean] }> {
   const drawn = pictureOf(true, software);
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
   // on a busy machine a piece may take longer than any pause
@@ -244,10 +302,14 @@ export async function withoutFrames(test: MarchTest, software: boolean): Promise
 }
 
 /**
- * What stands on the screen once the view has turned, each time while a marker stood elsewhere, and the same drawn at once; sRGB bytes,
- * rows from the bottom. With a canvas that keeps what is not drawn again, as where the CPU draws.
+ * What stands on the screen once the view has turned, each time while a marker stood elsewhere, and the same drawn at
+ * once; sRGB bytes, rows from the bottom. With a canvas that keeps what is not drawn again, as where the CPU draws.
  */
-export async function turned(test: MarchTest, probes: readonly Vec3[], marks: readonly (readonly Vec3[])[]): Promise<readonly [number[], number[]]> {
+export async function turned(
+  test: MarchTest,
+  probes: readonly Vec3[],
+  marks: readonly (readonly Vec3[])[],
+): Promise<readonly [number[], number[]]> {
   // much larger than the margin around what is drawn
   const size = 3 * edge;
   const extent = outlineOf(test);
@@ -257,11 +319,11 @@ export async function turned(test: MarchTest, probes: readonly Vec3[], marks: re
     const drawn = pictureOf(false, true);
     drawn.picture.resize(size, size);
     drawn.picture.setScan(volume, bricksOf(volume, true));
-    drawn.picture.setLook(lookOf(test));
+    drawn.picture.setAppearance(appearanceOf(test));
     drawn.picture.setMarks(shown);
     return drawn;
   };
-  const look = (drawn: ReturnType<typeof pictureOf>, i: number): Promise<number[]> => {
+  const turnTo = (drawn: ReturnType<typeof pictureOf>, i: number): Promise<number[]> => {
     const probe = probes[i] ?? extent.centre;
     drawn.picture.setMarkers({ ...stillMarkers(probe), trail: trailThrough([]) });
     drawn.picture.setCamera(orbit(view, 0.4 * i, 0.1 * i), extent);
@@ -269,13 +331,13 @@ export async function turned(test: MarchTest, probes: readonly Vec3[], marks: re
   };
   const moved = begun(marks);
   for (const [i, probe] of probes.entries()) {
-    await look(moved, i);
+    await turnTo(moved, i);
     // it moves on while the view rests
     moved.picture.setMarkers({ ...stillMarkers(addScaled(probe, [0, 0, 1], 100)), trail: trailThrough([]) });
     await finished(moved);
   }
   const fresh = begun(marks);
-  const pixels = [await look(moved, 0), await look(fresh, 0)] as const;
+  const pixels = [await turnTo(moved, 0), await turnTo(fresh, 0)] as const;
   moved.picture.dispose();
   fresh.picture.dispose();
   return pixels;
@@ -288,7 +350,7 @@ async function atWork({ scan: test, surfaces = [] }: ScreenTest): Promise<Return
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   showSurfaces(picture, surfaces);
   await finished(drawn);
@@ -297,7 +359,9 @@ async function atWork({ scan: test, surfaces = [] }: ScreenTest): Promise<Return
   return drawn;
 }
 
-/** The middle pixels of what two eyes see, one above the other, after the canvas was resized before either was drawn. */
+/**
+ * The middle pixels of what two eyes see, one above the other, after the canvas was resized before either was drawn.
+ */
 export async function resizedEyes({ scan }: ScreenTest): Promise<number[][]> {
   const drawn = await atWork({ scan });
   const { picture, gl } = drawn;

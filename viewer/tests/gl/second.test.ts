@@ -5,7 +5,7 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { transformPoint, transformVector, type Affine } from "../../src/core/geometry/affine";
 import { rayThrough } from "../../src/core/geometry/camera";
-import { linearFromSrgb } from "../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../src/core/base/colour";
 import { throughBox } from "../../src/core/picking/pick_surface";
 import { frameOf } from "../../src/core/scan/scan_volume";
 import { scale, type Vec3 } from "../../src/core/geometry/vector";
@@ -40,7 +40,8 @@ function lengths(result: MarchResult, place: Affine, end = 40): { readonly first
     // voxels of 0.5 mm
     const origin: Vec3 = scale(transformPoint(place, ray.origin), 2);
     const other = throughBox(origin, scale(transformVector(place, ray.direction), 2), [end, 40, 40]);
-    const length = (part: readonly [number, number] | null): number => (part === null ? 0 : Math.max(0, part[1] - part[0]));
+    const length = (part: readonly [number, number] | null): number =>
+      part === null ? 0 : Math.max(0, part[1] - part[0]);
     return { first: length(span), second: length(other) };
   });
 }
@@ -57,23 +58,26 @@ const outward: Affine = [1, 0, 0, -6, 0, 1, 0, 10, 0, 0, 1, -20];
 const before: Affine = [1, 0, 0, -14, 0, 1, 0, 25, 0, 0, 1, -14];
 const places = [turned, straight, outward, before];
 
-test.each([1, 2])("a second scan absorbs where its matrix puts it, also beside the first, and follows it; subsampled by %d", async (step) => {
-  const extinction = 0.06;
-  const results = await second({ places, blend: "composite", first: 0, second: extinction, step });
-  places.forEach((place, i) => {
-    const result = results[i];
-    if (result === undefined) {
-      throw new Error("no picture");
-    }
-    const expected = lengths(result, place).map((length) => 1 - Math.exp(-extinction * length.second));
-    expect(Math.max(...expected)).toBeGreaterThan(0.5);
-    // an interval of 0.25 mm is all of it or nothing
-    expect(alike(channel(result, 3), expected, 0.02)).toBeGreaterThan(0.995);
-    // its own colour
-    expect(alike(channel(result, 2), channel(result, 3), 0.002)).toBe(1);
-    expect(Math.max(...channel(result, 0))).toBeLessThan(0.002);
-  });
-});
+test.each([1, 2])(
+  "a second scan absorbs where its matrix puts it, also beside the first, and follows it; subsampled by %d",
+  async (step) => {
+    const extinction = 0.06;
+    const results = await second({ places, blend: "composite", first: 0, second: extinction, step });
+    places.forEach((place, i) => {
+      const result = results[i];
+      if (result === undefined) {
+        throw new Error("no picture");
+      }
+      const expected = lengths(result, place).map((length) => 1 - Math.exp(-extinction * length.second));
+      expect(Math.max(...expected)).toBeGreaterThan(0.5);
+      // an interval of 0.25 mm is all of it or nothing
+      expect(alike(channel(result, 3), expected, 0.02)).toBeGreaterThan(0.995);
+      // its own colour
+      expect(alike(channel(result, 2), channel(result, 3), 0.002)).toBe(1);
+      expect(Math.max(...channel(result, 0))).toBeLessThan(0.002);
+    });
+  },
+);
 
 test("both absorb where they are, each with its own colour", async () => {
   const results = await second({ places, blend: "composite", first: 0.02, second: 0.06 });
@@ -90,32 +94,54 @@ test("both absorb where they are, each with its own colour", async () => {
   });
 });
 
-test.each(["mip", "minip", "average"] as const)("in mode %s each scan has its value, the second over the first", async (blend) => {
-  // of values that are all alike: the first's share of its window is 0.65, the second's 0.5
-  const results = await second({ places, blend, first: 0.02, second: 0.06, opacity: 0.4 });
-  places.forEach((place, i) => {
-    const result = results[i];
-    if (result === undefined) {
-      throw new Error("no picture");
-    }
-    const share = lengths(result, place).map((length) => {
-      const first = length.first > 0 ? 0.65 : 0;
-      return length.second > 0 ? 0.6 * first + 0.4 * 0.5 : first;
+test.each(["mip", "minip", "average"] as const)(
+  "in mode %s each scan has its value, the second over the first",
+  async (blend) => {
+    // of values that are all alike: the first's share of its window is 0.65, the second's 0.5
+    const results = await second({ places, blend, first: 0.02, second: 0.06, opacity: 0.4 });
+    places.forEach((place, i) => {
+      const result = results[i];
+      if (result === undefined) {
+        throw new Error("no picture");
+      }
+      const share = lengths(result, place).map((length) => {
+        const first = length.first > 0 ? 0.65 : 0;
+        return length.second > 0 ? 0.6 * first + 0.4 * 0.5 : first;
+      });
+      expect(new Set(share).size).toBeGreaterThan(2);
+      expect(alike(channel(result, 3), share, 0.01)).toBeGreaterThan(0.97);
+      expect(
+        alike(
+          channel(result, 0),
+          share.map((s) => linearFromSrgb([s, s, s])[0]),
+          0.01,
+        ),
+      ).toBeGreaterThan(0.97);
     });
-    expect(new Set(share).size).toBeGreaterThan(2);
-    expect(alike(channel(result, 3), share, 0.01)).toBeGreaterThan(0.97);
-    expect(alike(channel(result, 0), share.map((s) => linearFromSrgb([s, s, s])[0]), 0.01)).toBeGreaterThan(0.97);
-  });
-});
+  },
+);
 
 test("its iso-surface is seen through before that of the first, and hidden behind it", async () => {
   const all = [before, outward, straight];
-  const [shown, out, hidden] = await second({ places: all, blend: "iso", first: 0.02, second: 0.06, opacity: 0.4, isoValue: 50 });
+  const [shown, out, hidden] = await second({
+    places: all,
+    blend: "iso",
+    first: 0.02,
+    second: 0.06,
+    opacity: 0.4,
+    isoValue: 50,
+  });
   const [alone] = await second({ places: [before], blend: "iso", first: 0, second: 0.06, opacity: 0.4, isoValue: 50 });
   if (shown === undefined || out === undefined || hidden === undefined || alone === undefined) {
     throw new Error("no picture");
   }
-  expect(alike(channel(alone, 3), lengths(alone, before).map((length) => (length.second > 0 ? 0.4 : 0)), 0.01)).toBeGreaterThan(0.98);
+  expect(
+    alike(
+      channel(alone, 3),
+      lengths(alone, before).map((length) => (length.second > 0 ? 0.4 : 0)),
+      0.01,
+    ),
+  ).toBeGreaterThan(0.98);
   const opaque = lengths(shown, before).map((length) => (length.first > 0 ? 1 : length.second > 0 ? 0.4 : 0));
   expect(alike(channel(shown, 3), opaque, 0.01)).toBeGreaterThan(0.98);
   // its colour is blue, that of the first red
@@ -172,7 +198,13 @@ function partsInCells(result: MarchResult, place: Affine): Part[][] {
 test("in a checkerboard each cell holds one of both, also beside the first", async () => {
   const extinctions = { first: 0.05, second: 0.08 };
   const both = [turned, outward];
-  const results = await second({ places: both, blend: "composite", ...extinctions, viewFusion: "checkerboard", square: 7 });
+  const results = await second({
+    places: both,
+    blend: "composite",
+    ...extinctions,
+    viewFusion: "checkerboard",
+    square: 7,
+  });
   const blended = await second({ places: both, blend: "composite", ...extinctions });
   both.forEach((place, i) => {
     const [result, other] = [results[i], blended[i]];
@@ -199,7 +231,16 @@ test("in a checkerboard each cell holds one of both, also beside the first", asy
 
 test("a checkerboard of iso-surfaces shows the body that a ray meets first in a cell of its own", async () => {
   const all = [turned, outward];
-  const results = await second({ places: all, blend: "iso", first: 0.02, second: 0.06, opacity: 0.4, isoValue: 50, viewFusion: "checkerboard", square: 7 });
+  const results = await second({
+    places: all,
+    blend: "iso",
+    first: 0.02,
+    second: 0.06,
+    opacity: 0.4,
+    isoValue: 50,
+    viewFusion: "checkerboard",
+    square: 7,
+  });
   all.forEach((place, i) => {
     const result = results[i];
     if (result === undefined) {
@@ -212,7 +253,8 @@ test("a checkerboard of iso-surfaces shows the body that a ray meets first in a 
       const light = result.pixels.slice(4 * pixel, 4 * pixel + 4);
       const shown = part === undefined ? null : part.second ? "second" : "first";
       const other = shown === "first" ? colours.second : colours.first;
-      const right = shown === null ? light[3] === 0 : light[3] === 1 && (light[colours[shown]] ?? 0) > (light[other] ?? 0);
+      const right =
+        shown === null ? light[3] === 0 : light[3] === 1 && (light[colours[shown]] ?? 0) > (light[other] ?? 0);
       counts[shown ?? "first"] += shown === null ? 0 : 1;
       counts.wrong += right ? 0 : 1;
     });
@@ -223,7 +265,14 @@ test("a checkerboard of iso-surfaces shows the body that a ray meets first in a 
 });
 
 test.each(["mip", "average"] as const)("in mode %s squares of the view show the one or the other", async (blend) => {
-  const results = await second({ places: [straight], blend, first: 0.02, second: 0.06, viewFusion: "checkerboard", square: 7 });
+  const results = await second({
+    places: [straight],
+    blend,
+    first: 0.02,
+    second: 0.06,
+    viewFusion: "checkerboard",
+    square: 7,
+  });
   const [result] = results;
   if (result === undefined) {
     throw new Error("no picture");
@@ -247,7 +296,13 @@ test("of two that flicker one is seen, and the first where there is no second", 
   }
   const expected = lengths(one, straight);
   expect(Math.max(...channel(one, 2))).toBeLessThan(0.002);
-  expect(alike(channel(one, 3), expected.map((length) => 1 - Math.exp(-0.05 * length.first)), 0.02)).toBeGreaterThan(0.995);
+  expect(
+    alike(
+      channel(one, 3),
+      expected.map((length) => 1 - Math.exp(-0.05 * length.first)),
+      0.02,
+    ),
+  ).toBeGreaterThan(0.995);
   const both = expected.map((length) => 1 - Math.exp(-0.05 * (length.first - length.second) - 0.08 * length.second));
   expect(alike(channel(other, 3), both, 0.02)).toBeGreaterThan(0.995);
 });

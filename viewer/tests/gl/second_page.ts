@@ -7,10 +7,10 @@ import { brickRanges } from "../../src/core/scan/bricks";
 import { extentOf, lookFrom } from "../../src/core/geometry/camera";
 import { firstLighting } from "../../src/core/appearance/appearance";
 import { shadedOptics, type Blend } from "../../src/core/appearance/optics";
-import type { SecondLook } from "../../src/core/second/second_scan";
+import type { SecondAppearance } from "../../src/core/second/second_scan";
 import type { TransferFunction } from "../../src/core/appearance/transfer_function";
 import { FieldTexture } from "../../src/gl/textures/field_texture";
-import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { scanOf, volumeOf } from "../support/volumes";
 import type { MarchResult } from "./scenes_page";
@@ -28,9 +28,9 @@ export interface SecondTest {
   /** Share of the second scan where a ray has one value, and of its iso-surface. */
   readonly opacity?: number;
   /** How the view shows both, in cells of which edge [mm], and whose turn it is. */
-  readonly viewFusion?: SecondLook["viewFusion"];
+  readonly viewFusion?: SecondAppearance["viewFusion"];
   readonly square?: number;
-  readonly turn?: SecondLook["turn"];
+  readonly turn?: SecondAppearance["turn"];
   /** Value of the first scan's iso-surface. */
   readonly isoValue?: number;
 }
@@ -59,7 +59,7 @@ export function second(test: SecondTest): MarchResult[] {
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher();
   marcher.setField(field, brickRanges(volume));
-  marcher.setLook({
+  marcher.setAppearance({
     transferFunction: everywhere(test.first, [1, 0, 0]),
     ranges: [],
     edgeGradient: 40,
@@ -69,9 +69,13 @@ export function second(test: SecondTest): MarchResult[] {
   const extent = extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? size : 0, i & 2 ? size : 0, i & 4 ? size : 0]));
   const camera = lookFrom("A", extent, { width: edge, height: edge });
   marcher.setCamera(camera, extent, 1);
-  const other = volumeOf(scanOf([40, 40, 40], [0.5, 0.5, 0.5]), ([x]) => (test.half === true && x > 20 ? air : inside), test.step ?? 1);
+  const other = volumeOf(
+    scanOf([40, 40, 40], [0.5, 0.5, 0.5]),
+    ([x]) => (test.half === true && x > 20 ? air : inside),
+    test.step ?? 1,
+  );
   const grey = { window: 400, level: inside };
-  const look: SecondLook = {
+  const appearance: SecondAppearance = {
     inView: true,
     viewFusion: test.viewFusion ?? "blend",
     inSlices: true,
@@ -93,7 +97,7 @@ export function second(test: SecondTest): MarchResult[] {
   target.useLevel(1);
   target.useRows(0, edge);
   const results = test.places.map((place) => {
-    marcher.setSecond({ volume: other, bricks: other.bricks, place, look });
+    marcher.setSecond({ volume: other, bricks: other.bricks, place, appearance });
     while (marcher.second.isAwaited) {
       marcher.uploadSecond(renderer);
     }

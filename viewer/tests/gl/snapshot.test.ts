@@ -41,7 +41,9 @@ function awayAt(camera: Camera, x: number, y: number, seen: Viewport): number {
 
 /** How far the ray of each pixel passes by the middle [mm], rows from the top. */
 function passes({ camera }: Snapshot): number[] {
-  return Array.from({ length: size.width * size.height }, (_, i) => awayAt(camera, (i % size.width) + 0.5, Math.floor(i / size.width) + 0.5, size));
+  return Array.from({ length: size.width * size.height }, (_, i) =>
+    awayAt(camera, (i % size.width) + 0.5, Math.floor(i / size.width) + 0.5, size),
+  );
 }
 
 const green: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible" };
@@ -49,7 +51,10 @@ const air: MarchTest = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerV
 
 test.each([
   ["of the scan", { scan: green }],
-  ["of a surface", { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { colour: [0, 1, 0] as const } }] }],
+  [
+    "of a surface",
+    { scan: air, surfaces: [{ centre: middle, radius: 14, sectors: 4, appearance: { colour: [0, 1, 0] as const } }] },
+  ],
   ["orthographic", { scan: { ...green, orthographic: true } }],
 ] as const)("a transparent picture %s has the ball's outline across all tiles", async (_, what) => {
   const taken = await snapshot(what, true);
@@ -114,7 +119,8 @@ test("a saved anaglyph has red of the left eye and cyan of the right one, across
 
 test("an opaque picture has the page's background, without seams, and the colours of the transparent one", async () => {
   const [opaque, clear] = [await snapshot({ scan: green }, false), await snapshot({ scan: green }, true)];
-  const at = (taken: Snapshot, x: number, y: number): number[] => taken.saved.slice(4 * (x + size.width * y), 4 * (x + size.width * y) + 4);
+  const at = (taken: Snapshot, x: number, y: number): number[] =>
+    taken.saved.slice(4 * (x + size.width * y), 4 * (x + size.width * y) + 4);
   for (let y = 0; y < size.height; y += 7) {
     for (const x of [5, 96, 191, 192, 200]) {
       const [one, other] = [at(opaque, x, y), at(clear, x, y)];
@@ -131,6 +137,9 @@ test("an opaque picture has the page's background, without seams, and the colour
 });
 
 test("a picture that is cancelled is not drawn to its end", async () => {
-  const said = await browser.page.evaluate((t) => window.glTests?.cancelled(t) ?? Promise.reject(new Error("no page")), green);
+  const said = await browser.page.evaluate(
+    (t) => window.glTests?.cancelled(t) ?? Promise.reject(new Error("no page")),
+    green,
+  );
   expect(said).toBe("cancelled after 1");
 });

@@ -4,7 +4,7 @@
 import type { Camera, Extent } from "../../src/core/geometry/camera";
 import { firstStereo } from "../../src/core/view/stereo";
 import { addScaled } from "../../src/core/geometry/vector";
-import { bricksOf, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
+import { bricksOf, fieldOf, appearanceOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 import { finished, pictureOf, showSurfaces, type ScreenTest } from "./screen_page";
 
 /** A saved picture of a size, and the same pixels of the screen before and after; RGBA bytes, rows from the top. */
@@ -12,7 +12,14 @@ export async function snapshot(
   { scan: test, surfaces = [], stereo = firstStereo, behind = 0 }: ScreenTest,
   size: { readonly width: number; readonly height: number },
   transparent: boolean,
-): Promise<{ readonly saved: number[]; readonly camera: Camera; readonly extent: Extent; readonly before: number[]; readonly after: number[]; readonly shares: number[] }> {
+): Promise<{
+  readonly saved: number[];
+  readonly camera: Camera;
+  readonly extent: Extent;
+  readonly before: number[];
+  readonly after: number[];
+  readonly shares: number[];
+}> {
   // in tiles as small as where the CPU draws
   const drawn = pictureOf(false, true);
   const { picture } = drawn;
@@ -21,7 +28,7 @@ export async function snapshot(
   const view = viewOf(test, extent);
   const camera = { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind };
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(camera, extent);
   showSurfaces(picture, surfaces);
   const before = await finished(drawn);
@@ -31,7 +38,14 @@ export async function snapshot(
   }
   const shares: number[] = [];
   const { signal } = new AbortController();
-  await picture.snapshot(context, { camera, size, stereo, transparent, signal, progress: (share) => shares.push(share) });
+  await picture.snapshot(context, {
+    camera,
+    size,
+    stereo,
+    transparent,
+    signal,
+    progress: (share) => shares.push(share),
+  });
   const saved = [...context.getImageData(0, 0, size.width, size.height).data];
   const after = await finished(drawn);
   picture.dispose();
@@ -45,7 +59,7 @@ export async function cancelled(test: MarchTest): Promise<string> {
   const extent = outlineOf(test);
   const camera = viewOf(test, extent);
   picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
+  picture.setAppearance(appearanceOf(test));
   picture.setCamera(camera, extent);
   while (!picture.hasPicture) {
     picture.advance(performance.now());
@@ -60,7 +74,14 @@ export async function cancelled(test: MarchTest): Promise<string> {
   };
   try {
     if (context !== null) {
-      await picture.snapshot(context, { camera, size: { width: 400, height: 400 }, stereo: firstStereo, transparent: false, signal: aborter.signal, progress });
+      await picture.snapshot(context, {
+        camera,
+        size: { width: 400, height: 400 },
+        stereo: firstStereo,
+        transparent: false,
+        signal: aborter.signal,
+        progress,
+      });
     }
   } catch (error) {
     return `${error instanceof Error ? error.message : String(error)} after ${String(shares.length)}`;

@@ -29,12 +29,24 @@ function show(what: ScreenTest): Promise<number[]> {
 type Colour = readonly [number, number, number];
 const middle: Vec3 = [24, 24, 24];
 const air: MarchTest = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0 };
-const front = lookFrom("A", extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? 48 : 0, i & 2 ? 48 : 0, i & 4 ? 48 : 0])), pane);
+const front = lookFrom(
+  "A",
+  extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? 48 : 0, i & 2 ? 48 : 0, i & 4 ? 48 : 0])),
+  pane,
+);
 
 /** Each shows one thing in the middle of the scan. */
 const things: readonly (readonly [string, ScreenTest, (colour: Colour) => boolean])[] = [
-  ["the scan", { scan: { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 } }, ([r, g]) => g > 40 && g > 1.6 * r],
-  ["a surface", { scan: air, surfaces: [{ centre: middle, radius: 8, sectors: 4, look: { colour: [1, 0, 0] } }] }, ([r, g]) => r > 40 && r > 1.6 * g],
+  [
+    "the scan",
+    { scan: { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 } },
+    ([r, g]) => g > 40 && g > 1.6 * r,
+  ],
+  [
+    "a surface",
+    { scan: air, surfaces: [{ centre: middle, radius: 8, sectors: 4, appearance: { colour: [1, 0, 0] } }] },
+    ([r, g]) => r > 40 && r > 1.6 * g,
+  ],
   ["the probe", { scan: air, markers: { probe: middle, device: middle } }, ([r, , b]) => b > 120 && b > 1.3 * r],
 ];
 
@@ -66,10 +78,16 @@ test.each(ways.flatMap(([way, stereo]) => things.map(([what, ...thing]) => [way,
   async (_way, _what, stereo, scene, isThing) => {
     // in the plane of the screen, before it, and behind it
     for (const before of stereo.mode === "side" ? [0, 20, -20] : [20]) {
-      const view = { ...front, target: addScaled(front.target, front.back, -before), distance: front.distance + before };
+      const view = {
+        ...front,
+        target: addScaled(front.target, front.back, -before),
+        distance: front.distance + before,
+      };
       const pixels = await show({ ...scene, stereo, behind: before });
       const found = middles(pixels, stereo, isThing);
-      const expected = eyesOf(stereo, pane).map(({ aside }) => project(eyeCamera(view, aside), middle, viewportOf(stereo, pane)) ?? []);
+      const expected = eyesOf(stereo, pane).map(
+        ({ aside }) => project(eyeCamera(view, aside), middle, viewportOf(stereo, pane)) ?? [],
+      );
       found.forEach(([x = NaN, y = NaN], eye) => {
         expect(Math.abs(x - (expected[eye]?.[0] ?? NaN))).toBeLessThan(0.8);
         expect(Math.abs(y - (expected[eye]?.[1] ?? NaN))).toBeLessThan(0.8);
@@ -86,8 +104,10 @@ test.each(ways.flatMap(([way, stereo]) => things.map(([what, ...thing]) => [way,
   },
 );
 
-const linear = (byte: number): number => (byte / 255 <= 0.04045 ? byte / 255 / 12.92 : ((byte / 255 + 0.055) / 1.055) ** 2.4);
-const coded = (light: number): number => 255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055);
+const linear = (byte: number): number =>
+  byte / 255 <= 0.04045 ? byte / 255 / 12.92 : ((byte / 255 + 0.055) / 1.055) ** 2.4;
+const coded = (light: number): number =>
+  255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055);
 // Dubois (2009), rows: red, green and blue of the anaglyph
 const fromLeft = [[0.437, 0.449, 0.164], [-0.062, -0.062, -0.024], [-0.048, -0.05, -0.017]] as const;
 const fromRight = [[-0.011, -0.032, -0.007], [0.377, 0.761, 0.009], [-0.026, -0.093, 1.234]] as const;
@@ -100,7 +120,10 @@ function mixed(colour: Colour): readonly number[] {
 }
 
 test("an anaglyph of two equal pictures has their colours as least squares mix them", async () => {
-  const scene: ScreenTest = { scan: { ...air, field: "ball", extinction: 0.3 }, markers: { probe: middle, device: [30, 20, 24] } };
+  const scene: ScreenTest = {
+    scan: { ...air, field: "ball", extinction: 0.3 },
+    markers: { probe: middle, device: [30, 20, 24] },
+  };
   const plain = await show(scene);
   const anaglyph = await show({ ...scene, stereo: { ...firstStereo, mode: "anaglyph", separation: 0 } });
   let most = 0;
@@ -114,7 +137,10 @@ test("an anaglyph of two equal pictures has their colours as least squares mix t
 });
 
 test("in an anaglyph the left eye's red stands at the right of what is before the screen", async () => {
-  const scene: ScreenTest = { scan: air, surfaces: [{ centre: middle, radius: 8, sectors: 4, look: { colour: [1, 1, 1] } }] };
+  const scene: ScreenTest = {
+    scan: air,
+    surfaces: [{ centre: middle, radius: 8, sectors: 4, appearance: { colour: [1, 1, 1] } }],
+  };
   const redness = async (behind: number): Promise<number> => {
     const pixels = await show({ ...scene, stereo: { ...firstStereo, mode: "anaglyph", separation: 0.2 }, behind });
     const row = edge / 2;
@@ -132,6 +158,9 @@ test("in an anaglyph the left eye's red stands at the right of what is before th
 
 test("both eyes see the scan after the view was resized before either had drawn it", async () => {
   const [[, { scan }, isGreen]] = things as [(typeof things)[number]];
-  const eyes = await browser.page.evaluate((t) => window.glTests?.resizedEyes(t) ?? Promise.reject(new Error("no page")), { scan });
+  const eyes = await browser.page.evaluate(
+    (t) => window.glTests?.resizedEyes(t) ?? Promise.reject(new Error("no page")),
+    { scan },
+  );
   expect(eyes.map(([r = 0, g = 0, b = 0]) => isGreen([r, g, b]))).toEqual([true, true]);
 });

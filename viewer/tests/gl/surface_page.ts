@@ -10,17 +10,17 @@ import { decodeSurface } from "../../src/core/surfaces/surface_patches";
 import type { Vec3 } from "../../src/core/geometry/vector";
 import { FieldTexture } from "../../src/gl/textures/field_texture";
 import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures";
-import { PictureTarget } from "../../src/gl/picture/picture_target";
+import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { Surfaces } from "../../src/gl/surfaces/surfaces";
 import { ThreeCamera } from "../../src/gl/picture/three_camera";
 import { ballSurface } from "../support/ball_surface";
 import { segment } from "../support/volumes";
-import { edge, fieldOf, labelsOfBall, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
+import { edge, fieldOf, labelsOfBall, appearanceOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
 import type { SurfaceTest } from "./screen_page";
 
 function segmentsOf(balls: readonly SurfaceTest[]): Segment[] {
-  return balls.map(({ look }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...look }));
+  return balls.map(({ appearance }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...appearance }));
 }
 
 /** Surfaces and ray caster as the refiner drives them, for one view of the scan. */
@@ -33,13 +33,15 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher({ software: test.software ?? true, lightCells: 64 });
   marcher.setField(field, brickRanges(volume));
-  marcher.setLook(lookOf(test));
+  marcher.setAppearance(appearanceOf(test));
   const surfaces = new Surfaces(marcher, true);
   surfaces.setFrame(volume.frame);
   surfaces.setSegments(segmentsOf(balls), modes);
   surfaces.apply(
     renderer,
-    balls.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
+    balls.map(({ centre, radius, sectors, rings }, i) =>
+      decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings)),
+    ),
   );
   const extent = outlineOf(test);
   const camera = new ThreeCamera();
@@ -57,7 +59,11 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
 
 type Bench = ReturnType<typeof surfaceBench>;
 
-function drawnWith({ renderer, marcher, surfaces, picture }: Bench, stepsPerVoxel: number, detail: "all" | "few"): Detailed {
+function drawnWith(
+  { renderer, marcher, surfaces, picture }: Bench,
+  stepsPerVoxel: number,
+  detail: "all" | "few",
+): Detailed {
   picture.useLevel(1);
   picture.useRows(0, picture.height);
   const tally = surfaces.draw(renderer, picture, { divisor: 1, stepsPerVoxel, shift: [0, 0, 0], depth: 4, detail });
@@ -67,13 +73,19 @@ function drawnWith({ renderer, marcher, surfaces, picture }: Bench, stepsPerVoxe
   return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), ...tally };
 }
 
-/** Surfaces of segments that are balls of the scan, with all triangles, with few and with all again; one without a range is told by labels. */
+/**
+ * Surfaces of segments that are balls of the scan, with all triangles, with few and with all again; one without a range
+ * is known by its labels.
+ */
 export function embodied(test: MarchTest, balls: readonly SurfaceTest[], modes: InsideModes): Detailed[] {
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const bench = surfaceBench(test, balls, view, modes);
   const { marcher, volume, close } = bench;
   const segments = segmentsOf(balls);
-  marcher.setLook({ ...lookOf(test), ranges: rangesInside(shownRanges(segments, volume.frame.rescale), modes) });
+  marcher.setAppearance({
+    ...appearanceOf(test),
+    ranges: rangesInside(shownRanges(segments, volume.frame.rescale), modes),
+  });
   marcher.setClip(test.clip ?? []);
   bench.surfaces.setClip(test.clip ?? []);
   if (segments.some(({ range }) => range === null)) {
@@ -104,7 +116,13 @@ export function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divi
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const { renderer, marcher, surfaces, picture, close } = surfaceBench(test, balls, view);
   picture.useLevel(divisor);
-  surfaces.draw(renderer, picture, { divisor, stepsPerVoxel: test.stepsPerVoxel, shift: [0, 0, 0], depth: 4, detail: "all" });
+  surfaces.draw(renderer, picture, {
+    divisor,
+    stepsPerVoxel: test.stepsPerVoxel,
+    shift: [0, 0, 0],
+    depth: 4,
+    detail: "all",
+  });
   for (let row = 0; row < picture.height; row += strip) {
     picture.useRows(row, Math.min(picture.height, row + strip));
     marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
@@ -123,10 +141,13 @@ export interface Detailed {
 }
 
 /**
- * Surfaces drawn with all triangles; with few; with few of patches that come one by one; after an edit exchanged a patch of
- * the first; after edits exchanged all patches; some seconds later; and with all again.
+ * Surfaces drawn with all triangles; with few; with few of patches that come one by one; after an edit exchanged a
+ * patch of the first; after edits exchanged all patches; some seconds later; and with all again.
  */
-export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Record<"all" | "few" | "inParts" | "partly" | "edited" | "later" | "again", Detailed> {
+export function detailed(
+  test: MarchTest,
+  balls: readonly SurfaceTest[],
+): Record<"all" | "few" | "inParts" | "partly" | "edited" | "later" | "again", Detailed> {
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const bench = surfaceBench(test, balls, view);
   const { renderer, surfaces, close } = bench;
@@ -145,7 +166,10 @@ export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Record
     });
   }
   const inParts = drawn("few");
-  surfaces.apply(renderer, changes.slice(0, 1).map((change) => ({ ...change, patches: change.patches.slice(0, 1) })));
+  surfaces.apply(
+    renderer,
+    changes.slice(0, 1).map((change) => ({ ...change, patches: change.patches.slice(0, 1) })),
+  );
   const partly = drawn("few");
   surfaces.apply(renderer, changes);
   const edited = drawn("few");

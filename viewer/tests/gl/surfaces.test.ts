@@ -35,9 +35,13 @@ function pixelAt(pixels: readonly number[], x: number, y: number): readonly [num
 
 const air: MarchTest = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0 };
 const middle: Vec3 = [24, 24, 24];
-const red: SurfaceTest = { centre: middle, radius: 12, sectors: 4, look: { colour: [1, 0, 0] } };
+const red: SurfaceTest = { centre: middle, radius: 12, sectors: 4, appearance: { colour: [1, 0, 0] } };
 
-const camera = lookFrom("A", extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? 48 : 0, i & 2 ? 48 : 0, i & 4 ? 48 : 0])), viewport);
+const camera = lookFrom(
+  "A",
+  extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? 48 : 0, i & 2 ? 48 : 0, i & 4 ? 48 : 0])),
+  viewport,
+);
 
 /** Radius of a ball's outline [pixels]: the cone around it is a little wider than its middle. */
 function outlineRadius(radius: number): number {
@@ -71,9 +75,21 @@ function differing(one: readonly number[], other: readonly number[], most: numbe
 }
 
 /** A green ball of the scan itself, of 14 mm. */
-const green: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 };
-const bone: Partial<SurfaceTest["look"]> = { colour: [0, 1, 0], range: [0, 32767] };
-const redDot = (y: number, opacity = 1): SurfaceTest => ({ centre: [24, y, 24], radius: 4, sectors: 4, look: { colour: [1, 0, 0], opacity } });
+const green: MarchTest = {
+  field: "ball",
+  spacing: [1, 1, 1],
+  from: "A",
+  stepsPerVoxel: 2,
+  segment: "visible",
+  softTissue: 0,
+};
+const bone: Partial<SurfaceTest["appearance"]> = { colour: [0, 1, 0], range: [0, 32767] };
+const redDot = (y: number, opacity = 1): SurfaceTest => ({
+  centre: [24, y, 24],
+  radius: 4,
+  sectors: 4,
+  appearance: { colour: [1, 0, 0], opacity },
+});
 const centre = edge / 2;
 
 test("of a surface and the scan the nearer one is seen", async () => {
@@ -105,9 +121,10 @@ test("tissue before a surface veils it, tissue behind does not", async () => {
 
 test("a ball drawn as a surface looks like the ball drawn from its voxels", async () => {
   const hidden: MarchTest = { ...green, segment: "hidden" };
-  const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, look: bone };
+  const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, appearance: bone };
   const [voxels, surface] = [await show({ scan: green }), await show({ scan: hidden, surfaces: [ball] })];
-  const inside = (i: number): boolean => Math.hypot((i % edge) + 0.5 - centre, Math.floor(i / edge) + 0.5 - centre) < outlineRadius(13);
+  const inside = (i: number): boolean =>
+    Math.hypot((i % edge) + 0.5 - centre, Math.floor(i / edge) + 0.5 - centre) < outlineRadius(13);
   const differences = Array.from({ length: edge * edge }, (_, i) => i)
     .filter(inside)
     .map((i) => Math.abs((voxels[4 * i + 1] ?? 0) - (surface[4 * i + 1] ?? 0)));
@@ -118,7 +135,10 @@ test("a ball drawn as a surface looks like the ball drawn from its voxels", asyn
 
 test.each([1, 0.5])("seams between patches do not show, opacity %d", async (opacity) => {
   const cut = async (sectors: number): Promise<number[]> =>
-    show({ scan: green, surfaces: [{ centre: middle, radius: 17, sectors, look: { colour: [1, 0, 0], opacity } }] });
+    show({
+      scan: green,
+      surfaces: [{ centre: middle, radius: 17, sectors, appearance: { colour: [1, 0, 0], opacity } }],
+    });
   // boxes of other sizes move a vertex by up to 0.3 µm, which may turn the odd pixel at an edge
   expect(differing(await cut(1), await cut(16), 6)).toBeLessThan(8);
 });
@@ -138,15 +158,23 @@ test("a translucent surface lets the scan behind it through, as much as its opac
 
 test("a translucent surface behind the scan or behind an opaque surface is not seen", async () => {
   expect(differing(await show({ scan: green }), await show({ scan: green, surfaces: [redDot(42, 0.5)] }), 3)).toBe(0);
-  const blue: SurfaceTest = { centre: [24, 6, 24], radius: 6, sectors: 2, look: { colour: [0, 0, 1] } };
+  const blue: SurfaceTest = { centre: [24, 6, 24], radius: 6, sectors: 2, appearance: { colour: [0, 0, 1] } };
   const covered = await show({ scan: green, surfaces: [blue, redDot(6, 0.5)] });
   expect(differing(await show({ scan: green, surfaces: [blue] }), covered, 3)).toBe(0);
 });
 
 test("translucent surfaces in one another look the same in whatever order they are listed", async () => {
-  const outer: SurfaceTest = { centre: middle, radius: 12, sectors: 4, look: { colour: [0, 0, 1], opacity: 0.4 } };
-  const inner: SurfaceTest = { centre: middle, radius: 6, sectors: 4, look: { colour: [1, 0, 0], opacity: 0.6 } };
-  const [one, other] = [await show({ scan: air, surfaces: [outer, inner] }), await show({ scan: air, surfaces: [inner, outer] })];
+  const outer: SurfaceTest = {
+    centre: middle,
+    radius: 12,
+    sectors: 4,
+    appearance: { colour: [0, 0, 1], opacity: 0.4 },
+  };
+  const inner: SurfaceTest = { centre: middle, radius: 6, sectors: 4, appearance: { colour: [1, 0, 0], opacity: 0.6 } };
+  const [one, other] = [
+    await show({ scan: air, surfaces: [outer, inner] }),
+    await show({ scan: air, surfaces: [inner, outer] }),
+  ];
   expect(differing(one, other, 2)).toBe(0);
   const [r, , b] = pixelAt(one, centre, centre);
   const [rimRed, , rimBlue] = pixelAt(one, centre + 14, centre);
@@ -155,11 +183,18 @@ test("translucent surfaces in one another look the same in whatever order they a
 });
 
 test("each surface has its own ambient and specular light", async () => {
-  const ball = (x: number, look: SurfaceTest["look"]): SurfaceTest => ({ centre: [x, 24, 24], radius: 8, sectors: 4, look: { colour: [1, 0, 0], ...look } });
-  const middles = async (look: SurfaceTest["look"]): Promise<readonly [number, number]> => {
-    const pixels = await show({ scan: air, surfaces: [ball(12, look), ball(36, {})] });
+  const ball = (x: number, appearance: SurfaceTest["appearance"]): SurfaceTest => ({
+    centre: [x, 24, 24],
+    radius: 8,
+    sectors: 4,
+    appearance: { colour: [1, 0, 0], ...appearance },
+  });
+  const middles = async (appearance: SurfaceTest["appearance"]): Promise<readonly [number, number]> => {
+    const pixels = await show({ scan: air, surfaces: [ball(12, appearance), ball(36, {})] });
     const brightest = (from: number): number => {
-      const places = Array.from({ length: edge * (edge / 2) }, (_, i) => pixelAt(pixels, from + (i % (edge / 2)), Math.floor(i / (edge / 2))));
+      const places = Array.from({ length: edge * (edge / 2) }, (_, i) =>
+        pixelAt(pixels, from + (i % (edge / 2)), Math.floor(i / (edge / 2))),
+      );
       // green of a red ball is its highlight
       return Math.max(...places.filter(([red]) => red > 40).map(([, green]) => green));
     };
@@ -172,10 +207,17 @@ test("each surface has its own ambient and specular light", async () => {
 });
 
 test("a wireframe is lines between which one looks through", async () => {
-  const ball = (wireframe: boolean): SurfaceTest => ({ centre: middle, radius: 20, sectors: 4, rings: 8, look: { colour: [1, 0, 0], wireframe } });
+  const ball = (wireframe: boolean): SurfaceTest => ({
+    centre: middle,
+    radius: 20,
+    sectors: 4,
+    rings: 8,
+    appearance: { colour: [1, 0, 0], wireframe },
+  });
   const reds = async (wireframe: boolean): Promise<number> => {
     const pixels = await show({ scan: green, surfaces: [ball(wireframe)] });
-    return Array.from({ length: edge * edge }, (_, i) => pixelAt(pixels, i % edge, Math.floor(i / edge))).filter(isRed).length;
+    return Array.from({ length: edge * edge }, (_, i) => pixelAt(pixels, i % edge, Math.floor(i / edge))).filter(isRed)
+      .length;
   };
   const [lines, solid] = [await reds(true), await reds(false)];
   expect(lines).toBeGreaterThan(100);
@@ -185,7 +227,7 @@ test("a wireframe is lines between which one looks through", async () => {
 test("a segment stands where its pose puts it", async () => {
   // a quarter turn about z, then 6 mm up: (24, 14, 24) comes to (34, 24, 30)
   const pose = [0, -1, 0, 48, 1, 0, 0, 0, 0, 0, 1, 6, 0, 0, 0, 1];
-  const posed = await show({ scan: air, surfaces: [{ ...redDot(14), look: { colour: [1, 0, 0], pose } }] });
+  const posed = await show({ scan: air, surfaces: [{ ...redDot(14), appearance: { colour: [1, 0, 0], pose } }] });
   const there = await show({ scan: air, surfaces: [{ ...redDot(14), centre: [34, 24, 30] }] });
   // the ball's own columns have turned with it: facets at its outline
   expect(differing(posed, there, 30)).toBeLessThan(15);
@@ -193,13 +235,16 @@ test("a segment stands where its pose puts it", async () => {
 
 test("hidden segments, and those of no opacity, draw no surface", async () => {
   const none = await show({ scan: green });
-  for (const look of [{ visible: false }, { opacity: 0 }, { shown_as: "volume" as const }]) {
-    expect(differing(none, await show({ scan: green, surfaces: [{ ...redDot(8), look }] }), 0)).toBe(0);
+  for (const appearance of [{ visible: false }, { opacity: 0 }, { shown_as: "volume" as const }]) {
+    expect(differing(none, await show({ scan: green, surfaces: [{ ...redDot(8), appearance }] }), 0)).toBe(0);
   }
 });
 
 test("averaged pictures smooth the outline of a surface and leave the rest", async () => {
-  const [plain, averaged] = [await show({ scan: air, surfaces: [red] }), await show({ scan: air, surfaces: [red], jitter: true })];
+  const [plain, averaged] = [
+    await show({ scan: air, surfaces: [red] }),
+    await show({ scan: air, surfaces: [red], jitter: true }),
+  ];
   expect(pixelAt(averaged, centre, centre)[0]).toBeCloseTo(pixelAt(plain, centre, centre)[0], -1);
   const between = (pixels: readonly number[]): number =>
     Array.from({ length: edge }, (_, x) => pixelAt(pixels, x, centre)[0]).filter((r) => r > 50 && r < 90).length;
@@ -209,7 +254,9 @@ test("averaged pictures smooth the outline of a surface and leave the rest", asy
 test("patches outside of the view are not drawn", async () => {
   const triangles = (target: Vec3, away: number): Promise<number> =>
     browser.page.evaluate(
-      ([t, a]) => window.glTests?.drawnTriangles({ centre: [24, 24, 24], radius: 12, sectors: 16, look: {} }, t, a) ?? Promise.reject(new Error("no page")),
+      ([t, a]) =>
+        window.glTests?.drawnTriangles({ centre: [24, 24, 24], radius: 12, sectors: 16, appearance: {} }, t, a) ??
+        Promise.reject(new Error("no page")),
       [target, away] as const,
     );
   // 32 rings of 64 columns, two triangles each
@@ -221,7 +268,11 @@ test("patches outside of the view are not drawn", async () => {
   expect(await triangles([200, 24, 24], 30)).toBe(0);
 });
 
-test.each([[2, 48], [3, 7], [4, 1]])("at 1/%d of the resolution, in strips of %d rows, surfaces stand where they should", async (divisor, strip) => {
+test.each([
+  [2, 48],
+  [3, 7],
+  [4, 1],
+])("at 1/%d of the resolution, in strips of %d rows, surfaces stand where they should", async (divisor, strip) => {
   const size = edge / divisor;
   const pixels = await browser.page.evaluate(
     ([scan, balls, d, s]) => window.glTests?.coarseLevel(scan, balls, d, s) ?? Promise.reject(new Error("no page")),
@@ -247,7 +298,7 @@ test.each([[2, 48], [3, 7], [4, 1]])("at 1/%d of the resolution, in strips of %d
 
 test("voxels around a surface shade it, but not in a picture in haste", async () => {
   // all of the scan's values are in the one range, none in the other
-  const of = (range: readonly [number, number]): SurfaceTest => ({ ...red, look: { colour: [1, 0, 0], range } });
+  const of = (range: readonly [number, number]): SurfaceTest => ({ ...red, appearance: { colour: [1, 0, 0], range } });
   const [around, alone] = [of([-30_000, 30_000]), of([29_000, 30_000])];
   const redness = async (stepsPerVoxel: number, ball: SurfaceTest): Promise<number> => {
     const pixels = await browser.page.evaluate(
@@ -264,7 +315,7 @@ test("voxels around a surface shade it, but not in a picture in haste", async ()
 test.each([1, 0.7])("the probe is plain before a surface and a ghost behind it, opacity %d", async (opacity) => {
   const probeAt = async (y: number): Promise<number> => {
     const probe: Vec3 = [24, y, 24];
-    const surfaces = [{ ...red, look: { colour: [0.5, 0, 0] as const, opacity } }];
+    const surfaces = [{ ...red, appearance: { colour: [0.5, 0, 0] as const, opacity } }];
     const pixels = await show({ scan: air, surfaces, markers: { probe, device: probe, pixel: 0.5 } });
     return pixelAt(pixels, centre, centre)[2];
   };
@@ -286,34 +337,56 @@ test.each([
   expect(colour[pixel.indexOf(brightest)]).toBe(255);
 });
 
-test.each([1, 0.5])("with few triangles surfaces look nearly the same, with all of them the same, opacity %d", async (opacity) => {
-  // nothing tells of their voxels: no body can stand for them
-  const look = { colour: [1, 0, 0] as const, opacity, range: null };
-  const balls: SurfaceTest[] = [{ centre: middle, radius: 17, sectors: 4, rings: 96, look }, { centre: [24, 6, 24], radius: 4, sectors: 1, rings: 96, look }];
-  const pictures = await browser.page.evaluate(([scan, b]) => window.glTests?.detailed(scan, b) ?? Promise.reject(new Error("no page")), [green, balls] as const);
-  const { all, few, inParts, partly, edited, later, again } = pictures;
-  expect(few.all).toBe(all.drawn);
-  expect(few.drawn).toBeLessThan(all.drawn / 10);
-  expect(inParts).toEqual(few);
-  // a patch that was edited just now is seen as it is; the others of its surface meet it, vertex by vertex
-  expect(partly.all).toBe(all.drawn);
-  expect(partly.drawn).toBeGreaterThan(all.drawn / 8);
-  expect(partly.drawn).toBeLessThan(all.drawn / 2);
-  expect(edited).toEqual(all);
-  expect(later).toEqual(few);
-  expect(again).toEqual(all);
-  for (const { pixels } of [few, partly]) {
-    const off = pixels.map((value, i) => Math.abs(value - (all.pixels[i] ?? 0)));
-    expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(0.01);
-    // facets of a ball of 17 mm lie up to 1 mm inside: at most a rim of its outline, of a 25th of the picture
-    expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(1 / 25);
-  }
+test.each([1, 0.5])(
+  "with few triangles surfaces look nearly the same, with all of them the same, opacity %d",
+  async (opacity) => {
+    // nothing tells of their voxels: no body can stand for them
+    const appearance = { colour: [1, 0, 0] as const, opacity, range: null };
+    const balls: SurfaceTest[] = [
+      { centre: middle, radius: 17, sectors: 4, rings: 96, appearance },
+      { centre: [24, 6, 24], radius: 4, sectors: 1, rings: 96, appearance },
+    ];
+    const pictures = await browser.page.evaluate(
+      ([scan, b]) => window.glTests?.detailed(scan, b) ?? Promise.reject(new Error("no page")),
+      [green, balls] as const,
+    );
+    const { all, few, inParts, partly, edited, later, again } = pictures;
+    expect(few.all).toBe(all.drawn);
+    expect(few.drawn).toBeLessThan(all.drawn / 10);
+    expect(inParts).toEqual(few);
+    // a patch that was edited just now is seen as it is; the others of its surface meet it, vertex by vertex
+    expect(partly.all).toBe(all.drawn);
+    expect(partly.drawn).toBeGreaterThan(all.drawn / 8);
+    expect(partly.drawn).toBeLessThan(all.drawn / 2);
+    expect(edited).toEqual(all);
+    expect(later).toEqual(few);
+    expect(again).toEqual(all);
+    for (const { pixels } of [few, partly]) {
+      const off = pixels.map((value, i) => Math.abs(value - (all.pixels[i] ?? 0)));
+      expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(0.01);
+      // facets of a ball of 17 mm lie up to 1 mm inside: at most a rim of its outline, of a 25th of the picture
+      expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(1 / 25);
+    }
+  },
+);
+
+const ball: SurfaceTest = {
+  centre: middle,
+  radius: 14,
+  sectors: 4,
+  rings: 96,
+  appearance: { colour: [1, 0, 0], range: [0, 1000] },
+};
+const like = (appearance: SurfaceTest["appearance"]): SurfaceTest => ({
+  ...ball,
+  appearance: { ...ball.appearance, ...appearance },
 });
 
-const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, rings: 96, look: { colour: [1, 0, 0], range: [0, 1000] } };
-const like = (look: SurfaceTest["look"]): SurfaceTest => ({ ...ball, look: { ...ball.look, ...look } });
-
-async function embodied(scan: MarchTest, balls: readonly SurfaceTest[], modes: InsideModes = {}): Promise<[Detailed, Detailed, Detailed]> {
+async function embodied(
+  scan: MarchTest,
+  balls: readonly SurfaceTest[],
+  modes: InsideModes = {},
+): Promise<[Detailed, Detailed, Detailed]> {
   const pictures = await browser.page.evaluate(
     ([s, b, m]) => window.glTests?.embodied(s, b, m) ?? Promise.reject(new Error("no page")),
     [scan, balls, modes] as const,
@@ -330,8 +403,8 @@ const labelled = { range: null };
 // labels tell too, and are as its values say
 const edited = { range: null, made_by: [0, 1000] } as const;
 // values rise by 400 for each mm toward the middle
-const inner: SurfaceTest = { ...ball, radius: 12, look: { colour: [0, 0, 1], range: [800, 1000] } };
-const innerSeenThrough: SurfaceTest = { ...inner, look: { ...inner.look, opacity: 0.6 } };
+const inner: SurfaceTest = { ...ball, radius: 12, appearance: { colour: [0, 0, 1], range: [800, 1000] } };
+const innerSeenThrough: SurfaceTest = { ...inner, appearance: { ...inner.appearance, opacity: 0.6 } };
 const seenThrough = { opacity: 0.5 };
 const both = { shown_as: "both" } as const;
 
@@ -346,24 +419,38 @@ test.each([
   ["seen through, one in another", inBall, [like(seenThrough), innerSeenThrough], {}],
   ["seen through, one in another, listed the other way round", inBall, [innerSeenThrough, like(seenThrough)], {}],
   ["seen through, around an opaque one", inBall, [like(seenThrough), inner], {}],
-  ["seen through, before an iso-surface", { ...inBall, optics: { blend: "iso", isoValue: 800 } }, [like(seenThrough)], {}],
+  [
+    "seen through, before an iso-surface",
+    { ...inBall, optics: { blend: "iso", isoValue: 800 } },
+    [like(seenThrough)],
+    {},
+  ],
   ["beside its voxels", inBall, [like(both)], {}],
   ["seen through, beside its voxels", inBall, [like({ ...both, ...seenThrough })], {}],
   ["around tinted voxels", inTissue, [like(both)], { 1: "tinted" }],
   ["seen through, around tinted voxels", inTissue, [like({ ...both, ...seenThrough })], { 1: "tinted" }],
-  ["seen through, around tinted voxels, told by labels", inTissue, [like({ ...both, ...seenThrough, ...labelled })], { 1: "tinted" }],
-] as const)("in haste the body of its voxels stands for a surface, and looks nearly the same: %s", async (name, scan, balls, modes) => {
-  const [all, few, again] = await embodied(scan, balls, modes);
-  // of 96 rings and 192 columns, two each
-  expect(all.drawn).toBeGreaterThan(30_000);
-  expect([few.drawn, few.all]).toEqual([0, balls.length * 36_864]);
-  expect(again).toEqual(all);
-  const off = few.pixels.map((value, i) => Math.abs(value - (all.pixels[i] ?? 0)));
-  // by values the rim of the outline alone differs, of a 35th of the picture; labels have steps of a voxel, and normals of those
-  const byLabels = name.includes("labels");
-  expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(byLabels ? 0.03 : 0.01);
-  expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(byLabels ? 1 / 10 : 1 / 35);
-});
+  [
+    "seen through, around tinted voxels, told by labels",
+    inTissue,
+    [like({ ...both, ...seenThrough, ...labelled })],
+    { 1: "tinted" },
+  ],
+] as const)(
+  "in haste the body of its voxels stands for a surface, and looks nearly the same: %s",
+  async (name, scan, balls, modes) => {
+    const [all, few, again] = await embodied(scan, balls, modes);
+    // of 96 rings and 192 columns, two each
+    expect(all.drawn).toBeGreaterThan(30_000);
+    expect([few.drawn, few.all]).toEqual([0, balls.length * 36_864]);
+    expect(again).toEqual(all);
+    const off = few.pixels.map((value, i) => Math.abs(value - (all.pixels[i] ?? 0)));
+    // by values the rim of the outline alone differs, of a 35th of the picture; labels have steps of a voxel, and
+    // normals of those
+    const byLabels = name.includes("labels");
+    expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(byLabels ? 0.03 : 0.01);
+    expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(byLabels ? 1 / 10 : 1 / 35);
+  },
+);
 
 test("bodies that stand for surfaces are the same with a GPU's loops and with a CPU's", async () => {
   const balls = [like(seenThrough), innerSeenThrough];
@@ -377,8 +464,8 @@ test.each([
   ["it was moved", inBall, { pose: [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0] }, {}],
   ["its voxels are drawn as the scan beside it", inTissue, both, { 1: "plain" }],
   ["voxels of segments are values like others", { ...inBall, optics: { blend: "mip" } }, {}, {}],
-] as const)("no body stands for a surface where %s", async (_, scan, look, modes) => {
-  const [all, few] = await embodied(scan, [like(look)], modes);
+] as const)("no body stands for a surface where %s", async (_, scan, appearance, modes) => {
+  const [all, few] = await embodied(scan, [like(appearance)], modes);
   expect(few.drawn).toBe(all.drawn);
   expect(few.pixels).toEqual(all.pixels);
 });

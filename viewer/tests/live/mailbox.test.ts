@@ -61,7 +61,14 @@ test("a letter tells when it arrived; of merged states the latest", () => {
 test("the bytes of an edit are handed over once, however many lie in the same memory", () => {
   const memory = new ArrayBuffer(64);
   const part = (from: number): Uint8Array => new Uint8Array(memory, from, 6);
-  const patch = { index: [0, 0, 0], origin: [0, 0, 0], size: [1, 1, 1], vertices: part(1), normals: part(8), triangles: part(20) } as const;
+  const patch = {
+    index: [0, 0, 0],
+    origin: [0, 0, 0],
+    size: [1, 1, 1],
+    vertices: part(1),
+    normals: part(8),
+    triangles: part(20),
+  } as const;
   const message: Changed = {
     type: "changed",
     edit: 1,

@@ -6,7 +6,11 @@ import { patchOf } from "./ball_surface";
 type Triangle = readonly [number, number, number];
 
 export function listed(numbers: ArrayLike<number>): Triangle[] {
-  return Array.from({ length: numbers.length / 3 }, (_, i) => [numbers[3 * i] ?? -1, numbers[3 * i + 1] ?? -1, numbers[3 * i + 2] ?? -1]);
+  return Array.from({ length: numbers.length / 3 }, (_, i) => [
+    numbers[3 * i] ?? -1,
+    numbers[3 * i + 1] ?? -1,
+    numbers[3 * i + 2] ?? -1,
+  ]);
 }
 
 /** Where a vertex stands in the scene [mm]. */
@@ -30,8 +34,18 @@ export function ends(numbers: ArrayLike<number>): string[] {
 }
 
 /** A patch as it is after it was sent. */
-export function decoded(points: readonly Vec3[], normals: readonly Vec3[], triangles: readonly number[], index: Vec3 = [0, 0, 0]): Patch {
-  const [patch] = decodeSurface({ id: 1, whole: true, dropped: [], patches: [patchOf(index, points, normals, triangles)] }).patches;
+export function decoded(
+  points: readonly Vec3[],
+  normals: readonly Vec3[],
+  triangles: readonly number[],
+  index: Vec3 = [0, 0, 0],
+): Patch {
+  const [patch] = decodeSurface({
+    id: 1,
+    whole: true,
+    dropped: [],
+    patches: [patchOf(index, points, normals, triangles)],
+  }).patches;
   if (patch === undefined) {
     throw new Error("no patch");
   }
@@ -46,7 +60,11 @@ export function thinWall(): Patch {
   const [low, high] = [sheet(0, -1), sheet(1, 1)];
   const squares = Array.from({ length: faceVertices }, (_, i) => i).filter((i) => i % 31 < 30 && i < 31 * 30);
   const one = squares.flatMap((i) => [i, i + 1, i + 31, i + 31, i + 1, i + 32]);
-  return decoded([...low.points, ...high.points], [...low.normals, ...high.normals], [...one, ...one.map((i) => i + faceVertices)]);
+  return decoded(
+    [...low.points, ...high.points],
+    [...low.normals, ...high.normals],
+    [...one, ...one.map((i) => i + faceVertices)],
+  );
 }
 
 function sheet(height: number, up: number): { points: Vec3[]; normals: Vec3[] } {

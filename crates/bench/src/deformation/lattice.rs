@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use glam::{DVec3, UVec3};
 use palpate_deform::lattice::{
-    Border, Lattice, LatticeSettings, LatticeTool, NodeMatter, RelaxSettings, Relaxer,
+    Border, Lattice, LatticeSettings, LatticeTool, NodeMaterial, RelaxSettings, Relaxer,
 };
 use palpate_deform::material::{MaterialError, Solid, SolidSi};
 
@@ -157,9 +157,9 @@ fn half_space(count: u32, layers: Layers) -> Result<Lattice, MaterialError> {
         1.0,
         border,
         |node| match half - node.z {
-            ..0 => NodeMatter::Empty,
-            depth if depth < layers.soft => NodeMatter::Deformable(soft),
-            _ => NodeMatter::Deformable(stiff),
+            ..0 => NodeMaterial::Empty,
+            depth if depth < layers.soft => NodeMaterial::Deformable(soft),
+            _ => NodeMaterial::Deformable(stiff),
         },
     ))
 }

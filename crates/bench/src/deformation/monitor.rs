@@ -9,9 +9,8 @@
 //! Frame: scene [mm], whose origin is the grid's corner.
 
 use glam::{DVec3, IVec3};
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::servo::TickRecord;
+use palpate_engine::touch::{Settings, Touchable};
 use palpate_haptics::contact::{ContactModel, Exact};
 use palpate_haptics::force::ForceLimits;
 use palpate_volume::bits::Bits;

@@ -7,21 +7,15 @@ use std::sync::{Arc, mpsc};
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState};
-use palpate_engine::deformable::deformation::Deformation;
-use palpate_engine::deformable::deformation_loop::DeformationLoop;
+use palpate_engine::deformable::{Deformation, DeformationLoop};
 use palpate_engine::error::SessionError;
-use palpate_engine::picture::simulation_status::SimulationStatus;
-use palpate_engine::scene::mask_fractions::MaskFractions;
-use palpate_engine::scene::{Properties, Scene};
-use palpate_engine::servo::channels::{Channels, DeviceChannels, TickRecord};
-use palpate_engine::servo::inputs::DeviceSample;
-use palpate_engine::servo::mapping::Mapping;
-use palpate_engine::servo::shared::Shared;
-use palpate_engine::servo::{ServoLoop, ServoStart};
-use palpate_engine::simulation::Simulation;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::TouchFeels;
-use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::picture::{PictureEnds, SimulationStatus};
+use palpate_engine::scene::{MaskFractions, Properties, Scene};
+use palpate_engine::servo::{
+    Channels, DeviceChannels, DeviceSample, Mapping, ServoLoop, ServoStart, Shared, TickRecord,
+};
+use palpate_engine::simulation::{Simulation, SimulationParts};
+use palpate_engine::touch::{Settings, TouchFeels, Touchable};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
@@ -87,12 +81,20 @@ impl Rig {
         let (fractions, _) = MaskFractions::new();
         let scene = Scene::new(Voxels::new(grid, intensities)?);
         let mut simulation = Simulation::new(
-            (scene, deformation, fractions),
+            SimulationParts {
+                scene,
+                deformation,
+                fractions,
+            },
             settings,
             LIMITS,
             channels.simulation,
             // nobody draws and nobody reads: what is told ends here
-            (status, mpsc::channel().0, mpsc::channel().0),
+            PictureEnds {
+                status,
+                notices: mpsc::channel().0,
+                updates: mpsc::channel().0,
+            },
         );
         for segment in segments {
             simulation.add_segment(segment, Properties::of_threshold(true, None), false)?;

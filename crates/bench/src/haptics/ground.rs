@@ -3,8 +3,7 @@
 //! Frame: grid of the scan; a larger grid is placed so that every voxel stays where it is.
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_engine::touch::part::Part;
-use palpate_engine::touch::scan_values::{ScanValues, Threshold, ThresholdRange};
+use palpate_engine::touch::{Part, ScanValues, Threshold, ThresholdRange};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::{Grid, GridError};

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use palpate_engine::touch::part::Part;
-use palpate_engine::touch::scan_values::{ScanValues, Threshold};
-use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::touch::{Part, ScanValues, Threshold, Touchable};
 use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::force::Uniform;
 use palpate_haptics::smooth::Smoothing;
@@ -13,8 +11,8 @@ use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::Shares;
-use palpate_volume::relax::{self, relaxed_shares};
+use palpate_volume::occupancy_fractions::OccupancyFractions;
+use palpate_volume::relax::{self, relaxed_fractions};
 
 use super::body::Body;
 use super::solid::{Solid, THRESHOLD};
@@ -140,14 +138,14 @@ impl Touch {
 }
 
 /// The occupancy fractions of a mask, as a session works them out.
-fn fractions_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
-    let mut fractions = Shares::unknown(grid.dimensions());
+fn fractions_of(solid: &Solid, grid: &Grid) -> Arc<OccupancyFractions> {
+    let mut fractions = OccupancyFractions::unknown(grid.dimensions());
     for region in relax::regions(&solid.bits) {
-        for mut swap in relaxed_shares(
+        for mut swap in relaxed_fractions(
             &solid.bits,
             grid.spacing().as_vec3(),
             &region,
-            &Shares::unknown(grid.dimensions()),
+            &OccupancyFractions::unknown(grid.dimensions()),
         ) {
             fractions.swap(&mut swap);
         }
@@ -155,7 +153,7 @@ fn fractions_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
     Arc::new(fractions)
 }
 
-fn part_of(solid: &Solid, fractions: Option<Arc<Shares>>) -> Part {
+fn part_of(solid: &Solid, fractions: Option<Arc<OccupancyFractions>>) -> Part {
     let made_from = |values| Threshold {
         range: (THRESHOLD, f64::INFINITY),
         values: ScanValues::of(values),

@@ -6,16 +6,14 @@
 use std::sync::Arc;
 
 use glam::IVec3;
-use palpate_engine::touch::occupancy_fractions::BodyFractions;
-use palpate_engine::touch::part::Part;
-use palpate_engine::touch::scan_values::{ScanValues, Threshold};
+use palpate_engine::touch::{BodyFractions, Part, ScanValues, Threshold};
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::occupancy_fractions::{ShareBrick, Shares, byte_of};
+use palpate_volume::occupancy_fractions::{FractionBrick, OccupancyFractions, byte_of};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::random::Random;
@@ -85,7 +83,7 @@ impl Felt {
         self,
         swaps: &[BrickSwap<BitBrick>],
         random: &mut Random,
-    ) -> Vec<BrickSwap<ShareBrick>> {
+    ) -> Vec<BrickSwap<FractionBrick>> {
         if self != Self::Mask {
             return Vec::new();
         }
@@ -116,8 +114,8 @@ fn part(bits: &Bits) -> Part {
     }
 }
 
-fn made_up_fractions(bits: &Bits, random: &mut Random) -> Shares {
-    let mut fractions = Shares::unknown(bits.dimensions());
+fn made_up_fractions(bits: &Bits, random: &mut Random) -> OccupancyFractions {
+    let mut fractions = OccupancyFractions::unknown(bits.dimensions());
     for index in 0..fractions.bricks().entries().len() as u32 {
         let corner = fractions.bricks().box_of(index).min;
         let brick = made_up_brick(|voxel| bits.is_solid(corner + voxel), random);
@@ -129,8 +127,8 @@ fn made_up_fractions(bits: &Bits, random: &mut Random) -> Shares {
     fractions
 }
 
-fn made_up_brick(solid: impl Fn(IVec3) -> bool, random: &mut Random) -> ShareBrick {
-    let mut brick = ShareBrick::UNKNOWN;
+fn made_up_brick(solid: impl Fn(IVec3) -> bool, random: &mut Random) -> FractionBrick {
+    let mut brick = FractionBrick::UNKNOWN;
     for voxel in VoxelBox::new(IVec3::ZERO, IVec3::splat(8)).voxels() {
         if random.share() >= UNKNOWN {
             brick.set(voxel, byte_of(random.share() as f32, solid(voxel)));

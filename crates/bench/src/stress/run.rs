@@ -5,7 +5,7 @@ mod changes;
 use std::ops::Range;
 
 use glam::DVec3;
-use palpate_engine::touch::contact_model::{LimitedModel, Model};
+use palpate_engine::touch::{LimitedModel, Model};
 use palpate_haptics::admission::{PoseMotion, nearest_free};
 use palpate_haptics::ball::{BallShape, ball_limits};
 use palpate_haptics::contact::{ContactModel, ExactLimits, Proxy};

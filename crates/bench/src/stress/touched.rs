@@ -3,12 +3,10 @@
 //! Frame: the world's grid.
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::touch::body::BodyVoxels;
-use palpate_engine::touch::occupancy_change::{BrickChange, Garbage};
-use palpate_engine::touch::occupancy_fractions::BodyFractions;
-use palpate_engine::touch::probe::Probe;
-use palpate_engine::touch::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
-use palpate_engine::touch::touchable::{Body, Touchable};
+use palpate_engine::touch::{
+    Body, BodyFractions, BodyVoxels, BrickChange, GARBAGE_PER_CHANGE, Garbage, Probe,
+    TouchOccupancy, Touchable,
+};
 use palpate_haptics::admission::PoseStep;
 use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
@@ -16,7 +14,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::occupancy_fractions::FractionBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::{Consumer, RingBuffer};
 
@@ -99,7 +97,7 @@ impl Touched {
     /// Takes an edit: admits it, if need be after a push of the proxy, or holds it.
     pub fn edit(
         &mut self,
-        (swaps, fractions): (Vec<BrickSwap<BitBrick>>, Vec<BrickSwap<ShareBrick>>),
+        (swaps, fractions): (Vec<BrickSwap<BitBrick>>, Vec<BrickSwap<FractionBrick>>),
         grid: &Grid,
         proxy: &mut Proxy,
     ) {

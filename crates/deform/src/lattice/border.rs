@@ -12,7 +12,7 @@ use super::nodes::Lattice;
 use super::vectors::{Field, vector_at};
 use crate::material::Solid;
 
-/// What the border of a box does where matter goes on behind it.
+/// What the border of a box does where tissue goes on behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Border {
     /// Nothing: the body ends there.
@@ -33,7 +33,7 @@ pub(super) struct Ground {
     pub node: u32,
     /// Symmetric, not negative [N/mm].
     pub stiffness: DMat3,
-    /// How far its other end has moved [mm].
+    /// Displacement of the spring's other end [mm].
     pub led: DVec3,
 }
 
@@ -57,9 +57,9 @@ impl Lattice {
 
     /// Has the body behind the border rest where its nodes do: `lasting` [mm from where they were at
     /// first], one for each node.
-    pub(super) fn rest_border_at(&mut self, lasting: &Field) {
+    pub(super) fn rest_border_at(&mut self, plastic: &Field) {
         for ground in &mut self.ground {
-            ground.led = vector_at(lasting, ground.node as usize);
+            ground.led = vector_at(plastic, ground.node as usize);
         }
     }
 }

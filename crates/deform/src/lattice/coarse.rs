@@ -23,16 +23,16 @@ type ModeVector = [f64; MODES];
 type ModeMatrix = [[f64; MODES]; MODES];
 
 /// How far a box goes on with the stiffness that its modes had [nodes], and by which share the nodes that
-/// move may be more or fewer then: it only eases iterations, and must be about that of the matter.
+/// move may be more or fewer then: it only eases iterations, and must be about that of the tissue.
 const SERVES: i32 = 6;
 const ALIKE: f64 = 0.05;
 
 /// The coarse level of a lattice.
 #[derive(Clone, Debug)]
 pub(super) struct Coarse {
-    /// How far the box has gone since the stiffness was worked out [nodes].
+    /// Distance that the box has moved since the stiffness was computed [nodes].
     gone: i32,
-    /// How many nodes moved then.
+    /// Number of nodes that could move then.
     mobile: usize,
     /// Where the contact is, and half the size of the box [mm].
     middle: DVec3,
@@ -158,7 +158,7 @@ impl Coarse {
         }
     }
 
-    /// How far each mode moves a node along a direction.
+    /// Displacement of a node along a direction by each mode of amplitude 1.
     fn mode_at(&self, index: usize, direction: DVec3) -> ModeVector {
         let at = [0, 1, 2].map(|axis| self.coordinates[axis][index]);
         let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|entry| self.point[entry][index]);
@@ -203,7 +203,8 @@ fn point_displacement(from_middle: DVec3, poisson: f64, spacing: f64) -> DMat3 {
     (DMat3::IDENTITY * (3.0 - 4.0 * poisson) + along) * (blunt / (3.0 * distance))
 }
 
-/// Of what moves; the shape of a mode hangs on it.
+/// Mean Poisson's ratio of the nodes that move, on which the shape of the point-force modes
+/// depends.
 fn mean_poisson(lattice: &Lattice) -> f64 {
     let moving = lattice
         .matter_nodes()
@@ -219,7 +220,8 @@ const ROWS: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
 simd_dispatch! {
     /// The force along each mode.
-    fn project(coarse: &Coarse, force: &Field, sums: &mut ModeVector) = [avx512, avx2] project_body
+    fn project(coarse: &Coarse, force: &Field, sums: &mut ModeVector)
+        = [avx512, avx2] project_body
 }
 
 #[inline(always)]
@@ -249,7 +251,8 @@ fn project_body(coarse: &Coarse, force: &Field, sums: &mut ModeVector) {
 
 simd_dispatch! {
     /// Moves all nodes along the modes; none of them moves a node that is held.
-    fn move_along(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) = [avx512, avx2] move_along_body
+    fn move_along(coarse: &Coarse, shares: &ModeVector, moved: &mut Field)
+        = [avx512, avx2] move_along_body
 }
 
 #[inline(always)]
@@ -280,7 +283,7 @@ fn move_along_body(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) {
 pub(super) struct CoarseFactor(Option<ModeMatrix>);
 
 impl CoarseFactor {
-    /// How far each mode goes under these forces.
+    /// Amplitude of each mode under these forces.
     fn solve(&self, mut right: ModeVector) -> ModeVector {
         let Some(lower) = &self.0 else {
             return [0.0; MODES];

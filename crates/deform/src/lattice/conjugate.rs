@@ -2,7 +2,7 @@
 //! change is linear.
 //!
 //! Conjugate gradients with each node's own stiffness and the coarse level as preconditioner, so
-//! that soft and hard matter come to rest equally fast, and large boxes as fast as small ones. The
+//! that soft and hard tissue come to rest equally fast, and large boxes as fast as small ones. The
 //! change of the forces along a direction is told by their difference over a short way along it; no
 //! matrix is built. Chunks of nodes of which none moves, as air and bone, are passed over.
 //! Source: Nocedal & Wright, Numerical Optimization (2006), algorithms 5.3 and 7.1.
@@ -14,7 +14,7 @@ use super::layout::CHUNK;
 use super::nodes::Lattice;
 use super::vectors::{Field, Lanes, lanes, lanes_mut, zero_field};
 
-/// How far the farthest node goes to see how forces change [spacings].
+/// Largest displacement of a node when the change of forces is probed [spacings].
 const PROBE: f64 = 1e-4;
 
 /// What eases a problem: a guess of where forces bring the nodes.
@@ -27,7 +27,7 @@ pub(super) struct Easing<'a> {
 }
 
 impl<'a> Easing<'a> {
-    /// With the coarse level of a lattice, where it has one.
+    /// A preconditioner with the coarse level of a lattice, where it has one.
     pub fn of(mobility: &'a Field, lattice: &'a Lattice, factor: &'a CoarseFactor) -> Self {
         let coarse = lattice.coarse.as_ref();
         Self {
@@ -50,7 +50,7 @@ pub(super) struct Conjugate {
     /// Forces that are left after it.
     left: Field,
     direction: Field,
-    /// How fast the forces fall along the direction.
+    /// Decrease of the forces along the direction.
     fall: Field,
     /// Where the forces that are left would bring the nodes.
     response: Field,
@@ -60,7 +60,7 @@ pub(super) struct Conjugate {
     /// Force squared at the beginning [N²].
     first_left: f64,
     scale: f64,
-    /// Of the step, along an axis [mm].
+    /// Largest component of the step [mm].
     longest: f64,
 }
 
@@ -159,7 +159,7 @@ impl Conjugate {
 pub(super) struct Sums {
     /// Forces left, squared, by mobility.
     weight: f64,
-    /// The same as they are [N²].
+    /// Sum of squares of the residual forces themselves [N²].
     left: f64,
     /// The longest step along an axis [mm].
     longest: f64,
@@ -231,8 +231,9 @@ fn place_along_body(
 }
 
 simd_dispatch! {
-    /// How the forces fall along the direction, and how much of that is along it.
-    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64) = [avx512, avx2] look_body
+    /// Decrease of the forces along the direction, and its component along the direction.
+    fn look(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &mut f64)
+        = [avx512, avx2] look_body
 }
 
 #[inline(always)]
@@ -260,7 +261,8 @@ fn look_body(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &m
 
 simd_dispatch! {
     /// Goes so many directions on, and adds up what is left.
-    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums) = [avx512, avx2] descend_body
+    fn descend(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut Sums)
+        = [avx512, avx2] descend_body
 }
 
 #[inline(always)]

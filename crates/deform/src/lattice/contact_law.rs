@@ -11,12 +11,12 @@ const LINEAR_BELOW: f64 = 0.9;
 /// Largest stiffness of a contact over that at its range: (13/6) x^14 - (7/6) x^8 at 1/0.9.
 pub(super) const LARGEST_STIFFNESS: f64 = 6.761;
 
-/// How strongly two bodies push each other.
+/// Force with which two bodies push each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Push {
     /// Force [N]; 0 beyond the range.
     pub force: f64,
-    /// How fast it falls with the distance [N/mm]; 0 beyond the range.
+    /// Decrease of the force with the distance [N/mm]; 0 beyond the range.
     pub stiffness: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What stays in matter while the box is elsewhere: that bonds broke, how far they yielded, and
+//! What stays in tissue while the box is elsewhere: that bonds broke, how far they yielded, and
 //! where nodes came to rest since.
 //!
 //! A bond is known by the place of its lower node in the scan, which is the same wherever the
@@ -15,42 +15,42 @@ use super::vectors::vector_at;
 
 /// What does not come back in one bond.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct BondScar {
+struct BondDamage {
     broken: bool,
-    /// How much longer it is at rest than at first [mm].
+    /// Plastic change of the bond's rest length [mm].
     longer: f64,
 }
 
 /// What does not come back at one node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct NodeScar {
+struct NodeDamage {
     /// The bonds to its upper neighbours.
-    bonds: [BondScar; FAMILY_COUNT],
-    /// How far it rests from where it was at first [mm].
-    lasting: DVec3,
+    bonds: [BondDamage; FAMILY_COUNT],
+    /// Plastic displacement of the node [mm].
+    plastic: DVec3,
 }
 
-/// All nodes that are not as at first, counted from the corner of the grid.
+/// All nodes with damage or plastic change, by their place counted from the corner of the grid.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Scars(BTreeMap<[i32; 3], NodeScar>);
+pub(super) struct Damage(BTreeMap<[i32; 3], NodeDamage>);
 
-impl Scars {
+impl Damage {
     /// Keeps what happened in a box.
     pub fn keep(&mut self, matter: &MovingBox) {
         let (lattice, inelastic) = (&matter.lattice, &matter.inelastic);
         for (node, index) in lattice.layout().nodes() {
-            let scar = NodeScar {
-                bonds: std::array::from_fn(|family| BondScar {
+            let damage = NodeDamage {
+                bonds: std::array::from_fn(|family| BondDamage {
                     broken: inelastic.broken[family][index],
                     longer: inelastic.base[family][index] - rest_length(family, lattice.spacing()),
                 }),
-                lasting: vector_at(&matter.lasting, index),
+                plastic: vector_at(&matter.plastic, index),
             };
             let place = (matter.origin + node.as_ivec3()).to_array();
-            if scar == NodeScar::default() {
+            if damage == NodeDamage::default() {
                 self.0.remove(&place);
             } else {
-                self.0.insert(place, scar);
+                self.0.insert(place, damage);
             }
         }
     }
@@ -64,17 +64,17 @@ impl Scars {
         let spacing = matter.lattice.spacing();
         for (node, index) in matter.lattice.layout.nodes() {
             let node = node.as_ivec3();
-            let Some(scar) = self.0.get(&(matter.origin + node).to_array()) else {
+            let Some(damage) = self.0.get(&(matter.origin + node).to_array()) else {
                 continue;
             };
-            for (family, bond) in scar.bonds.iter().enumerate() {
+            for (family, bond) in damage.bonds.iter().enumerate() {
                 let rest = rest_length(family, spacing) + bond.longer;
                 matter.inelastic.broken[family][index] = bond.broken;
                 matter.inelastic.base[family][index] = rest;
                 matter.lattice.bonds.rest[family][index] = rest;
             }
             if is_new(node) {
-                matter.begin_at(index, scar.lasting);
+                matter.begin_at(index, damage.plastic);
             }
         }
         matter.inelastic.break_again(&mut matter.lattice);

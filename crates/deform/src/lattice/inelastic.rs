@@ -20,7 +20,7 @@ use super::nodes::Lattice;
 use super::shift::shift;
 
 /// Rest lengths of bonds that yielded, at least and at most, as shares of that at first: 18 bonds that
-/// follow each on its own do not keep the volume, and matter that is ploughed would swell.
+/// follow each on its own do not keep the volume, and tissue that is ploughed would swell.
 const YIELDED: [f64; 2] = [0.6, 1.15];
 /// Way of a rest length from which on nodes are relaxed again [spacings].
 const FOLLOWED: f64 = 2e-3;
@@ -34,7 +34,7 @@ pub struct Prony {
     pub time: f64,
 }
 
-/// How matter changes for good; by default it only breaks.
+/// Inelastic behaviour of the lattice; by default it only breaks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InelasticSettings {
     /// Strain from which on rest lengths follow; none for elastic return.
@@ -63,7 +63,7 @@ pub struct Breaking {
     pub work: f64,
     /// The middle of them [mm]; zero where none broke.
     pub place: DVec3,
-    /// How far the rest length of any bond has followed, at most [mm].
+    /// Largest change of a bond's rest length by yielding [mm].
     pub yielded: f64,
 }
 
@@ -132,7 +132,7 @@ impl Inelastic {
         may_yield: impl Fn(usize) -> bool,
     ) -> Breaking {
         let mut breaking = Breaking::default();
-        // far from rest, matter that cannot yield has nothing to be looked for
+        // far from rest, tissue that cannot yield has nothing to be looked for
         if !may_break && self.settings.yield_strain.is_none() {
             return breaking;
         }

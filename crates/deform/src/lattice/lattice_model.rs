@@ -6,7 +6,7 @@ use std::time::Instant;
 use glam::IVec3;
 use palpate_volume::voxel_box::VoxelBox;
 
-use super::damage::Scars;
+use super::damage::Damage;
 use super::measured_stiffness::measured;
 use super::moduli::POISSON_RANGE;
 use super::moving_box::{MovingBox, grid_mm};
@@ -20,23 +20,23 @@ use crate::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
     ToolState,
 };
-use crate::observed_voxels::Seen;
-use crate::voxel_ledger::{Ledger, Wanted, matter_of};
+use crate::observed_voxels::ObservedVoxels;
+use crate::voxel_ledger::{Ledger, Wanted, state_of};
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
 /// Unbalanced force from which on nodes count as at rest, in parts of the tolerance.
 pub(super) const AT_REST: f64 = 10.0;
-/// Unbalanced force from which on a tool's matter yields, as a share of the tools' force: a little too
+/// Unbalanced force from which on a tool's tissue yields, as a share of the tools' force: a little too
 /// far is mended by what yields next.
 const NEARLY_AT_REST: f64 = 0.2;
 /// Relaxations in one call at most, where bonds break.
 const ROUNDS: u32 = 4;
 /// Displacement that is seen [spacings].
-const SEEN: f64 = 0.01;
-/// One of so many iterations is for the stiffness of the contact.
+const VISIBLE: f64 = 0.01;
+/// One in so many iterations is spent on the stiffness of the contact.
 const STIFFNESS_SHARE: u32 = 4;
-/// Shares of the time after which nodes are as far at rest as they come, with the tools and, where matter
+/// Shares of the time after which nodes are as far at rest as they come, with the tools and, where tissue
 /// yielded, without, and the contact as stiff as it is found; what is left is for the voxels.
 const RELAXED: f64 = 0.65;
 const EASED: f64 = 0.75;
@@ -48,22 +48,22 @@ pub struct LatticeModel {
     pub(super) settings: LatticeSettings,
     pub(super) matter: Option<MovingBox>,
     pub(super) relaxer: Relaxer,
-    /// Finds where matter stays that has yielded.
+    /// Finds where tissue stays that has yielded.
     pub(super) unloaded: Relaxer,
-    scars: Scars,
+    damage: Damage,
     pub(super) ledger: Ledger,
     /// What voxels are to be that the box has left, until they are.
     pub(super) left_behind: Wanted,
-    seen: Option<Seen>,
+    observed: Option<ObservedVoxels>,
     bonds_broken: u64,
     work_broken: f64,
-    /// Whether matter was still yielding or breaking at the end of the last relaxation.
+    /// Whether tissue was still yielding or breaking at the end of the last relaxation.
     pub(super) yields: bool,
-    told_poisson: bool,
+    reported_poisson: bool,
     /// Whether what yielded was seen without a tool, and nothing was pressed or cut since.
     pub(super) settled: bool,
     /// Contacts of the last answer.
-    told: Vec<ToolContact>,
+    reported: Vec<ToolContact>,
 }
 
 impl LatticeModel {
@@ -114,7 +114,7 @@ impl LatticeModel {
         let goes = matter.as_ref().is_some_and(goes);
         if let Some(matter) = matter.as_mut().filter(|_| goes) {
             self.leave(matter, origin, input, tools);
-            self.scars.keep(matter);
+            self.damage.keep(matter);
         }
         let rest = self.rest_voxels(input, asked);
         let LatticeSettings {
@@ -123,7 +123,7 @@ impl LatticeModel {
         let mut matter =
             matter.unwrap_or_else(|| MovingBox::new(&rest, nodes, spacing, inelastic, origin));
         if goes {
-            matter.go(&rest, origin, &self.scars);
+            matter.go(&rest, origin, &self.damage);
         }
         let asked = rest.asked.get();
         self.matter = Some(matter);
@@ -154,16 +154,16 @@ impl LatticeModel {
         }
     }
 
-    /// Follows what others have changed of the voxels. Matter that moved and was cut where it
+    /// Follows what others have changed of the voxels. Tissue that moved and was cut where it
     /// stands is gone where it is at rest too.
     fn follow_edits(&mut self, input: &ModelInput<'_>) -> u64 {
         let voxels = input.voxels;
-        let seen = self.seen.replace(Seen::now(voxels));
-        if seen.is_some_and(|seen| seen.explains(voxels)) {
+        let observed = self.observed.replace(ObservedVoxels::now(voxels));
+        if observed.is_some_and(|observed| observed.explains(voxels)) {
             return 0;
         }
         self.settled = false;
-        match seen {
+        match observed {
             Some(_) => self.ledger.follow_cuts(voxels),
             // after a reset voxels are those of another time, and nobody cut what they showed
             None => drop(self.ledger.take_overruled(voxels)),
@@ -192,7 +192,7 @@ impl LatticeModel {
         let region = region.map_or(VoxelBox::EMPTY, |matter| matter.region_from(matter.origin));
         self.left_behind.retain(|key, (matter, _)| {
             let voxel = IVec3::from_array(*key);
-            !region.contains(voxel) && matter_of(voxels, voxel) != Some(*matter)
+            !region.contains(voxel) && state_of(voxels, voxel) != Some(*matter)
         });
         let field = self.matter.as_ref().map(MovingBox::displacement);
         // where nothing was pressed since, what lasts is as it was to the voxel
@@ -202,24 +202,25 @@ impl LatticeModel {
         answer.report.effort.looked_at = looked_at;
         answer.edit = self.ledger.write(voxels, &wanted);
         if self.is_unloaded(&answer.report) {
-            self.ledger.note_lasting(&region);
+            self.ledger.note_plastic(&region);
             self.settled = true;
         }
-        if let Some(seen) = &mut self.seen {
-            seen.note(&self.ledger);
+        if let Some(observed) = &mut self.observed {
+            observed.note(&self.ledger);
         }
         if let Some(field) = field {
-            let least = SEEN * field.spacing;
-            answer.displacement = field.told(voxels, &self.ledger, least);
+            let least = VISIBLE * field.spacing;
+            answer.displacement = field.residual(voxels, &self.ledger, least);
         }
         answer.report.moved_voxels = self.ledger.len() as u32;
-        answer.report.lasting_voxels = self.ledger.lasting_len() as u32;
+        answer.report.plastic_voxels = self.ledger.plastic_len() as u32;
     }
 
     /// Relaxes, breaks, and relaxes again, within the budget.
     fn relax(
         &mut self,
-        (input, budget): (&ModelInput<'_>, Budget),
+        input: &ModelInput<'_>,
+        budget: Budget,
         tools: &[LatticeTool],
         answer: &mut ModelAnswer,
     ) {
@@ -270,9 +271,10 @@ impl LatticeModel {
     }
 
     /// What each tool feels, one contact for each, usable or not.
-    fn tell_contacts(
+    fn report_contacts(
         &mut self,
-        (input, budget): (&ModelInput<'_>, Budget),
+        input: &ModelInput<'_>,
+        budget: Budget,
         answer: &mut ModelAnswer,
     ) {
         let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
@@ -297,21 +299,21 @@ impl LatticeModel {
             let is_late = || budget.is_late();
             let stiffness =
                 self.relaxer
-                    .stiffness(&mut matter.lattice, &tools, which, (most, &is_late));
+                    .stiffness(&mut matter.lattice, &tools, which, most, &is_late);
             let force = matter.grid.direction() * felt.force;
             let spacing = matter.lattice.spacing();
-            let stiffness = measured(&self.told, tool, force, spacing).of(stiffness);
-            let told = answer.contacts.iter_mut().find(|told| told.tool == tool.id);
-            if let Some(told) = told {
-                told.contact = matter.contact(tool, &felt, stiffness);
+            let stiffness = measured(&self.reported, tool, force, spacing).of(stiffness);
+            let own = answer.contacts.iter_mut().find(|own| own.tool == tool.id);
+            if let Some(own) = own {
+                own.contact = matter.contact(tool, &felt, stiffness);
             }
         }
-        self.told.clone_from(&answer.contacts);
+        self.reported.clone_from(&answer.contacts);
     }
 
     /// Says once where Poisson's ratio is not the one that was asked for.
-    fn tell_poisson(&mut self, answer: &mut ModelAnswer) {
-        let Some(matter) = self.matter.as_ref().filter(|_| !self.told_poisson) else {
+    fn report_poisson(&mut self, answer: &mut ModelAnswer) {
+        let Some(matter) = self.matter.as_ref().filter(|_| !self.reported_poisson) else {
             return;
         };
         let [low, high] = POISSON_RANGE;
@@ -327,7 +329,7 @@ impl LatticeModel {
             answer
                 .events
                 .push(ModelEvent::PoissonClamped { asked, used });
-            self.told_poisson = true;
+            self.reported_poisson = true;
         }
     }
 }
@@ -335,16 +337,16 @@ impl LatticeModel {
 impl DeformationModel for LatticeModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
         let began = Instant::now();
-        let part = |share: f64| (input, input.budget.until(began, share));
+        let budget = |share: f64| input.budget.until(began, share);
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
         answer.report.effort.sampled = self.follow(input, &usable);
-        self.tell_poisson(&mut answer);
+        self.report_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
-            self.relax(part(RELAXED), &tools, &mut answer);
+            self.relax(input, budget(RELAXED), &tools, &mut answer);
         }
-        self.follow_lasting(part(EASED), &answer.report);
+        self.follow_plastic(input, budget(EASED), &answer.report);
         if self
             .matter
             .as_ref()
@@ -355,7 +357,7 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        self.tell_contacts(part(STIFFNESS_FOUND), &mut answer);
+        self.report_contacts(input, budget(STIFFNESS_FOUND), &mut answer);
         let effort = &mut answer.report.effort;
         effort.evaluations = std::mem::take(&mut self.relaxer.evaluations)
             + std::mem::take(&mut self.unloaded.evaluations);
@@ -378,10 +380,10 @@ impl DeformationModel for LatticeModel {
 
     fn reset(&mut self) {
         self.matter = None;
-        self.scars = Scars::default();
+        self.damage = Damage::default();
         self.left_behind.clear();
-        self.ledger.settle_lasting();
-        self.seen = None;
-        self.told.clear();
+        self.ledger.settle_plastic();
+        self.observed = None;
+        self.reported.clear();
     }
 }

@@ -63,13 +63,13 @@ impl Layout {
         self.size
     }
 
-    /// From a node to the next along y.
+    /// Offset in memory from a node to the next along y.
     #[must_use]
     pub(super) fn row(&self) -> usize {
         self.row
     }
 
-    /// From a node to the next along z.
+    /// Offset in memory from a node to the next along z.
     #[must_use]
     pub(super) fn plane(&self) -> usize {
         self.plane
@@ -129,7 +129,7 @@ impl Layout {
         })
     }
 
-    /// From the lower node of a bond to its upper one.
+    /// Offset in memory from the lower node of a bond to its upper one.
     #[must_use]
     pub(super) fn offset(&self, family: usize) -> usize {
         let [x, y, z] = FAMILIES[family].map(|step| step as isize);

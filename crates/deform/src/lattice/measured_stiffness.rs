@@ -8,7 +8,7 @@ use crate::model::{ToolContact, ToolState};
 /// share of what was told, it counts.
 const MEASURED_WAY: f64 = 0.01;
 const MEASURED_SHARE: f64 = 0.7;
-/// Of what was told, at least.
+/// Least fraction of the stiffness found that is reported.
 const LEAST_SHARE: f64 = 0.02;
 
 /// What the way of a tool since the last answer tells of its stiffness [N/mm].
@@ -16,9 +16,9 @@ const LEAST_SHARE: f64 = 0.02;
 pub(super) enum Measured {
     /// How much the force has grown along itself for the way that the tool has gone against it.
     Stiffness(f64),
-    /// It stands, and is as stiff as it was told to be.
+    /// The tool stands still: the stiffness reported last holds [N/mm].
     AsBefore(f64),
-    /// Nothing: it was not felt, or has gone elsewhere.
+    /// Nothing is known: there was no contact, or the tool has moved away.
     Nothing,
 }
 
@@ -27,22 +27,22 @@ impl Measured {
     pub fn of(self, found: f64) -> f64 {
         match self {
             Self::Stiffness(seen) if seen < MEASURED_SHARE * found => seen.max(LEAST_SHARE * found),
-            Self::AsBefore(told) => found.min(told),
+            Self::AsBefore(reported) => found.min(reported),
             _ => found,
         }
     }
 }
 
-/// Measures the stiffness of a contact by its force [N, patient]. Where matter of very different
+/// Measures the stiffness of a contact by its force [N, patient]. Where tissue of very different
 /// stiffness comes to rest slowly, the linear problem finds it too stiff.
 pub(super) fn measured(
-    told: &[ToolContact],
+    reported: &[ToolContact],
     tool: &ToolState,
     force: DVec3,
     spacing: f64,
 ) -> Measured {
-    let last = told.iter().find(|told| told.tool == tool.id);
-    let last = last.and_then(|told| told.contact);
+    let last = reported.iter().find(|last| last.tool == tool.id);
+    let last = last.and_then(|last| last.contact);
     let (Some(last), Some(normal)) = (last, force.try_normalize()) else {
         return Measured::Nothing;
     };

@@ -24,7 +24,7 @@ pub struct LatticeModuli {
 }
 
 impl LatticeModuli {
-    /// For nodes `spacing` [mm] apart.
+    /// Stiffness for nodes `spacing` [mm] apart.
     #[must_use]
     pub fn of(solid: &Solid, spacing: f64) -> Self {
         let [low, high] = POISSON_RANGE;

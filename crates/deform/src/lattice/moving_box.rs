@@ -6,10 +6,10 @@ use palpate_volume::material::LocalContact;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::border::Border;
-use super::damage::Scars;
+use super::damage::Damage;
 use super::inelastic::{Breaking, Inelastic, InelasticSettings};
 use super::layout::Layout;
-use super::nodes::{Lattice, NodeMatter};
+use super::nodes::{Lattice, NodeMaterial};
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_place};
 use super::shift::shift;
@@ -22,7 +22,7 @@ use crate::model::{ModelParts, ToolState};
 /// Half axis of a tool, at least: a thinner one would slip between nodes [spacings].
 const THINNEST: f64 = 0.5;
 
-/// How far from the tool's place its contact holds [spacings].
+/// Distance from the tool's place within which its contact is valid [spacings].
 const VALIDITY: f64 = 0.5;
 
 /// Share of the box's half width over which voxels and picture fade to the unmoved body.
@@ -37,12 +37,12 @@ pub(super) struct MovingBox {
     pub lattice: Lattice,
     pub inelastic: Inelastic,
     /// How far each node stays from where it was at first, as was last seen from near [mm].
-    pub lasting: Field,
-    /// How far nodes would be moved without tools [mm].
+    pub plastic: Field,
+    /// Displacement of each node at rest without tools [mm].
     unloaded: Field,
     /// How much of what comes back is shown at each node: less and less toward the border.
     share: Vec<f64>,
-    /// Its first node, counted from the corner of the grid.
+    /// First node of the box, counted from the corner of the grid.
     pub origin: IVec3,
     pub grid: Grid,
     materials: Materials,
@@ -63,7 +63,7 @@ impl MovingBox {
         let mut lattice = Lattice::new(UVec3::splat(nodes), spacing, border, matter);
         Self {
             inelastic: Inelastic::new(&mut lattice, inelastic),
-            lasting: zero_field(lattice.layout().len()),
+            plastic: zero_field(lattice.layout().len()),
             unloaded: zero_field(lattice.layout().len()),
             share: shares(lattice.layout()),
             lattice,
@@ -73,14 +73,14 @@ impl MovingBox {
         }
     }
 
-    /// Whether it is of this scan and these materials.
+    /// Whether the box was built from this scan and these materials.
     pub fn fits(&self, rest: &RestVoxels<'_>) -> bool {
         self.grid == *rest.voxels.grid() && self.materials == *rest.materials
     }
 
     /// Stands elsewhere: what both places share goes on as it is, what does not come back is as in
-    /// `scars`.
-    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, scars: &Scars) {
+    /// `damage`.
+    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, damage: &Damage) {
         let offset = origin - self.origin;
         let spacing = self.lattice.spacing();
         let matter = |node: IVec3| rest.matter_of_node(spacing, origin + node);
@@ -88,35 +88,35 @@ impl MovingBox {
         self.lattice.go(offset, &matter);
         self.inelastic.go(&self.lattice, offset);
         let layout = *self.lattice.layout();
-        for axis in self.lasting.iter_mut().chain(&mut self.unloaded) {
+        for axis in self.plastic.iter_mut().chain(&mut self.unloaded) {
             shift(&layout, axis, offset, 0.0);
         }
-        scars.recall(self, |node| layout.index_of(node + offset).is_none());
+        damage.recall(self, |node| layout.index_of(node + offset).is_none());
         self.rest_border();
     }
 
     /// Has a node that is new in the box stand where it stayed [mm from where it was at first].
-    pub fn begin_at(&mut self, index: usize, lasting: DVec3) {
-        self.lattice.set_moved(index, lasting);
+    pub fn begin_at(&mut self, index: usize, plastic: DVec3) {
+        self.lattice.set_moved(index, plastic);
         for axis in 0..3 {
-            self.lasting[axis][index] = lasting[axis];
-            self.unloaded[axis][index] = lasting[axis];
+            self.plastic[axis][index] = plastic[axis];
+            self.unloaded[axis][index] = plastic[axis];
         }
     }
 
     /// Has the border hold the nodes where they stay.
     fn rest_border(&mut self) {
         if self.has_yielded() {
-            self.lattice.rest_border_at(&self.lasting);
+            self.lattice.rest_border_at(&self.plastic);
         }
     }
 
-    /// Whether any of its matter has yielded.
+    /// Whether any of its tissue has yielded.
     pub fn has_yielded(&self) -> bool {
         self.inelastic.has_yielded(&self.lattice)
     }
 
-    /// Force of a small strain of one bond of the softest matter [N]: it counts where no tool
+    /// Force of a small strain of one bond of the softest tissue [N]: it counts where no tool
     /// feels more.
     pub fn small_force(&self) -> f64 {
         SMALL_STRAIN * self.lattice.softest_bond() * self.lattice.spacing()
@@ -139,7 +139,7 @@ impl MovingBox {
     /// Notes that no tool presses the nodes: they stand where they stay.
     pub fn note_unloaded(&mut self) {
         self.unloaded.clone_from(&self.lattice.moved);
-        self.note_lasting();
+        self.note_plastic();
     }
 
     /// Brings what is known of where the nodes would stay without tools nearer to how it is; the nodes
@@ -156,17 +156,17 @@ impl MovingBox {
             self.lattice.put_to_rest();
         }
         std::mem::swap(&mut self.lattice.moved, &mut self.unloaded);
-        self.note_lasting();
+        self.note_plastic();
     }
 
     /// Near the border of the box, where what yielded beyond it is missing, nodes stay where they
     /// were when the box stood around them.
-    fn note_lasting(&mut self) {
+    fn note_plastic(&mut self) {
         for axis in 0..3 {
-            let known = self.lasting[axis].iter_mut().zip(&self.unloaded[axis]);
-            for ((lasting, unloaded), share) in known.zip(&self.share) {
+            let known = self.plastic[axis].iter_mut().zip(&self.unloaded[axis]);
+            for ((plastic, unloaded), share) in known.zip(&self.share) {
                 if *share == 1.0 {
-                    *lasting = *unloaded;
+                    *plastic = *unloaded;
                 }
             }
         }
@@ -227,7 +227,7 @@ impl MovingBox {
             .transform_point3(in_grid / self.grid.spacing())
     }
 
-    /// Its nodes with matter.
+    /// Nodes of the box that hold tissue.
     pub fn parts(&self) -> ModelParts {
         let lattice = &self.lattice;
         let places = lattice.matter_nodes().map(|node| {
@@ -245,12 +245,12 @@ impl MovingBox {
         nodes.all(|node| self.lattice.moved(node).is_finite())
     }
 
-    /// How far matter has moved: what comes back less and less toward the border of the box, where
+    /// How far tissue has moved: what comes back less and less toward the border of the box, where
     /// the picture of the body behind it begins; what lasts as it is.
     pub fn displacement(&self) -> Displacement {
         let field = self.field(|index| {
-            let lasting = vector_at(&self.lasting, index);
-            lasting + (self.lattice.moved(index) - lasting) * self.share[index]
+            let plastic = vector_at(&self.plastic, index);
+            plastic + (self.lattice.moved(index) - plastic) * self.share[index]
         });
         match self.has_yielded() {
             true => field.going_on(),
@@ -258,15 +258,15 @@ impl MovingBox {
         }
     }
 
-    /// How far matter will have moved when no tool presses it any more.
-    pub fn lasting_displacement(&self) -> Displacement {
-        self.field(|index| vector_at(&self.lasting, index))
+    /// Plastic displacement: what remains when no tool presses any more.
+    pub fn plastic_displacement(&self) -> Displacement {
+        self.field(|index| vector_at(&self.plastic, index))
     }
 
     fn field(&self, moved: impl Fn(usize) -> DVec3) -> Displacement {
         let layout = self.lattice.layout();
         let moved = |(_, index): (UVec3, usize)| {
-            let is_matter = *self.lattice.matter(index) != NodeMatter::Empty;
+            let is_matter = *self.lattice.matter(index) != NodeMaterial::Empty;
             is_matter.then(|| moved(index))
         };
         let spacing = self.lattice.spacing();

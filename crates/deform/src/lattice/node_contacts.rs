@@ -9,7 +9,7 @@ use super::nodes::Lattice;
 use crate::material::pair_stiffness;
 use glam::{DVec3, IVec3, UVec3};
 
-/// How far apart nodes are still watched [spacings]; they touch at 1.
+/// Distance up to which pairs of nodes are listed [spacings]; they touch at 1.
 const REACH: f64 = 1.3;
 
 /// A pair that may touch.
@@ -17,7 +17,7 @@ const REACH: f64 = 1.3;
 struct Pair {
     first: u32,
     second: u32,
-    /// At the distance where they begin to touch [N/mm].
+    /// Stiffness at the distance where they begin to touch [N/mm].
     stiffness: f64,
 }
 

@@ -13,17 +13,17 @@ use crate::model::Effort;
 
 /// What a node is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum NodeMatter {
-    /// Nothing.
+pub enum NodeMaterial {
+    /// No tissue.
     Empty,
-    /// It gives.
+    /// Deformable tissue.
     Deformable(Solid),
-    /// It stays where it is.
+    /// Rigid: the node stays where it is.
     Rigid(Solid),
 }
 
-impl NodeMatter {
-    /// Its constants; none where there is nothing.
+impl NodeMaterial {
+    /// Elastic constants; none for an empty node.
     #[must_use]
     pub fn solid(&self) -> Option<&Solid> {
         match self {
@@ -42,16 +42,16 @@ pub struct Lattice {
     /// Between nodes [mm].
     pub(super) spacing: f64,
     /// What each node is made of.
-    pub(super) matter: Vec<NodeMatter>,
-    /// Stiffness of the bonds of a body all of this node's matter [N/mm]; 0 where empty.
+    pub(super) matter: Vec<NodeMaterial>,
+    /// Stiffness of the bonds of a body all of this node's tissue [N/mm]; 0 where empty.
     pub(super) node_stiffness: Vec<f64>,
-    /// Bulk modulus that the volume term adds in a body all of this node's matter [N/mm²].
+    /// Bulk modulus that the volume term adds in a body all of this node's tissue [N/mm²].
     pub(super) node_volume: Vec<f64>,
     pub(super) bonds: Bonds,
     pub(super) cells: Cells,
     pub(super) ground: Vec<Ground>,
     pub(super) border: Border,
-    /// For each node, the faces of the box (a bit each) behind which matter goes on.
+    /// For each node, the faces of the box (a bit each) behind which tissue goes on.
     pub(super) cut: Vec<u8>,
     /// Stiffness of bonds as they are put under strain at once over that in the end.
     pub(super) stiffening: f64,
@@ -61,7 +61,7 @@ pub struct Lattice {
     pub(super) mass: Vec<f64>,
     /// Along which axes a node never moves. Shape [3, nodes].
     pub(super) held: [Vec<bool>; 3],
-    /// Nodes with matter that miss a bond inside the box, by rising place.
+    /// Nodes with tissue that miss a bond inside the box, by rising place.
     pub(super) free_nodes: Vec<u32>,
     /// Displacement from rest [mm].
     pub(super) moved: Field,
@@ -73,7 +73,7 @@ pub struct Lattice {
 
 impl Lattice {
     /// A box of `size` nodes, at rest; `matter` is asked for every node and for those one step
-    /// outside, by which the border knows where matter goes on.
+    /// outside, by which the border knows where tissue goes on.
     ///
     /// # Panics
     /// Where the spacing is no length or the box has fewer than 2 or more than 256 nodes along
@@ -83,7 +83,7 @@ impl Lattice {
         size: UVec3,
         spacing: f64,
         border: Border,
-        matter: impl Fn(IVec3) -> NodeMatter,
+        matter: impl Fn(IVec3) -> NodeMaterial,
     ) -> Self {
         assert!(spacing > 0.0 && spacing.is_finite(), "spacing {spacing}");
         let layout = Layout::new(size);
@@ -91,7 +91,7 @@ impl Lattice {
         let mut lattice = Self {
             layout,
             spacing,
-            matter: vec![NodeMatter::Empty; length],
+            matter: vec![NodeMaterial::Empty; length],
             node_stiffness: vec![0.0; length],
             node_volume: vec![0.0; length],
             bonds: Bonds::none(&layout, spacing),
@@ -126,7 +126,7 @@ impl Lattice {
 
     /// What a node is made of.
     #[must_use]
-    pub fn matter(&self, index: usize) -> &NodeMatter {
+    pub fn matter(&self, index: usize) -> &NodeMaterial {
         &self.matter[index]
     }
 
@@ -143,7 +143,7 @@ impl Lattice {
         node.as_dvec3() * self.spacing
     }
 
-    /// How far a node has moved from rest [mm].
+    /// Displacement of a node from rest [mm].
     #[must_use]
     pub fn moved(&self, index: usize) -> DVec3 {
         vector_at(&self.moved, index)
@@ -185,13 +185,13 @@ impl Lattice {
         }
     }
 
-    /// Places of all nodes with matter, in the order of memory.
+    /// Places of all nodes with tissue, in the order of memory.
     pub fn matter_nodes(&self) -> impl Iterator<Item = usize> {
         let stiffness = self.node_stiffness.iter().enumerate();
         stiffness.filter(|(_, k)| **k > 0.0).map(|(index, _)| index)
     }
 
-    /// Stiffness of the bonds of the softest matter that moves [N/mm]; 0 where none does.
+    /// Stiffness of the bonds of the softest tissue that moves [N/mm]; 0 where none does.
     pub(super) fn softest_bond(&self) -> f64 {
         let moving = self.matter_nodes().filter(|node| self.is_mobile(*node));
         let softest = moving.map(|node| self.node_stiffness[node]);

@@ -1,10 +1,10 @@
-//! Matter that has yielded stays as it was pressed: what the box leaves behind, and where nodes would
+//! Tissue that has yielded stays as it was pressed: what the box leaves behind, and where nodes would
 //! stay if all tools left.
 //!
 //! Under the tool voxels show where nodes stand. Toward the border of the box they show where nodes
 //! will stay without the tool, which is relaxed for beside the rest: so a box that goes on leaves
 //! behind what lasts, and nothing of what comes back. Voxels that show what lasts are no
-//! more touched until a tool presses their matter again, or somebody cuts it.
+//! more touched until a tool presses their tissue again, or somebody cuts it.
 
 use glam::IVec3;
 
@@ -13,11 +13,11 @@ use super::moving_box::MovingBox;
 use super::relax::RelaxSettings;
 use crate::model::{Budget, ModelInput, ModelReport, ToolState};
 
-/// So many iterations in parts of all are on top, where matter yields, for how it is without tools.
+/// So many iterations in parts of all are on top, where tissue yields, for how it is without tools.
 const UNLOADING_SHARE: u32 = 4;
 
 impl LatticeModel {
-    /// Before a box goes to `origin`: what it leaves of matter that has yielded stays as it will be
+    /// Before a box goes to `origin`: what it leaves of tissue that has yielded stays as it will be
     /// without a tool, and does not come back.
     pub(super) fn leave(
         &mut self,
@@ -29,7 +29,7 @@ impl LatticeModel {
         if self.settled || !matter.has_yielded() {
             return;
         }
-        let field = matter.lasting_displacement();
+        let field = matter.plastic_displacement();
         let [before, after] = [matter.origin, origin].map(|origin| matter.region_from(origin));
         let left = |voxel: IVec3| before.contains(voxel) && !after.contains(voxel);
         let mut wanted = self.rule(input, tools).left_behind(&field);
@@ -38,10 +38,11 @@ impl LatticeModel {
         self.left_behind.extend(wanted);
     }
 
-    /// Follows where matter that has yielded would stay if all tools left.
-    pub(super) fn follow_lasting(
+    /// Follows where tissue that has yielded would stay if all tools left.
+    pub(super) fn follow_plastic(
         &mut self,
-        (input, budget): (&ModelInput<'_>, Budget),
+        input: &ModelInput<'_>,
+        budget: Budget,
         report: &ModelReport,
     ) {
         let is_unloaded = self.is_unloaded(report);
@@ -63,7 +64,7 @@ impl LatticeModel {
         }
     }
 
-    /// Whether matter that has yielded is at rest without a tool.
+    /// Whether tissue that has yielded is at rest without a tool.
     pub(super) fn is_unloaded(&self, report: &ModelReport) -> bool {
         let is_free = self.relaxer.felt().iter().all(|felt| felt.nodes == 0);
         let at_rest = report.residual <= AT_REST * self.settings.tolerance;

@@ -11,7 +11,7 @@ use super::nodes::Lattice;
 use super::tool_contact::{ContactNode, LatticeTool, ToolForce, ToolReach};
 use super::vectors::Field;
 
-/// How to relax.
+/// Settings of a relaxation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelaxSettings {
     /// Unbalanced force left, as a share of the tools' force, at which nodes are at rest.
@@ -22,7 +22,7 @@ pub struct RelaxSettings {
     pub reference: f64,
 }
 
-/// How it went.
+/// Result of a relaxation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RelaxReport {
     /// Evaluations of all forces.
@@ -38,10 +38,10 @@ const GAINS: [f64; 2] = [0.05, 0.5];
 const MOST: u32 = 60;
 /// A node moves so far at most in one step [spacings].
 const FARTHEST: f64 = 0.5;
-/// How often a step is cut in half.
+/// Most times that a step is cut in half.
 const HALVES: u32 = 4;
 
-/// How well one step is to be found.
+/// Accuracy with which one step is to be found.
 pub(super) struct Wish {
     /// Evaluations at most.
     pub most: u32,
@@ -179,7 +179,7 @@ impl Relaxer {
         }
     }
 
-    /// How much each node gives under a force, its contacts as they are now.
+    /// Computes the mobility of each node, with its contacts as they are now.
     pub(super) fn weigh(&mut self, lattice: &Lattice) {
         let mut mass = lattice.mass.clone();
         for contact in &self.touched {

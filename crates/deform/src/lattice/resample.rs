@@ -3,39 +3,39 @@
 //! Nodes stand in the middles of cubes of the spacing, counted from the corner of the grid,
 //! wherever the box is; so a box that moves by whole nodes finds the same nodes again. A node
 //! belongs to what the voxel around it belongs to at rest; its intensity is trilinear between
-//! the middles of the voxels around it, those of other matter left out.
+//! the middles of the voxels around it, those of other tissue left out.
 
 use std::cell::Cell;
 
 use glam::{DVec3, IVec3};
 use palpate_volume::voxels::Voxels;
 
-use super::nodes::NodeMatter;
-use crate::material::{Materials, Region, SegmentMatter, Treatment};
+use super::nodes::NodeMaterial;
+use crate::material::{Materials, Region, SegmentMaterial, Treatment};
 use crate::voxel_ledger::Ledger;
 
-/// The matter of a scan at rest.
+/// The tissue of a scan at rest.
 pub(super) struct RestVoxels<'a> {
     pub voxels: &'a Voxels,
     pub materials: &'a Materials,
     /// What of it the voxels do not show as it is at rest.
     pub ledger: &'a Ledger,
-    /// How often it was asked.
+    /// Number of questions asked.
     pub asked: Cell<u64>,
 }
 
 impl RestVoxels<'_> {
     /// What a node is made of, counted from the corner of the grid.
-    pub fn matter_of_node(&self, spacing: f64, node: IVec3) -> NodeMatter {
+    pub fn matter_of_node(&self, spacing: f64, node: IVec3) -> NodeMaterial {
         self.asked.set(self.asked.get() + 1);
         let point = node_place(node, spacing) / self.voxels.grid().spacing();
         let Some(voxel) = self.voxels.grid().voxel_at(point) else {
-            return NodeMatter::Empty;
+            return NodeMaterial::Empty;
         };
         // where segments overlap, the last counts
         let mut segments = self.materials.segments.iter().rev();
         let Some(matter) = segments.find(|matter| self.belongs(voxel, matter)) else {
-            return NodeMatter::Empty;
+            return NodeMaterial::Empty;
         };
         let value = match matter.law.needs_hounsfield() {
             true => self.value_at(point, matter),
@@ -43,13 +43,13 @@ impl RestVoxels<'_> {
         };
         let solid = matter.law.at(value);
         match self.treatment(matter, voxel) {
-            Treatment::Deformable => NodeMatter::Deformable(solid),
-            Treatment::Rigid => NodeMatter::Rigid(solid),
-            Treatment::Empty => NodeMatter::Empty,
+            Treatment::Deformable => NodeMaterial::Deformable(solid),
+            Treatment::Rigid => NodeMaterial::Rigid(solid),
+            Treatment::Empty => NodeMaterial::Empty,
         }
     }
 
-    fn belongs(&self, voxel: IVec3, matter: &SegmentMatter) -> bool {
+    fn belongs(&self, voxel: IVec3, matter: &SegmentMaterial) -> bool {
         match self.ledger.changed(voxel) {
             Some(changed) => changed.rest.segments.contains(matter.segment),
             None => {
@@ -59,8 +59,8 @@ impl RestVoxels<'_> {
         }
     }
 
-    /// The intensity of some matter at a point [voxels], which lies in a voxel of it.
-    fn value_at(&self, point: DVec3, matter: &SegmentMatter) -> f64 {
+    /// The intensity of some tissue at a point [voxels], which lies in a voxel of it.
+    fn value_at(&self, point: DVec3, matter: &SegmentMaterial) -> f64 {
         let low = (point - 0.5).floor();
         let share = point - 0.5 - low;
         let (mut sum, mut weight) = (0.0, 0.0);
@@ -89,7 +89,7 @@ impl RestVoxels<'_> {
     }
 
     /// How a voxel of a segment takes part.
-    fn treatment(&self, matter: &SegmentMatter, voxel: IVec3) -> Treatment {
+    fn treatment(&self, matter: &SegmentMaterial, voxel: IVec3) -> Treatment {
         let holds = |region: &Region| match region {
             Region::Whole => true,
             Region::Within(box_of_voxels) => box_of_voxels.contains(voxel),

@@ -2,7 +2,7 @@
 
 use super::inelastic::InelasticSettings;
 
-/// How the lattice works.
+/// Settings of the lattice model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeSettings {
     /// Nodes along each edge of the box, odd, 5 to 101.
@@ -11,9 +11,9 @@ pub struct LatticeSettings {
     pub spacing: Option<f64>,
     /// Unbalanced force at rest, as a share of the tools' force.
     pub tolerance: f64,
-    /// What does not come back.
+    /// Breaking, yielding and relaxation of stress.
     pub inelastic: InelasticSettings,
-    /// What the scan reads where the tool is in matter, in its own unit.
+    /// What the scan reads where the tool is in tissue, in its own unit.
     pub air: f64,
 }
 

@@ -5,13 +5,13 @@ use glam::{IVec3, UVec3};
 
 use super::bond_forces::rest_length;
 use super::layout::{FAMILY_COUNT, Layout};
-use super::nodes::{Lattice, NodeMatter};
+use super::nodes::{Lattice, NodeMaterial};
 use super::structure::faces_at;
 
 impl Lattice {
     /// Goes `offset` nodes on. `matter` is asked for nodes that the box did not have, and behind
     /// the faces at the ends of its way. Bonds that are built anew are whole.
-    pub(super) fn go(&mut self, offset: IVec3, matter: &impl Fn(IVec3) -> NodeMatter) {
+    pub(super) fn go(&mut self, offset: IVec3, matter: &impl Fn(IVec3) -> NodeMaterial) {
         let layout = self.layout;
         self.shift(offset);
         let mut near = vec![false; layout.len()];
@@ -39,7 +39,7 @@ impl Lattice {
     /// Has all that is kept of each node at its place in the new box.
     fn shift(&mut self, offset: IVec3) {
         let layout = self.layout;
-        shift(&layout, &mut self.matter, offset, NodeMatter::Empty);
+        shift(&layout, &mut self.matter, offset, NodeMaterial::Empty);
         shift(&layout, &mut self.node_stiffness, offset, 0.0);
         shift(&layout, &mut self.node_volume, offset, 0.0);
         shift(&layout, &mut self.cells.modulus, offset, 0.0);
@@ -94,14 +94,14 @@ mod tests {
         si.checked().expect("matter")
     }
 
-    /// Soft matter with a ball of stiffer matter in it, bone beside it, under a slope of air.
-    fn matter(node: IVec3) -> NodeMatter {
+    /// Soft tissue with a ball of stiffer tissue in it, bone beside it, under a slope of air.
+    fn matter(node: IVec3) -> NodeMaterial {
         let from_middle = (node - IVec3::new(14, 10, 4)).as_dvec3();
         match node {
-            _ if node.z + node.x / 3 > 9 => NodeMatter::Empty,
-            _ if node.y > 16 => NodeMatter::Rigid(solid(1e10, 0.3)),
-            _ if from_middle.length() < 3.5 => NodeMatter::Deformable(solid(4e5, 0.25)),
-            _ => NodeMatter::Deformable(solid(1e4, 0.4)),
+            _ if node.z + node.x / 3 > 9 => NodeMaterial::Empty,
+            _ if node.y > 16 => NodeMaterial::Rigid(solid(1e10, 0.3)),
+            _ if from_middle.length() < 3.5 => NodeMaterial::Deformable(solid(4e5, 0.25)),
+            _ => NodeMaterial::Deformable(solid(1e4, 0.4)),
         }
     }
 

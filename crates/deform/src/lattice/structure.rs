@@ -7,7 +7,7 @@ use super::border::{Border, Ground, spring_of_endless_body};
 use super::coarse::{Coarse, MODES};
 use super::layout::{FAMILIES, FAMILY_COUNT, Layout};
 use super::moduli::LatticeModuli;
-use super::nodes::{Lattice, NodeMatter};
+use super::nodes::{Lattice, NodeMaterial};
 use super::vectors::zero_field;
 use super::volume_forces::corners;
 use crate::material::{Solid, pair_stiffness};
@@ -18,7 +18,7 @@ const HELD_RATIO: f64 = 1e3;
 
 impl Lattice {
     /// Asks what every node is made of, and those one step outside, and builds all of it.
-    pub(super) fn build(&mut self, matter: &impl Fn(IVec3) -> NodeMatter) {
+    pub(super) fn build(&mut self, matter: &impl Fn(IVec3) -> NodeMaterial) {
         let all: Vec<_> = self.layout.nodes().collect();
         for &(node, index) in &all {
             self.put(index, matter(node.as_ivec3()));
@@ -31,12 +31,12 @@ impl Lattice {
         self.connect(&all, None);
     }
 
-    /// Puts other matter on some nodes, and builds anew what hangs on them; broken bonds come
+    /// Puts other tissue on some nodes, and builds anew what hangs on them; broken bonds come
     /// back whole. Nodes that have become empty are at rest.
     pub(super) fn change(
         &mut self,
-        changes: &[(usize, NodeMatter)],
-        matter: &impl Fn(IVec3) -> NodeMatter,
+        changes: &[(usize, NodeMaterial)],
+        matter: &impl Fn(IVec3) -> NodeMaterial,
     ) {
         let mut near = vec![false; self.layout.len()];
         for &(index, matter) in changes {
@@ -77,7 +77,7 @@ impl Lattice {
         }
     }
 
-    pub(super) fn put(&mut self, index: usize, matter: NodeMatter) {
+    pub(super) fn put(&mut self, index: usize, matter: NodeMaterial) {
         self.matter[index] = matter;
         let moduli = matter
             .solid()
@@ -89,12 +89,12 @@ impl Lattice {
     /// Holds what is rigid or much stiffer than the rest.
     fn hold_what_is_rigid(&mut self) {
         let moduli = self.matter.iter().filter_map(|matter| match matter {
-            NodeMatter::Deformable(solid) => Some(solid.young),
+            NodeMaterial::Deformable(solid) => Some(solid.young),
             _ => None,
         });
         let softest = moduli.fold(f64::INFINITY, f64::min);
         for (index, matter) in self.matter.iter().enumerate() {
-            let gives = matches!(matter, NodeMatter::Deformable(solid)
+            let gives = matches!(matter, NodeMaterial::Deformable(solid)
                 if solid.young <= HELD_RATIO * softest);
             for axis in &mut self.held {
                 axis[index] = !gives;
@@ -103,7 +103,7 @@ impl Lattice {
     }
 
     /// Builds what begins at the marked nodes, and all that follows; `gone` is how far the box went,
-    /// where it is the same matter.
+    /// where it is the same tissue.
     pub(super) fn connect(&mut self, marked: &[bool], gone: Option<IVec3>) {
         for (node, index) in self.layout.nodes().filter(|&(_, index)| marked[index]) {
             self.bond(node, index);
@@ -129,19 +129,20 @@ impl Lattice {
     }
 
     /// Of some faces of the box at which a node lies, two bits for each axis, those behind which its
-    /// matter goes on.
+    /// tissue goes on.
     pub(super) fn cut_faces(
         &self,
         node: UVec3,
         index: usize,
         faces: u8,
-        matter: &impl Fn(IVec3) -> NodeMatter,
+        matter: &impl Fn(IVec3) -> NodeMaterial,
     ) -> u8 {
-        if self.matter[index] == NodeMatter::Empty {
+        if self.matter[index] == NodeMaterial::Empty {
             return 0;
         }
         let goes_on = |face: &usize| {
-            faces >> face & 1 == 1 && matter(node.as_ivec3() + outward(*face)) != NodeMatter::Empty
+            faces >> face & 1 == 1
+                && matter(node.as_ivec3() + outward(*face)) != NodeMaterial::Empty
         };
         (0..6).filter(goes_on).fold(0, |cut, face| cut | 1 << face)
     }
@@ -209,7 +210,7 @@ impl Lattice {
 
     /// The springs of all cut faces of a border node.
     fn spring_behind(&self, index: usize, cut: u8, load: DVec3) -> DMat3 {
-        let NodeMatter::Deformable(solid) = self.matter[index] else {
+        let NodeMaterial::Deformable(solid) = self.matter[index] else {
             return DMat3::ZERO;
         };
         let poisson = LatticeModuli::of(&solid, self.spacing).poisson;

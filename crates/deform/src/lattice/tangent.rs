@@ -8,7 +8,7 @@ use super::nodes::Lattice;
 use super::relax::{Relaxer, Wish};
 use super::tool_contact::LatticeTool;
 
-/// How far the tool moves [spacings].
+/// Displacement of the tool for the tangent [spacings].
 const WAY: f64 = 0.05;
 /// Share of the forces that may be left.
 const GAIN: f64 = 0.02;
@@ -22,7 +22,8 @@ impl Relaxer {
         lattice: &mut Lattice,
         tools: &[LatticeTool],
         which: usize,
-        (most, is_late): (u32, &dyn Fn() -> bool),
+        most: u32,
+        is_late: &dyn Fn() -> bool,
     ) -> f64 {
         let force = self.felt()[which].force;
         let normal = force.normalize_or_zero();

@@ -1,6 +1,6 @@
 //! A rigid tool among the nodes: a ball or an ellipsoid that pushes them away.
 //!
-//! A node is felt as if matter reached half a spacing beyond it, so that a voxel's face, not its
+//! A node is felt as if tissue reached half a spacing beyond it, so that a voxel's face, not its
 //! middle, is where touch begins. For the ellipsoid, distance is that of the ellipsoid with
 //! half axes larger by half a spacing, scaled by the smallest of them: exact for a ball, and a
 //! function of place alone for all, so that the force is conservative. There is no friction:
@@ -15,15 +15,15 @@ use super::nodes::Lattice;
 /// Stiffness of a tool's contact with a node over that of the node's bonds.
 const CONTACT_STIFFNESS: f64 = 4.0;
 /// How deep in the tool a node's push begins to be linear, ten times over [spacings]: short, so that
-/// the tool hardly gets into matter.
+/// the tool hardly gets into tissue.
 const RANGE: f64 = 0.25;
-/// How far nodes may come nearer before they are looked for again [spacings].
+/// Margin by which nodes may come nearer before they are searched again [spacings].
 const MARGIN: f64 = 2.0;
 
 /// A rigid ellipsoid in the lattice's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeTool {
-    /// Its centre [mm].
+    /// Centre of the tool [mm].
     pub centre: DVec3,
     /// Half axes [mm], along its own axes.
     pub half_axes: DVec3,
@@ -60,7 +60,7 @@ pub(super) struct ContactNode {
     pub node: usize,
     /// Out of the tool.
     pub normal: DVec3,
-    /// How fast the push falls along the normal [N/mm].
+    /// Decrease of the push along the normal [N/mm].
     pub stiffness: f64,
 }
 

@@ -37,7 +37,7 @@ impl Cells {
     }
 }
 
-/// From the lowest node of a cell to each of its nodes, x fastest.
+/// Offsets in memory from the lowest node of a cell to each of its nodes, x fastest.
 pub(super) fn corners(layout: &Layout) -> [usize; 8] {
     std::array::from_fn(|corner| {
         (corner & 1) + (corner >> 1 & 1) * layout.row() + (corner >> 2) * layout.plane()

@@ -8,14 +8,14 @@
 use glam::{DVec3, IVec3};
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 
 use crate::displacement::Displacement;
 use crate::material::Treatment;
 use crate::model::{ModelInput, ToolState};
 use crate::voxel_ledger::{Ledger, Wanted, solid_of};
 
-/// How far beyond a voxel its matter may come from, and still be shown [voxels].
+/// How far beyond a voxel its tissue may come from, and still be shown [voxels].
 const MARGIN: f64 = 0.15;
 /// Displacement below which no voxel changes [voxels].
 const SMALL: f64 = 0.25;
@@ -24,9 +24,9 @@ const SMALL: f64 = 0.25;
 pub(super) struct WriteBack<'a> {
     pub input: &'a ModelInput<'a>,
     pub ledger: &'a Ledger,
-    /// Bodies that matter makes room for.
+    /// Bodies that tissue makes room for.
     pub tools: &'a [&'a ToolState],
-    /// Stored value where matter left.
+    /// Stored value where tissue left.
     pub air: i16,
 }
 
@@ -79,7 +79,7 @@ impl WriteBack<'_> {
     }
 
     /// What a voxel is to be; none where it stays as it is.
-    fn follow(&self, field: &Displacement, voxel: IVec3) -> Option<(Matter, Option<DVec3>)> {
+    fn follow(&self, field: &Displacement, voxel: IVec3) -> Option<(VoxelState, Option<DVec3>)> {
         let spacing = self.input.voxels.grid().spacing();
         let place = (voxel.as_dvec3() + 0.5) * spacing;
         let changed = self.ledger.changed(voxel);
@@ -90,12 +90,12 @@ impl WriteBack<'_> {
         }
         let rest = self.ledger.rest(self.input.voxels, voxel)?;
         let gives = self.gives(voxel, &rest);
-        // matter that takes no part, or stays where it is, is never overwritten
+        // tissue that takes no part, or stays where it is, is never overwritten
         if !gives && !rest.segments.is_empty() {
             return Some((rest, Some(DVec3::ZERO)));
         }
         let follows = self.moved_matter(field.rest_of(place)? / spacing, voxel, &rest, gives)?;
-        // what is clear stays as it is until matter comes
+        // what is clear stays as it is until tissue comes
         let is_clear = changed.is_some_and(|c| c.shown.is_none() && c.written.segments.is_empty());
         (follows.1.is_some() || !is_clear).then_some(follows)
     }
@@ -105,9 +105,9 @@ impl WriteBack<'_> {
         &self,
         came_from: DVec3,
         voxel: IVec3,
-        rest: &Matter,
+        rest: &VoxelState,
         gives: bool,
-    ) -> Option<(Matter, Option<DVec3>)> {
+    ) -> Option<(VoxelState, Option<DVec3>)> {
         let rest = *rest;
         let in_tool = self.is_in_tool(voxel);
         let from = self.source_of(came_from, voxel)?;
@@ -123,14 +123,14 @@ impl WriteBack<'_> {
         if self.gives(from, &source) {
             return Some((source, Some((voxel - from).as_dvec3())));
         }
-        // what comes does not give: only the empty space beside matter follows it
+        // what comes does not give: only the empty space beside tissue follows it
         Some(match gives && is_empty {
             true => (source, None),
             false => (rest, Some(DVec3::ZERO)),
         })
     }
 
-    /// The voxel from which the matter has come that stands in this one and was at `rest`
+    /// The voxel from which the tissue has come that stands in this one and was at `rest`
     /// [voxels]: that which is shown, as long as it is not clearly another. None where a voxel
     /// that was cleared is to stay so.
     fn source_of(&self, rest: DVec3, voxel: IVec3) -> Option<IVec3> {
@@ -156,8 +156,8 @@ impl WriteBack<'_> {
         }
     }
 
-    /// Whether matter at rest in a voxel gives way.
-    fn gives(&self, voxel: IVec3, matter: &Matter) -> bool {
+    /// Whether tissue at rest in a voxel gives way.
+    fn gives(&self, voxel: IVec3, matter: &VoxelState) -> bool {
         let solid = solid_of(self.input.voxels, self.input.materials, voxel, matter);
         solid.is_some_and(|(_, treatment)| treatment == Treatment::Deformable)
     }
@@ -174,8 +174,8 @@ impl WriteBack<'_> {
         })
     }
 
-    fn nothing(&self) -> Matter {
-        Matter {
+    fn nothing(&self) -> VoxelState {
+        VoxelState {
             stored: self.air,
             segments: SegmentSet::EMPTY,
         }

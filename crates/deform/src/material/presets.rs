@@ -14,7 +14,7 @@ use super::{MaterialError, MaterialLaw, SolidSi};
 /// A tissue that can be chosen by name.
 #[derive(Clone, Copy, Debug)]
 pub struct Preset {
-    /// As users write it.
+    /// Name of the preset in settings.
     pub name: &'static str,
     /// Where the numbers come from.
     pub source: &'static str,
@@ -56,7 +56,7 @@ const fn solid(
     }
 }
 
-/// All of them.
+/// All presets.
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "thesis-bone",

@@ -14,7 +14,7 @@ use super::pair_laws::CutLaw;
 use super::space::Space;
 use super::state::Particles;
 use super::system::ParticleSystem;
-use crate::integrator::VelocityVerlet;
+use crate::particles::integrator::VelocityVerlet;
 
 /// Cut-off [a].
 pub const CUT: f64 = 2.1;
@@ -68,7 +68,7 @@ pub(super) fn normal_number(state: &mut u64) -> f64 {
     (0..12).map(|_| even()).sum::<f64>() - 6.0
 }
 
-/// How a run is made.
+/// Settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LjRun {
     /// Steps before the clock starts.
@@ -106,7 +106,7 @@ pub struct LjFigures {
     pub particle_steps_per_second: f64,
     /// Pairs per second, [`PAIRS_PER_PARTICLE`] for each particle-step.
     pub pairs_per_second: f64,
-    /// How often the lists were built within the timed steps.
+    /// Number of times that lists were built within the timed steps.
     pub builds: u64,
     /// Potential energy at the start.
     pub potential_at_start: f64,

@@ -1,7 +1,7 @@
 //! Particles with their tools: forces, motion to rest, and what the tools feel.
 //!
 //! What local and global models share. Time is scaled: every particle's mass is 72 D/a², so that
-//! all swing alike and soft matter beside bone comes to rest as fast as one matter alone.
+//! all swing alike and soft tissue beside bone comes to rest as fast as one tissue alone.
 //! Frame: mm along the axes of the grid. Source: thesis 5.16–5.17, 5.20, 5.23.
 
 use glam::{DVec3, IVec3};
@@ -15,9 +15,9 @@ use super::state::{Particles, Site};
 use super::system::{MARGIN, ParticleSystem};
 use super::tool_push::{ParticleTool, ToolForce, ToolLaw};
 use super::walls::keep_inside;
-use crate::integrator::{Fire, VelocityVerlet};
 use crate::material::{Solid, Treatment};
 use crate::model::{Budget, ModelEvent, ModelParts, ModelReport, ToolContact, ToolState};
+use crate::particles::integrator::{Fire, VelocityVerlet};
 
 /// Angular frequency of a particle on one link: masses are 72 D/a², so time has the unit T₀/2π.
 const LINK_FREQUENCY: f64 = 1.0;
@@ -28,7 +28,7 @@ const REST: f64 = 1e-4;
 /// Smallest contact force that residuals are measured by, as a share of D/a.
 const SMALLEST_FORCE: f64 = 1e-3;
 
-/// How a relaxation ended.
+/// Result of a relaxation.
 #[derive(Debug)]
 pub(super) struct Relaxed {
     pub felt: Vec<ToolForce>,
@@ -53,7 +53,7 @@ pub(super) struct ParticleBody<L> {
     before: Vec<DVec3>,
     /// Stiffest contact with a tool at the last evaluation, over that of a link.
     stiffest: f64,
-    /// That matter was asked for with another Poisson's ratio than the lattice has.
+    /// That tissue was asked for with another Poisson's ratio than the lattice has.
     other_poisson: Option<ModelEvent>,
 }
 
@@ -125,7 +125,7 @@ impl<L: LocalLaw> ParticleBody<L> {
             .map(|(site, &home)| (site.position(), site.position() - home))
     }
 
-    /// Whether all particles are where matter can be: no farther from home than this [mm].
+    /// Whether all particles are where tissue can be: no farther from home than this [mm].
     pub fn is_sound(&self, farthest: f64) -> bool {
         let Particles {
             sites,
@@ -144,20 +144,20 @@ impl<L: LocalLaw> ParticleBody<L> {
         72.0 * depth / self.scale.equilibrium.powi(2)
     }
 
-    /// The depth of particles of this matter [N·mm]. Where it gives way, its Poisson's ratio is noted.
-    pub fn depth(&mut self, (solid, treatment): (&Solid, Treatment), by: Calibration) -> f64 {
+    /// The depth of particles of this tissue [N·mm]. Where it gives way, its Poisson's ratio is noted.
+    pub fn depth(&mut self, solid: &Solid, treatment: Treatment, by: Calibration) -> f64 {
         let asked = solid.poisson;
         if let (Some(used), Treatment::Deformable) = (self.scale.other_poisson(asked), treatment) {
-            let told = ModelEvent::PoissonClamped { asked, used };
-            self.other_poisson.get_or_insert(told);
+            let event = ModelEvent::PoissonClamped { asked, used };
+            self.other_poisson.get_or_insert(event);
         }
         self.scale.depth(solid, by)
     }
 
-    /// What was asked for first that the lattice cannot do, where nobody was `told` of any yet.
-    pub fn tell_poisson(&self, told: &mut bool) -> Option<ModelEvent> {
-        let event = self.other_poisson.filter(|_| !*told);
-        *told |= event.is_some();
+    /// What was asked for first that the lattice cannot do, where none was `reported` yet.
+    pub fn report_poisson(&self, reported: &mut bool) -> Option<ModelEvent> {
+        let event = self.other_poisson.filter(|_| !*reported);
+        *reported |= event.is_some();
         event
     }
 
@@ -322,8 +322,8 @@ impl<L: LocalLaw> ParticleBody<L> {
         tools: &[(u32, ParticleTool)],
         felt: &[ToolForce],
     ) -> Vec<ToolContact> {
-        let matter = (&self.grid, &self.scale);
-        self.contact_laws.of(matter, given, (tools, felt))
+        self.contact_laws
+            .of(&self.grid, &self.scale, given, tools, felt)
     }
 }
 

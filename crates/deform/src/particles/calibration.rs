@@ -34,13 +34,13 @@ const CUBOID_STRAIN: f64 = 2e-3;
 /// Poisson's ratios that are nearer to one another are as good as equal.
 const SAME_POISSON: f64 = 0.005;
 
-/// How D follows from a solid.
+/// Rule by which D follows from a solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Calibration {
     /// So that compression along an axis of the lattice gives Young's modulus.
     #[default]
     Young,
-    /// As the thesis does: so that longitudinal waves have their speed.
+    /// The thesis' rule: longitudinal waves have the speed of the solid.
     WaveSpeed,
 }
 
@@ -68,7 +68,7 @@ pub struct LatticeScale {
 }
 
 impl LatticeScale {
-    /// Of cells of this side [mm], without pressure at rest.
+    /// A lattice of cells of this side [mm], without pressure at rest.
     pub fn new(kind: LatticeKind, cell: f64) -> Self {
         let (chi, young, poisson) = match kind {
             LatticeKind::Fcc => fcc_constants(),
@@ -106,7 +106,7 @@ impl LatticeScale {
         solid.density * PER_KILOGRAM * self.volume()
     }
 
-    /// D of a particle's matter [N·mm].
+    /// D of a particle's tissue [N·mm].
     pub fn depth(&self, solid: &Solid, calibration: Calibration) -> f64 {
         match calibration {
             Calibration::Young => solid.young * self.equilibrium.powi(3) / self.young,
@@ -122,7 +122,7 @@ impl LatticeScale {
         }
     }
 
-    /// Poisson's ratio that matter has, where it is not the one that is asked for.
+    /// Poisson's ratio that tissue has, where it is not the one that is asked for.
     pub fn other_poisson(&self, asked: f64) -> Option<f64> {
         ((asked - self.poisson).abs() > SAME_POISSON).then_some(self.poisson)
     }

@@ -20,7 +20,7 @@ pub(super) struct ContactLaws {
 }
 
 impl ContactLaws {
-    /// In matter whose border stands still so far from the contact [mm].
+    /// Laws for a body whose border is fixed at this distance from the contact [mm].
     pub fn held_at(border: f64) -> Self {
         Self {
             border: Some(border),
@@ -31,14 +31,16 @@ impl ContactLaws {
     /// One contact for each tool that was given, usable or not.
     pub fn of(
         &mut self,
-        matter: (&Grid, &LatticeScale),
+        grid: &Grid,
+        scale: &LatticeScale,
         given: &[ToolState],
-        (tools, felt): (&[(u32, ParticleTool)], &[ToolForce]),
+        tools: &[(u32, ParticleTool)],
+        felt: &[ToolForce],
     ) -> Vec<ToolContact> {
         let mut contacts = Vec::with_capacity(given.len());
         for state in given {
             let found = tools.iter().zip(felt).find(|((id, _), _)| *id == state.id);
-            let contact = found.and_then(|(_, felt)| self.contact(matter, state, felt));
+            let contact = found.and_then(|(_, felt)| self.contact(grid, scale, state, felt));
             contacts.push(ToolContact {
                 tool: state.id,
                 contact,
@@ -50,7 +52,8 @@ impl ContactLaws {
 
     fn contact(
         &self,
-        (grid, scale): (&Grid, &LatticeScale),
+        grid: &Grid,
+        scale: &LatticeScale,
         tool: &ToolState,
         felt: &ToolForce,
     ) -> Option<LocalContact> {
@@ -94,7 +97,7 @@ impl ContactLaws {
     }
 
     /// The stiffness along the force since the last call, where the tool has moved along it; at
-    /// most four times more or less than `expected`, since matter that slips is no spring.
+    /// most four times more or less than `expected`, since tissue that slips is no spring.
     fn measured_stiffness(
         &self,
         scale: &LatticeScale,

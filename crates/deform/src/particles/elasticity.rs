@@ -73,7 +73,7 @@ pub struct CubicModuli {
 }
 
 impl CubicModuli {
-    /// Of a lattice without pressure; `volume` is that of one particle.
+    /// Moduli of a lattice without pressure; `volume` is that of one particle.
     pub fn of(offsets: &[DVec3], volume: f64, law: &impl PairLaw) -> Self {
         let mut moduli = Self {
             c11: 0.0,

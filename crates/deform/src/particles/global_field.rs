@@ -16,7 +16,7 @@ use super::pair_laws::FadedLaw;
 use crate::displacement::Displacement;
 
 /// Displacement that is seen [smallest voxel side].
-pub(super) const SEEN: f64 = 0.03;
+pub(super) const VISIBLE: f64 = 0.03;
 /// Voxels that follow along each axis, at most, around the first tool, or around the particle that
 /// has moved farthest: all of a large segment would not fit into memory.
 const FOLLOWING: i32 = 96;
@@ -24,7 +24,7 @@ const FOLLOWING: i32 = 96;
 const NODES_APART: f64 = 0.25;
 /// Nodes along each edge of what the picture is told, at most: it asks more of a node than this
 /// field does.
-const TOLD: u32 = 28;
+const REPORTED: u32 = 28;
 
 /// A particle: where it rests, and how far it has moved.
 type Moved = (DVec3, DVec3);
@@ -61,10 +61,10 @@ impl GlobalField {
         };
         let reach = settings.owned_radius * apart;
         // near the middle the picture shows also what moves by less than voxels follow
-        let told = (reach + 0.5 * f64::from(TOLD) * side).powi(2);
+        let reported = (reach + 0.5 * f64::from(REPORTED) * side).powi(2);
         let counts = |(home, moved): &&Moved| {
-            let least = match home.distance_squared(middle) < told {
-                true => SEEN.min(settings.threshold),
+            let least = match home.distance_squared(middle) < reported {
+                true => VISIBLE.min(settings.threshold),
                 false => settings.threshold,
             };
             moved.length_squared() > (least * side).powi(2)
@@ -121,7 +121,7 @@ impl GlobalField {
         }
     }
 
-    /// How far the middle of a voxel has moved.
+    /// Displacement of the centre of a voxel.
     pub fn at_voxel(&self, voxel: IVec3) -> DVec3 {
         match self.region.contains(voxel) {
             true => self.at((voxel - self.region.min).as_dvec3()),
@@ -166,17 +166,19 @@ impl GlobalField {
         tiles
     }
 
-    /// On cubic nodes between which the smallest voxel side lies, around a voxel.
+    /// The field around a voxel on cubic nodes, the smallest voxel side apart.
     pub fn on_nodes(&self, middle: IVec3) -> Displacement {
         let (spacing, side) = (self.grid.spacing(), self.grid.smallest_spacing());
         let middle = middle.clamp(self.region.min, self.region.max - 1);
-        let half = (0.5 * f64::from(TOLD) * side / spacing).ceil().as_ivec3();
-        let told = VoxelBox::new(middle - half, middle + half).intersect(&self.region);
-        let first = (told.min.as_dvec3() + 0.5) * spacing;
-        let last = (told.max.as_dvec3() - 0.5) * spacing;
+        let half = (0.5 * f64::from(REPORTED) * side / spacing)
+            .ceil()
+            .as_ivec3();
+        let reported = VoxelBox::new(middle - half, middle + half).intersect(&self.region);
+        let first = (reported.min.as_dvec3() + 0.5) * spacing;
+        let last = (reported.max.as_dvec3() - 0.5) * spacing;
         let size = ((last - first) / side).round().as_uvec3() + UVec3::ONE;
-        let size = size.min(UVec3::splat(TOLD));
-        let begin = (told.min - self.region.min).as_dvec3();
+        let size = size.min(UVec3::splat(REPORTED));
+        let begin = (reported.min - self.region.min).as_dvec3();
         let end = (self.region.size().as_ivec3() - 1).as_dvec3();
         let at = |node: IVec3| Some(self.at((begin + node.as_dvec3() * side / spacing).min(end)));
         let nodes = VoxelBox::of_dimensions(size).voxels().map(at).collect();
@@ -242,14 +244,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_lies_around_the_tool_and_is_bounded() {
+    fn what_is_reported_lies_around_the_tool_and_is_bounded() {
         let field = field(2.0);
         for middle in [IVec3::new(34, 34, 17), IVec3::new(-500, 20, 90)] {
-            let told = field.on_nodes(middle);
-            assert!(told.size.max_element() <= TOLD && told.size.min_element() > TOLD / 4);
-            let place = told.first + 3.0;
+            let nodes = field.on_nodes(middle);
+            assert!(
+                nodes.size.max_element() <= REPORTED && nodes.size.min_element() > REPORTED / 4
+            );
+            let place = nodes.first + 3.0;
             let voxel = (place / field.grid.spacing()).floor().as_ivec3();
-            assert!((told.at(place) - field.at_voxel(voxel)).length() < 0.6);
+            assert!((nodes.at(place) - field.at_voxel(voxel)).length() < 0.6);
         }
     }
 }

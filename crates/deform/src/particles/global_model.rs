@@ -11,14 +11,13 @@
 
 use std::time::Instant;
 
-use glam::{DVec3, IVec3};
-use palpate_volume::edit::Edit;
+use glam::DVec3;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
 use super::body::ParticleBody;
 use super::calibration::{Calibration, LatticeKind, LatticeScale};
-use super::global_field::{GlobalField, SEEN};
+use super::global_field::{GlobalField, VISIBLE};
 use super::global_sites::{extent, matter_around};
 use super::lattices::FCC_BASIS;
 use super::local_model::Motion;
@@ -27,10 +26,10 @@ use super::tool_push::ParticleTool;
 use super::voxel_following::{FollowRule, Following};
 use crate::material::{Materials, Treatment};
 use crate::model::{
-    Budget, DeformationModel, Effort, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
+    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
     ToolContact, ToolState,
 };
-use crate::observed_voxels::Seen;
+use crate::observed_voxels::ObservedVoxels;
 use crate::voxel_ledger::{Ledger, Wanted, solid_of};
 
 /// Steps in which particles come to rest before the first call is answered.
@@ -51,15 +50,15 @@ const THINNEST: f64 = 0.5;
 pub struct GlobalSettings {
     /// Particles at most, 100 to 100 000; their size follows.
     pub max_particles: u32,
-    /// How D follows from the material.
+    /// Rule by which D follows from the material.
     pub calibration: Calibration,
     /// Springs to where particles rest, as a share of a link's stiffness (5.12).
     pub binding: f64,
-    /// How far a particle takes voxels along, d_a [a]; 0.5 to 2.
+    /// Distance up to which a particle takes voxels along, d_a [a]; 0.5 to 2.
     pub owned_radius: f64,
     /// Displacement below which voxels stay [smallest voxel side].
     pub threshold: f64,
-    /// What the scan reads where matter left, in its own unit.
+    /// What the scan reads where tissue left, in its own unit.
     pub air: f64,
 }
 
@@ -77,6 +76,13 @@ impl Default for GlobalSettings {
 }
 
 impl GlobalSettings {
+    /// Stored value where tissue left.
+    fn stored_air(&self, input: &ModelInput<'_>) -> i16 {
+        let intensities = input.voxels.intensities();
+        let air = (self.air - intensities.intercept()) / intensities.slope();
+        air.round() as i16
+    }
+
     /// The nearest settings that make sense; comparisons with NaN are false.
     fn sane(mut self) -> Self {
         let within = |value: f64, low: f64, high: f64, other: f64| {
@@ -97,14 +103,14 @@ pub struct GlobalModel {
     state: Option<GlobalState>,
     /// What voxels were before it moved them; outlives a reset, so that it can give them back.
     ledger: Ledger,
-    told_poisson: bool,
+    reported_poisson: bool,
 }
 
 #[derive(Debug)]
 struct GlobalState {
     body: ParticleBody<FadedLaw>,
     following: Following,
-    seen: Seen,
+    observed: ObservedVoxels,
 }
 
 impl GlobalModel {
@@ -114,7 +120,7 @@ impl GlobalModel {
             settings: settings.sane(),
             state: None,
             ledger: Ledger::default(),
-            told_poisson: false,
+            reported_poisson: false,
         }
     }
 
@@ -129,7 +135,7 @@ impl DeformationModel for GlobalModel {
         let began = Instant::now();
         let grid = input.voxels.grid();
         self.state.take_if(|state| state.body.grid != *grid);
-        // particles are made of matter at rest
+        // particles are made of tissue at rest
         if self.state.is_none() && self.ledger.len() > 0 {
             return self.give_back(input);
         }
@@ -155,19 +161,26 @@ impl DeformationModel for GlobalModel {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
-        let unlike = state.body.tell_poisson(&mut self.told_poisson);
+        let unlike = state.body.report_poisson(&mut self.reported_poisson);
         answer.events.extend(unlike);
         let first = tools.first().map(|(_, tool)| tool.centre);
         let (field, middle) = GlobalField::of(&state.body, &self.settings, first);
         let effort = &mut answer.report.effort;
         effort.evaluations = u64::from(answer.report.iterations) + 1;
-        let moved = (field.as_ref(), middle);
-        let task = (input, &self.settings, input.budget.until(began, FOLLOWED));
-        answer.edit = state.write_back(task, moved, (&mut *ledger, effort));
+        let rule = FollowRule {
+            input,
+            budget: input.budget.until(began, FOLLOWED),
+            field: field.as_ref(),
+            middle,
+            least: self.settings.threshold * state.body.grid.smallest_spacing(),
+            air: self.settings.stored_air(input),
+        };
+        answer.edit = state.following.advance(&rule, ledger, effort);
+        state.observed.note(ledger);
         answer.report.moved_voxels = ledger.len() as u32;
         let field = field.map(|field| field.on_nodes(middle));
         answer.displacement =
-            field.and_then(|field| field.told(input.voxels, ledger, SEEN * field.spacing));
+            field.and_then(|field| field.residual(input.voxels, ledger, VISIBLE * field.spacing));
         answer
     }
 
@@ -225,7 +238,7 @@ impl GlobalState {
         let mut state = Self {
             body: body.bound(0.0, length),
             following: Following::default(),
-            seen: Seen::now(input.voxels),
+            observed: ObservedVoxels::now(input.voxels),
         };
         state.fill(settings, input, &region);
         state.body.relax(&[], &Budget::iterations(SETTLING), None);
@@ -235,7 +248,7 @@ impl GlobalState {
         state
     }
 
-    /// Takes particles for all places of the lattice with enough matter around.
+    /// Takes particles for all places of the lattice with enough tissue around.
     fn fill(&mut self, settings: &GlobalSettings, input: &ModelInput<'_>, region: &VoxelBox) {
         let (grid, scale) = (self.body.grid, self.body.scale);
         let spacing = grid.spacing();
@@ -253,7 +266,7 @@ impl GlobalState {
                 else {
                     continue;
                 };
-                let depth = self.body.depth((&solid, treatment), settings.calibration);
+                let depth = self.body.depth(&solid, treatment, settings.calibration);
                 let mass = self.body.inertia(depth);
                 let particles = &mut self.body.system.particles;
                 particles.take(home, depth, mass, origin);
@@ -276,8 +289,8 @@ impl GlobalState {
 
     /// Gives back particles whose own voxel somebody else has emptied.
     fn follow_edits(&mut self, voxels: &Voxels, materials: &Materials, ledger: &mut Ledger) {
-        let seen = std::mem::replace(&mut self.seen, Seen::now(voxels));
-        if seen.is_followed(voxels) {
+        let observed = std::mem::replace(&mut self.observed, ObservedVoxels::now(voxels));
+        if observed.is_followed(voxels) {
             return;
         }
         self.following.forget();
@@ -290,28 +303,5 @@ impl GlobalState {
             gone.push(solid.is_none());
         }
         self.body.system.particles.give_back(|_, index| gone[index]);
-    }
-
-    /// The edit by which voxels read what stood where they came from.
-    fn write_back(
-        &mut self,
-        (input, settings, budget): (&ModelInput<'_>, &GlobalSettings, Budget),
-        (field, middle): (Option<&GlobalField>, IVec3),
-        (ledger, effort): (&mut Ledger, &mut Effort),
-    ) -> Option<Edit> {
-        let intensities = input.voxels.intensities();
-        let air = (settings.air - intensities.intercept()) / intensities.slope();
-        let rule = FollowRule {
-            input,
-            budget,
-            field,
-            least: settings.threshold * self.body.grid.smallest_spacing(),
-            air: air.round() as i16,
-        };
-        let edit = self
-            .following
-            .advance(&rule, middle, (&mut *ledger, effort));
-        self.seen.note(ledger);
-        edit
     }
 }

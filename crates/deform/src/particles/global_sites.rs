@@ -9,7 +9,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use super::state::Origin;
 use crate::material::{Solid, Treatment};
 use crate::model::ModelInput;
-use crate::voxel_ledger::{matter_of, solid_of};
+use crate::voxel_ledger::{solid_of, state_of};
 
 /// Share of the voxels around a place that must be solid for a particle to stand there.
 const SOLID_SHARE: f64 = 0.5;
@@ -24,7 +24,7 @@ pub(super) fn extent(input: &ModelInput<'_>) -> (VoxelBox, u64) {
     })
 }
 
-/// The matter of a particle at a place: that of its voxel or the nearest solid one; none where
+/// The tissue of a particle at a place: that of its voxel or the nearest solid one; none where
 /// fewer than [`SOLID_SHARE`] of the voxels within `reach` take part.
 pub(super) fn matter_around(
     input: &ModelInput<'_>,
@@ -44,7 +44,7 @@ pub(super) fn matter_around(
         .filter(|voxel| distance(*voxel) <= reach || *voxel == own);
     for voxel in near {
         all += 1;
-        let Some(matter) = matter_of(input.voxels, voxel) else {
+        let Some(matter) = state_of(input.voxels, voxel) else {
             continue;
         };
         let Some((of, treatment)) = solid_of(input.voxels, input.materials, voxel, &matter) else {

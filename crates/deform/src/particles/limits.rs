@@ -1,7 +1,7 @@
 //! What the thesis' particles cannot do, in figures.
 //!
 //! Lennard-Jones on an FCC lattice is not equally stiff in all directions, and has the Poisson's
-//! ratio of its lattice; the thesis' cuboid force has no energy, so that its matter heats up by
+//! ratio of its lattice; the thesis' cuboid force has no energy, so that its tissue heats up by
 //! itself. Units a = D = m = 1. Source: thesis errata, sections 2 and 6.
 
 use glam::{DVec3, IVec3};
@@ -13,7 +13,7 @@ use super::pair_laws::CuboidLaw;
 use super::space::Space;
 use super::state::Particles;
 use super::system::ParticleSystem;
-use crate::integrator::VelocityVerlet;
+use crate::particles::integrator::VelocityVerlet;
 
 /// Kinetic energy of each cuboid particle at the start [D].
 pub const HEAT_AT_START: f64 = 6e-4;
@@ -22,7 +22,7 @@ const LINK_FREQUENCY: f64 = 8.485_281_374_238_57;
 /// Steps in T₀.
 const STEPS: u32 = 100;
 
-/// How `fcc-lj` differs by direction.
+/// Anisotropy of `fcc-lj`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FccLimits {
     /// E along [110] and along [111] over that along [100].

@@ -21,7 +21,7 @@ const THINNEST: f64 = 0.5;
 /// Layers at most.
 pub const MOST_LAYERS: u32 = 8;
 
-/// How particles come to rest.
+/// Method by which particles come to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// Velocity Verlet in scaled time (masses in proportion to D), with viscous friction as a
@@ -38,7 +38,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// As usual.
+    /// The default motion.
     pub const SCALED_TIME: Self = Self::ScaledTime {
         step_share: 0.05,
         friction: None,
@@ -52,9 +52,9 @@ pub struct LocalSettings {
     pub box_cells: i32,
     /// Outermost cells of the box that stand still: as many as the law reaches.
     pub border_cells: i32,
-    /// How D follows from the material.
+    /// Rule by which D follows from the material.
     pub calibration: Calibration,
-    /// How particles come to rest.
+    /// Method by which particles come to rest.
     pub motion: Motion,
     /// Springs to the initial positions, as a share of a link's stiffness (5.12). They make
     /// the material stiffer than asked; zero for none.
@@ -64,7 +64,7 @@ pub struct LocalSettings {
     /// Parts of the work of a call: the cells near the tool first, those farther away frozen,
     /// then more of them (5.21). One for none.
     pub layers: u32,
-    /// What the scan reads where matter left, in its own unit.
+    /// What the scan reads where tissue left, in its own unit.
     pub air: f64,
 }
 
@@ -117,7 +117,7 @@ impl LocalSettings {
 pub trait LocalLaw: LaneLaw + std::fmt::Debug + 'static {
     /// Where its particles stand.
     const KIND: LatticeKind;
-    /// Whether it has an energy to be at rest in.
+    /// Whether its forces have a potential energy.
     const CONSERVATIVE: bool;
     /// The law for this lattice.
     fn on(scale: &LatticeScale) -> Self;
@@ -156,7 +156,7 @@ impl LocalLaw for CuboidLaw {
 pub struct LocalModel<L> {
     settings: LocalSettings,
     state: Option<LocalState<L>>,
-    told_poisson: bool,
+    reported_poisson: bool,
 }
 
 impl LocalModel<FadedLaw> {
@@ -182,7 +182,7 @@ impl<L: LocalLaw> LocalModel<L> {
         Self {
             settings,
             state: None,
-            told_poisson: false,
+            reported_poisson: false,
         }
     }
 
@@ -238,7 +238,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
-        let unlike = state.body.tell_poisson(&mut self.told_poisson);
+        let unlike = state.body.report_poisson(&mut self.reported_poisson);
         answer.events.extend(unlike);
         answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);

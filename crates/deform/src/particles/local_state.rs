@@ -22,8 +22,8 @@ use crate::model::{Budget, DisplacementField, ModelEvent, ModelInput};
 use crate::voxel_ledger::{Ledger, solid_of};
 
 /// Displacement that is seen [cells].
-const SEEN: f64 = 0.03;
-/// Largest half axis of a tool around which matter is looked for [cells].
+const VISIBLE: f64 = 0.03;
+/// Largest half axis of a tool around which tissue is looked for [cells].
 const LARGEST_TOOL: f64 = 12.0;
 
 #[derive(Debug)]
@@ -37,7 +37,7 @@ pub(super) struct LocalState<L> {
     seen_edit: Option<u64>,
     /// Which particles may move at all, before layers freeze some.
     free: Vec<DVec3>,
-    /// Cells with matter at rest, for walls; x fastest within the box.
+    /// Cells with tissue at rest, for walls; x fastest within the box.
     filled: Vec<bool>,
     slips: Slips,
 }
@@ -72,7 +72,7 @@ impl<L: LocalLaw> LocalState<L> {
         self.ledger.len() as u32
     }
 
-    /// Whether all particles are where matter can be: no farther from home than the box is wide.
+    /// Whether all particles are where tissue can be: no farther from home than the box is wide.
     pub fn is_sound(&self) -> bool {
         self.body
             .is_sound(f64::from(self.settings.box_cells) * self.body.scale.cell)
@@ -111,7 +111,7 @@ impl<L: LocalLaw> LocalState<L> {
             .collect()
     }
 
-    /// Follows what others have changed: matter that was taken away takes its particles along.
+    /// Follows what others have changed: tissue that was taken away takes its particles along.
     pub fn follow_edits(&mut self, input: &ModelInput<'_>) {
         let number = input.voxels.edit_number();
         if self.seen_edit == Some(number) {
@@ -158,11 +158,11 @@ impl<L: LocalLaw> LocalState<L> {
         }
     }
 
-    /// From the tool's centre to the place on it where matter is. The thesis puts the box around
+    /// From the tool's centre to the place on it where tissue is. The thesis puts the box around
     /// the tool's centre (5.10), where half of it is air and a large tool reaches its border.
     ///
-    /// For a ball on a plane the middle of the matter within R of its centre lies 3/8 R away, and
-    /// the place on its surface r; in the midst of matter both are zero.
+    /// For a ball on a plane the middle of the tissue within R of its centre lies 3/8 R away, and
+    /// the place on its surface r; in the midst of tissue both are zero.
     fn toward_matter(&mut self, input: &ModelInput<'_>, tool: &ParticleTool) -> DVec3 {
         let (grid, cell) = (self.body.grid, self.body.scale.cell);
         let radius = tool.half_axes.max_element().min(LARGEST_TOOL * cell);
@@ -189,7 +189,7 @@ impl<L: LocalLaw> LocalState<L> {
         toward.clamp_length_max(radius)
     }
 
-    /// Particles for all cells of the box whose matter takes part, and none elsewhere.
+    /// Particles for all cells of the box whose tissue takes part, and none elsewhere.
     fn fill_box(&mut self, input: &ModelInput<'_>) {
         let corner = self.corner();
         let (size, cell) = (self.settings.box_cells, self.body.scale.cell);
@@ -231,7 +231,7 @@ impl<L: LocalLaw> LocalState<L> {
             return false;
         };
         let calibration = self.settings.calibration;
-        let depth = self.body.depth((&solid, treatment), calibration);
+        let depth = self.body.depth(&solid, treatment, calibration);
         let mass = self.body.inertia(depth);
         let origin = Origin { voxel, matter };
         let places: &[DVec3] = match L::KIND {
@@ -338,7 +338,7 @@ impl<L: LocalLaw> LocalState<L> {
         })
     }
 
-    /// The edit that shows where matter is now.
+    /// The edit that shows where tissue is now.
     pub fn write_back(&mut self, voxels: &Voxels) -> Option<Edit> {
         let side = self.body.scale.cell / self.body.grid.spacing();
         let region = self.corner().map_or(VoxelBox::EMPTY, |corner| {
@@ -382,7 +382,7 @@ impl<L: LocalLaw> LocalState<L> {
             sums.into_iter().map(mean).collect(),
         );
         // free surfaces of a crystal draw in by themselves, by less than is seen
-        field.told(voxels, &self.ledger, SEEN * cell)
+        field.residual(voxels, &self.ledger, VISIBLE * cell)
     }
 }
 

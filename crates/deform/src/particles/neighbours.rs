@@ -54,7 +54,7 @@ impl NeighbourList {
         self
     }
 
-    /// How often the lists were built.
+    /// Number of times that the lists were built.
     pub fn builds(&self) -> u64 {
         self.builds
     }
@@ -118,9 +118,10 @@ impl NeighbourList {
 
 simd_dispatch! {
     /// Fills the lists.
-    fn search(list: &mut NeighbourList)
-        = [avx512 => search_with::<super::lanes::Wide>, avx2 => search_with::<super::lanes::Halves>] search_with::<Plain>,
-        at list.simd
+    fn search(list: &mut NeighbourList) = [
+        avx512 => search_with::<super::lanes::Wide>,
+        avx2 => search_with::<super::lanes::Halves>
+    ] search_with::<Plain>, at list.simd
 }
 
 // loops and no closures: code in a closure would not be compiled for the wide registers

@@ -35,7 +35,7 @@ pub struct PairOptions {
     pub depth: Option<f64>,
     /// Whether sums are wanted too.
     pub sums: bool,
-    /// On which threads.
+    /// Threads that compute.
     pub workers: Workers,
     /// The widest instruction set to compute in; the machine's own by default.
     pub simd: SimdLevel,
@@ -128,9 +128,10 @@ simd_dispatch! {
         first: usize,
         forces: &mut [DVec3],
         simd: SimdLevel,
-    ) -> PairSums
-        = [avx512 => accumulate_with::<super::lanes::Wide, L>, avx2 => accumulate_with::<super::lanes::Halves, L>]
-            accumulate_with::<Plain, L>, at simd
+    ) -> PairSums = [
+        avx512 => accumulate_with::<super::lanes::Wide, L>,
+        avx2 => accumulate_with::<super::lanes::Halves, L>
+    ] accumulate_with::<Plain, L>, at simd
 }
 
 #[inline(always)]
@@ -148,7 +149,7 @@ fn accumulate_with<V: Lanes, L: LaneLaw>(
 }
 
 impl<L: LaneLaw> Pairs<'_, L> {
-    /// A loop without what this space and matter do not need.
+    /// A loop without what this space and these materials do not need.
     #[inline(always)]
     fn choose<V: Lanes, const SUMS: bool>(&self, first: usize, forces: &mut [DVec3]) -> PairSums {
         let periodic = self.list.space() != Space::Open;

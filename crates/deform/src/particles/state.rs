@@ -6,7 +6,7 @@
 
 use glam::{DVec3, IVec3};
 use palpate_volume::segment_set::SegmentSet;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 
 /// Where a particle is, and how soft its links are. Four doubles, so that one load brings all
 /// that a pair needs to know of it.
@@ -19,12 +19,12 @@ pub struct Site {
     pub y: f64,
     /// Position, third axis.
     pub z: f64,
-    /// 1/D of the particle's own matter: the depth of a pair is the harmonic mean, 2/(s₁ + s₂).
+    /// 1/D of the particle's own tissue: the depth of a pair is the harmonic mean, 2/(s₁ + s₂).
     pub softness: f64,
 }
 
 impl Site {
-    /// At a place, with the depth D of its matter.
+    /// A site at a place, with the depth D of its material.
     pub fn new(position: DVec3, depth: f64) -> Self {
         let DVec3 { x, y, z } = position;
         Self {
@@ -35,7 +35,7 @@ impl Site {
         }
     }
 
-    /// Where it is.
+    /// Place of the particle.
     #[inline]
     pub fn position(&self) -> DVec3 {
         DVec3::new(self.x, self.y, self.z)
@@ -53,13 +53,13 @@ impl Site {
 pub struct Origin {
     /// Which voxel.
     pub voxel: IVec3,
-    /// Its intensity and segments.
-    pub matter: Matter,
+    /// Intensity and segments of the voxel.
+    pub matter: VoxelState,
 }
 
 impl Default for Origin {
     fn default() -> Self {
-        let matter = Matter {
+        let matter = VoxelState {
             stored: 0,
             segments: SegmentSet::EMPTY,
         };
@@ -106,7 +106,7 @@ impl Particles {
         }
     }
 
-    /// All of one matter, at rest at these places.
+    /// Particles of one material, at rest at these places.
     pub fn at_rest(positions: &[DVec3], depth: f64, mass: f64) -> Self {
         let mut particles = Self::with_capacity(positions.len());
         for &position in positions {
@@ -115,7 +115,7 @@ impl Particles {
         particles
     }
 
-    /// How many there are.
+    /// Number of particles.
     pub fn len(&self) -> usize {
         self.sites.len()
     }

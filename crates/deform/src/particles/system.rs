@@ -14,7 +14,7 @@ pub const MARGIN: f64 = 0.3;
 pub struct ParticleSystem<L> {
     /// The particles.
     pub particles: Particles,
-    /// How they act on one another.
+    /// Law of the pair forces.
     pub law: L,
     /// How their forces are computed.
     pub options: PairOptions,

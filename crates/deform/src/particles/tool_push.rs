@@ -1,7 +1,7 @@
 //! A tool among particles: a rigid ball or ellipsoid that pushes them away and never pulls.
 //!
 //! The repulsive part of Lennard-Jones (WCA) over the distance to the tool's surface, with the
-//! matter of each particle: a particle whose centre is half a link from the surface just
+//! tissue of each particle: a particle whose centre is half a link from the surface just
 //! touches. For the ellipsoid the distance is that of its level, scaled by the smallest half
 //! axis: exact for a ball, and a function of place alone, so that the force is conservative.
 //! Source: thesis 5.16, and 5.20 for the limit.
@@ -18,7 +18,7 @@ use crate::potential::{LennardJones, Limited, PairLaw, Repulsive};
 /// A tool in the frame of the particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParticleTool {
-    /// Its centre [mm].
+    /// Centre of the tool [mm].
     pub centre: DVec3,
     /// Half axes [mm], along its own axes.
     pub half_axes: DVec3,

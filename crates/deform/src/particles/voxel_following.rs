@@ -2,7 +2,7 @@
 //!
 //! A particle takes tens of thousands of voxels along, more than one answer has the time for. So
 //! voxels follow tile by tile, those first that have waited longest for how far they are from the
-//! tool; and of a tile only voxels are worked out whose matter comes from another voxel than
+//! tool; and of a tile only voxels are worked out whose tissue comes from another voxel than
 //! before. What an answer leaves over, the next ones do: an answer takes the same work however
 //! large the body is and however much of it moves. The force waits for none of it.
 //! Source: thesis 5.26.
@@ -13,13 +13,13 @@ use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
 use super::global_field::GlobalField;
 use crate::material::Treatment;
 use crate::model::{Budget, Effort, ModelInput};
-use crate::voxel_ledger::{Ledger, Wanted, matter_of, solid_of};
+use crate::voxel_ledger::{Ledger, Wanted, solid_of, state_of};
 
 /// Voxels along each edge of a tile.
 const TILE: i32 = 16;
@@ -32,7 +32,7 @@ const FOLLOWED: u64 = 6_000;
 /// Voxels along a side of what one answer changes, at most: an edit looks at each in between.
 const WIDEST: u32 = 48;
 
-/// From how far the matter of a voxel has come [voxels].
+/// Displacement from rest of what a voxel shows [voxels].
 type Come = [i16; 3];
 
 /// Nobody knows what the voxel shows.
@@ -41,13 +41,15 @@ const UNKNOWN: Come = [i16::MIN; 3];
 /// What voxels follow, and by which rule.
 pub(super) struct FollowRule<'a> {
     pub input: &'a ModelInput<'a>,
-    /// When to begin no other tile.
+    /// Budget; no other tile is begun once it is spent.
     pub budget: Budget,
-    /// None where nothing has moved.
+    /// Displacement of the voxels; none where nothing has moved.
     pub field: Option<&'a GlobalField>,
+    /// Voxels around this one come first.
+    pub middle: IVec3,
     /// Displacement below which voxels stay [mm].
     pub least: f64,
-    /// Stored value where matter left.
+    /// Stored value where tissue left.
     pub air: i16,
 }
 
@@ -67,10 +69,10 @@ struct Tile {
     come: Vec<Come>,
 }
 
-/// A voxel that is to show matter from elsewhere.
+/// A voxel that is to show tissue from elsewhere.
 #[derive(Clone, Copy, Debug)]
 struct Change {
-    /// In its tile.
+    /// Index of the voxel in its tile.
     place: usize,
     voxel: IVec3,
     come: Come,
@@ -84,20 +86,20 @@ impl Following {
         }
     }
 
-    /// The edit by which voxels follow, those around the `middle` first; none where nothing
-    /// changes.
+    /// The edit by which voxels read what stood where they came from, those around the middle first;
+    /// none where nothing changes.
     pub fn advance(
         &mut self,
         rule: &FollowRule<'_>,
-        middle: IVec3,
-        (ledger, effort): (&mut Ledger, &mut Effort),
+        ledger: &mut Ledger,
+        effort: &mut Effort,
     ) -> Option<Edit> {
         self.answers += 1;
         let moving = self.meet(rule);
         let mut wanted = Wanted::new();
         let mut region = VoxelBox::EMPTY;
         let mut worked = Vec::new();
-        for key in self.by_urgency(middle) {
+        for key in self.by_urgency(rule.middle) {
             let is_over = effort.looked_at >= TILES * IN_TILE as u64
                 || effort.followed >= FOLLOWED
                 || (effort.looked_at > 0 && rule.budget.is_late());
@@ -143,7 +145,7 @@ impl Following {
         moving
     }
 
-    /// All tiles: the longer one has waited and the nearer it is, the sooner.
+    /// All tiles by urgency: first those that have waited longest for their distance.
     fn by_urgency(&self, middle: IVec3) -> Vec<[i32; 3]> {
         let here = middle.div_euclid(IVec3::splat(TILE));
         let urgency = |(key, tile): (&[i32; 3], &Tile)| {
@@ -198,7 +200,7 @@ fn is_done(change: &Change, wanted: &Wanted, voxels: &Voxels, ledger: &Ledger) -
     };
     match ledger.changed(change.voxel) {
         Some(changed) => change.come != [0; 3] && changed.written == *matter,
-        None => matter_of(voxels, change.voxel) == Some(*matter),
+        None => state_of(voxels, change.voxel) == Some(*matter),
     }
 }
 
@@ -208,7 +210,7 @@ fn box_of(tile: [i32; 3]) -> VoxelBox {
 }
 
 impl FollowRule<'_> {
-    /// From how far the matter comes that a voxel is to show.
+    /// Displacement from rest of what a voxel is to show.
     fn come(&self, voxel: IVec3) -> Come {
         let moved = self
             .field
@@ -222,7 +224,7 @@ impl FollowRule<'_> {
 
     /// What a voxel is to be, and how far what it shows has come; none where it is at rest and
     /// stays so. What does not give way stays where it is.
-    fn matter(&self, change: &Change, ledger: &Ledger) -> Option<(Matter, Option<DVec3>)> {
+    fn matter(&self, change: &Change, ledger: &Ledger) -> Option<(VoxelState, Option<DVec3>)> {
         let (voxels, voxel) = (self.input.voxels, change.voxel);
         let rest = ledger.rest(voxels, voxel)?;
         let back = (rest, Some(DVec3::ZERO));
@@ -245,15 +247,15 @@ impl FollowRule<'_> {
         )
     }
 
-    /// Whether there is matter that does not give way.
-    fn is_held(&self, voxel: IVec3, matter: &Matter) -> bool {
+    /// Whether there is tissue that does not give way.
+    fn is_held(&self, voxel: IVec3, matter: &VoxelState) -> bool {
         let solid = solid_of(self.input.voxels, self.input.materials, voxel, matter);
         let gives = solid.is_some_and(|(_, treatment)| treatment == Treatment::Deformable);
         !matter.segments.is_empty() && !gives
     }
 
-    fn nothing(&self) -> Matter {
-        Matter {
+    fn nothing(&self) -> VoxelState {
+        VoxelState {
             stored: self.air,
             segments: SegmentSet::EMPTY,
         }

@@ -3,31 +3,31 @@
 //! A voxel is cleared when fewer than half of the particles it has at rest (or, where it is
 //! empty at rest, would have) are in it, and filled again from three quarters on; between, it
 //! stays as it is. For the four particles of an FCC voxel that is below two and from three on,
-//! for the one of a cuboid voxel none and one. A voxel in which another one's matter stands
-//! reads the mean of what stands in it; one that matter has left reads air.
+//! for the one of a cuboid voxel none and one. A voxel in which another one's tissue stands
+//! reads the mean of what stands in it; one that tissue has left reads air.
 //! Source: thesis 5.25, whose threshold is not given; errata, section 4 (hysteresis).
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxel_state::Matter;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
 use super::state::Particles;
-use crate::voxel_ledger::{Ledger, Wanted, matter_of};
+use crate::voxel_ledger::{Ledger, Wanted, state_of};
 
 /// Share of its particles below which a voxel is cleared.
 const CLEAR_BELOW: f64 = 0.5;
 /// Share from which on it is filled.
 const FILL_FROM: f64 = 0.75;
 
-/// How voxels follow particles.
+/// Rule by which voxels follow particles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WriteBack {
     /// Particles of a voxel that is full.
     pub capacity: f64,
-    /// Stored value where matter left.
+    /// Stored value where tissue left.
     pub air: i16,
 }
 
@@ -38,7 +38,7 @@ struct Standing {
     at_rest: u32,
     stored: i64,
     from_elsewhere: bool,
-    /// How far they have come, in sum [voxels].
+    /// Sum of their displacements [voxels].
     come: DVec3,
     nearest: f64,
     segments: SegmentSet,
@@ -60,7 +60,7 @@ impl Standing {
     }
 
     /// How far what a voxel shows has come [voxels]; none where it shows no matter.
-    fn shown(&self, matter: &Matter) -> Option<DVec3> {
+    fn shown(&self, matter: &VoxelState) -> Option<DVec3> {
         let mean = self.come / f64::from(self.count.max(1));
         (!matter.segments.is_empty()).then_some(mean)
     }
@@ -82,22 +82,22 @@ impl WriteBack {
             if standing.is_as_at_rest() && ledger.changed(voxel).is_none() {
                 continue;
             }
-            let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), matter_of(voxels, voxel))
+            let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), state_of(voxels, voxel))
             else {
                 continue;
             };
             let matter = self.matter(standing, &rest, &now);
             wanted.insert(voxel.to_array(), (matter, standing.shown(&matter)));
         }
-        // matter whose particles have left the box goes back to rest
+        // tissue whose particles have left the box goes back to rest
         ledger.give_back_outside(voxels, region, &mut wanted);
         ledger.write(voxels, &wanted)
     }
 
     /// What a voxel is with what stands in it.
-    fn matter(&self, standing: &Standing, rest: &Matter, now: &Matter) -> Matter {
+    fn matter(&self, standing: &Standing, rest: &VoxelState, now: &VoxelState) -> VoxelState {
         let solid_at_rest = standing.at_rest > 0;
-        // matter that takes no part is never overwritten
+        // tissue that takes no part is never overwritten
         if !solid_at_rest && !rest.segments.is_empty() {
             return *rest;
         }
@@ -116,7 +116,7 @@ impl WriteBack {
         };
         match (solid, solid_at_rest) {
             (true, true) if !standing.from_elsewhere => *rest,
-            (true, _) => Matter {
+            (true, _) => VoxelState {
                 stored: (standing.stored as f64 / f64::from(standing.count)).round() as i16,
                 segments: if solid_at_rest {
                     rest.segments
@@ -124,7 +124,7 @@ impl WriteBack {
                     standing.segments
                 },
             },
-            (false, true) => Matter {
+            (false, true) => VoxelState {
                 stored: self.air,
                 segments: SegmentSet::EMPTY,
             },

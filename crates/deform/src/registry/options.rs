@@ -9,7 +9,7 @@ pub use crate::lattice::Prony;
 pub use crate::particles::Motion;
 pub use crate::particles::calibration::Calibration;
 
-/// What is chosen of a model; nothing chosen is as usual.
+/// Options of a model; what is none has its default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelOptions {
     /// Nodes or cells along each edge of its box.
@@ -18,30 +18,30 @@ pub struct ModelOptions {
     pub binding: Option<f64>,
     /// Whether particles are kept out of empty voxels (5.13).
     pub walls: bool,
-    /// Force that fades while matter is held; none for elastic matter.
+    /// Force that fades while tissue is held; none for elastic tissue.
     pub prony: Option<Prony>,
-    /// Strain from which on matter stays as it is pressed; none where it comes back.
+    /// Strain from which on tissue stays as it is pressed; none where it comes back.
     pub yield_strain: Option<f64>,
     /// Parts of the work of an answer, from the tool outward (5.21).
     pub layers: Option<u32>,
-    /// How the stiffness of particles follows from the material.
+    /// Rule by which the stiffness of particles follows from the material.
     pub calibration: Option<Calibration>,
-    /// How particles come to rest.
+    /// Method by which particles come to rest.
     pub motion: Option<Motion>,
 }
 
-/// What a model lets choose.
+/// Options that a model offers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Offers {
     /// Boxes; none where it has no box.
     pub boxes: Option<Boxes>,
-    /// Shares of binding; none where nothing is bound.
-    pub binding: Option<Shares>,
+    /// Range of the binding stiffness; none where particles are not bound.
+    pub binding: Option<OccupancyFractions>,
     /// Whether particles can be kept out of empty voxels.
     pub walls: bool,
-    /// How its force can fade; none where it cannot.
+    /// Ranges of stress relaxation; none where the force cannot fade.
     pub fades: Option<Fading>,
-    /// Strains from which on its matter can stay as it is pressed; none where it always comes back.
+    /// Strains from which on its tissue can stay as it is pressed; none where it always comes back.
     pub yields: Option<Range>,
     /// Layers at most, one is usual; none where its work is not parted.
     pub layers: Option<u32>,
@@ -56,24 +56,24 @@ pub struct Offers {
 pub struct Boxes {
     /// Fewest.
     pub least: u32,
-    /// As many as its default settings have.
+    /// Number in the default settings.
     pub usual: u32,
     /// Most.
     pub most: u32,
 }
 
-/// Shares that can be chosen.
+/// Range of a ratio, with its default.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shares {
+pub struct OccupancyFractions {
     /// Least.
     pub least: f64,
-    /// As its default settings have it.
+    /// Value in the default settings.
     pub usual: f64,
     /// Most.
     pub most: f64,
 }
 
-/// Numbers that can be chosen where nothing is usual.
+/// Range of an option that is off by default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Least.
@@ -82,10 +82,10 @@ pub struct Range {
     pub most: f64,
 }
 
-/// How a force can fade.
+/// Ranges of stress relaxation (Prony).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fading {
-    /// Shares of it: of what is left matter can be at rest.
+    /// Fraction of the force that fades, within 0 to 1.
     pub shares: Range,
     /// Time constants [s].
     pub times: Range,
@@ -101,7 +101,7 @@ impl Offers {
             self.check_edge(name, edge)?;
         }
         if let Some(binding) = options.binding {
-            let Some(Shares { least, most, .. }) = self.binding else {
+            let Some(OccupancyFractions { least, most, .. }) = self.binding else {
                 return Err(not_offered(name, "binding"));
             };
             check_within(name, "binding", "", binding, Range { least, most })?;
@@ -189,28 +189,28 @@ fn check_within(
     })
 }
 
-/// What a model cannot be.
+/// Why options are refused.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum WrongOption {
-    /// It has no box.
+    /// The model has no box.
     #[error("a box given for {name}; allowed: none, it takes all matter")]
     NoBox {
         /// The model.
         name: &'static str,
     },
-    /// Its box cannot be of this size.
+    /// The box cannot have this size.
     #[error("a box of {edge} along each edge given for {name}; allowed: odd, {least} to {most}")]
     Edge {
         /// The model.
         name: &'static str,
-        /// As given.
+        /// The value given.
         edge: u32,
         /// Fewest.
         least: u32,
         /// Most.
         most: u32,
     },
-    /// It has no such option.
+    /// The model has no such option.
     #[error("{option} given for {name}; allowed: none, this model has no such option")]
     NotOffered {
         /// The model.
@@ -218,16 +218,16 @@ pub enum WrongOption {
         /// What was asked of it.
         option: &'static str,
     },
-    /// A number that is too small, too large or none.
+    /// A number that is out of range or not a number.
     #[error("{option} of {given}{unit} given for {name}; allowed: {least} to {most}{unit}")]
     Number {
         /// The model.
         name: &'static str,
         /// What was asked of it.
         option: &'static str,
-        /// Of the number.
+        /// Unit of the number, with a space before it.
         unit: &'static str,
-        /// As given.
+        /// The value given.
         given: f64,
         /// Least.
         least: f64,

@@ -6,7 +6,7 @@
 )]
 
 use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};
-use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::material::{Materials, SegmentMaterial, preset};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -20,7 +20,7 @@ use palpate_volume::voxels::Voxels;
 
 /// Voxels along each axis.
 pub const SIDE: i32 = 30;
-/// The matter fills z < TOP.
+/// The tissue fills z < TOP.
 pub const TOP: i32 = 18;
 /// Side of a voxel [mm].
 pub const H: f64 = 0.8;
@@ -53,7 +53,7 @@ pub fn scan(spacing: DVec3) -> (Voxels, Materials) {
         .add_segment(Segment::from_fn(dimensions, solid))
         .unwrap();
     let law = preset("liver").unwrap().law().unwrap();
-    let matter = SegmentMatter {
+    let matter = SegmentMaterial {
         segment,
         law,
         regions: Vec::new(),

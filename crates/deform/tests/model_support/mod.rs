@@ -2,7 +2,7 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3, IVec3};
-use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, SolidSi};
+use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, SolidSi};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
 };
@@ -61,7 +61,7 @@ impl Bench {
         let block = Segment::from_fn(dimensions, |voxel| voxel.z < top);
         assert_eq!(voxels.add_segment(block).expect("a free number"), BLOCK);
         let materials = Materials {
-            segments: vec![SegmentMatter {
+            segments: vec![SegmentMaterial {
                 segment: BLOCK,
                 law: MaterialLaw::constant(solid).expect("matter"),
                 regions: Vec::new(),
@@ -99,9 +99,9 @@ impl Bench {
         answer
     }
 
-    /// Takes matter away, as a drill does, and gives the inverse.
+    /// Takes tissue away, as a drill does, and gives the inverse.
     pub fn cut(&mut self, region: &VoxelBox) -> Edit {
-        let edit = self.voxels.matter_edit(region, |_, mut matter| {
+        let edit = self.voxels.voxel_edit(region, |_, mut matter| {
             matter.stored = -1000;
             matter.segments = matter.segments.without(BLOCK);
             matter
@@ -118,7 +118,7 @@ impl Bench {
         block.contains(voxel)
     }
 
-    /// From which layer the matter of a voxel is.
+    /// From which layer the tissue of a voxel is.
     pub fn layer_of(&self, voxel: IVec3) -> i32 {
         i32::from(self.voxels.stored(voxel).expect("in the scan")) / 10
     }

@@ -1,7 +1,7 @@
 //! Bodies and tools that tests of the lattice share. Spacing 1 mm, E = 1 N/mm².
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::lattice::{
-    Border, Lattice, LatticeTool, NodeMatter, RelaxReport, RelaxSettings, Relaxer,
+    Border, Lattice, LatticeTool, NodeMaterial, RelaxReport, RelaxSettings, Relaxer,
 };
 use palpate_deform::material::{Solid, SolidSi};
 
@@ -22,8 +22,8 @@ pub fn block(size: UVec3, solid: Solid) -> Lattice {
     let inside =
         move |node: IVec3| node.cmpge(IVec3::ZERO).all() && node.cmplt(size.as_ivec3()).all();
     Lattice::new(size, 1.0, Border::Free, |node| match inside(node) {
-        true => NodeMatter::Deformable(solid),
-        false => NodeMatter::Empty,
+        true => NodeMaterial::Deformable(solid),
+        false => NodeMaterial::Empty,
     })
 }
 
@@ -32,7 +32,7 @@ pub fn middle(count: u32) -> DVec3 {
     DVec3::splat(f64::from(count / 2))
 }
 
-/// Half a box of matter under a plane through its middle, `depth` layers of it over `below`.
+/// Half a box of tissue under a plane through its middle, `depth` layers of it over `below`.
 pub fn half_space(count: u32, endless: bool, above: Solid, depth: i32, below: Solid) -> Lattice {
     let top = count as i32 / 2;
     let border = match endless {
@@ -43,18 +43,18 @@ pub fn half_space(count: u32, endless: bool, above: Solid, depth: i32, below: So
     };
     Lattice::new(UVec3::splat(count), 1.0, border, |node| {
         if node.z > top {
-            NodeMatter::Empty
+            NodeMaterial::Empty
         } else if node.z > top - depth {
-            NodeMatter::Deformable(above)
+            NodeMaterial::Deformable(above)
         } else {
-            NodeMatter::Deformable(below)
+            NodeMaterial::Deformable(below)
         }
     })
 }
 
 /// A ball of radius 2 that reaches `depth` into a half space, `aside` of the middle [mm].
 pub fn ball(count: u32, depth: f64, aside: f64) -> LatticeTool {
-    // matter reaches half a spacing beyond its nodes
+    // tissue reaches half a spacing beyond its nodes
     let up = 0.5 + 2.0 - depth;
     LatticeTool::ball(middle(count) + DVec3::new(aside, 0.0, up), 2.0)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec3;
-use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, Treatment};
+use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMaterial, Treatment};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::segment_set::SegmentSet;
@@ -64,7 +64,7 @@ impl DeformableSegments {
     }
 
     fn made(&self) -> Materials {
-        let matter = |&(segment, law): &(SegmentId, Option<MaterialLaw>)| SegmentMatter {
+        let matter = |&(segment, law): &(SegmentId, Option<MaterialLaw>)| SegmentMaterial {
             segment,
             law: law.unwrap_or_else(hard),
             regions: match law {

@@ -19,8 +19,7 @@ use palpate_volume::segment_set::SegmentSet;
 use crate::deformable::deformable_segments::{DeformableSegments, soft_segments};
 use crate::deformable::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};
 use crate::scene::Scene;
-use crate::servo::channels::ServoStatus;
-use crate::servo::inputs::DeformableContact;
+use crate::servo::{DeformableContact, ServoStatus};
 
 /// How long the model may take for an answer, so that 30 come in a second.
 const PATIENCE: Duration = Duration::from_millis(25);

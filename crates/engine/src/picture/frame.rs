@@ -5,12 +5,12 @@
 use glam::{DAffine3, DVec3};
 pub use palpate_haptics::force::ForceOff;
 
-use crate::deformable::deformation::DeformationStatus;
+use crate::deformable::DeformationStatus;
 use crate::notice::Notice;
-use crate::scene::tool_status::ToolStatus;
-use crate::servo::force_state::ForceState;
-use crate::threads::rate::Rate;
-use crate::touch::needle::NeedleDisplay;
+use crate::scene::ToolStatus;
+use crate::servo::ForceState;
+use crate::threads::Rate;
+use crate::touch::NeedleDisplay;
 
 /// The pace of each thread.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -16,11 +16,9 @@ use triple_buffer::Output;
 use crate::notice::Notice;
 use crate::picture::frame::{Frame, Rates, Safety, Sample};
 use crate::picture::simulation_status::SimulationStatus;
-use crate::replay::recording::{MAX_TICKS, Recording};
-use crate::servo::channels::TickRecord;
-use crate::servo::force_state::ForceState;
-use crate::servo::shared::Shared;
-use crate::threads::rate::RateReader;
+use crate::replay::{MAX_TICKS, Recording};
+use crate::servo::{ForceState, Shared, TickRecord};
+use crate::threads::RateReader;
 
 /// Samples of the force plot per second, at most.
 const SAMPLES_PER_SECOND: u32 = 250;

@@ -12,9 +12,8 @@ use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use crate::deformable::displacements::Displacements;
-use crate::scene::incremental_surface::{SegmentVoxels, SurfaceOptions};
-use crate::scene::{Scene, Step};
+use crate::deformable::Displacements;
+use crate::scene::{Scene, SegmentVoxels, Step, SurfaceOptions};
 
 /// Larger boxes are asked for anew instead of being sent.
 const MOST_VOXELS: u64 = 1 << 24;

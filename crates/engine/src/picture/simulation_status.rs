@@ -6,12 +6,11 @@ use std::sync::mpsc::Sender;
 
 use glam::DVec3;
 
-use crate::deformable::deformation::DeformationStatus;
+use crate::deformable::DeformationStatus;
 use crate::notice::Notice;
 use crate::picture::scene_updates::SceneUpdate;
-use crate::scene::tool_status::ToolStatus;
-use crate::touch::moved_poses::CurrentPoses;
-use crate::touch::needle::NeedleDisplay;
+use crate::scene::ToolStatus;
+use crate::touch::{CurrentPoses, NeedleDisplay};
 
 /// What the picture shows of the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,9 +55,13 @@ pub struct SimulationStatus {
     pub undo_budget: usize,
 }
 
-/// Where the simulation tells what is shown: its status, sentences, and changes of voxels.
-pub type PictureEnds = (
-    triple_buffer::Input<SimulationStatus>,
-    Sender<Notice>,
-    Sender<SceneUpdate>,
-);
+/// Where the simulation publishes what is shown.
+#[derive(Debug)]
+pub struct PictureEnds {
+    /// Its status.
+    pub status: triple_buffer::Input<SimulationStatus>,
+    /// Sentences for the person.
+    pub notices: Sender<Notice>,
+    /// Changes of the scene.
+    pub updates: Sender<SceneUpdate>,
+}

@@ -10,8 +10,7 @@ use std::time::{Duration, Instant};
 
 use crate::picture::scene_updates::SceneUpdate;
 use crate::picture::surfaces::Surfaces;
-use crate::threads::change_signal::ChangeSignal;
-use crate::threads::pacing::PICTURE_HZ;
+use crate::threads::{ChangeSignal, PICTURE_HZ};
 
 /// Surfaces follow at least every so many-th frame.
 pub const SLOWEST_PACE: u32 = 4;
@@ -66,7 +65,8 @@ impl SurfaceLoop {
     pub fn new(
         inbox: Receiver<SceneUpdate>,
         surfaces: Arc<Mutex<Surfaces>>,
-        (pace, signal): (SurfacePace, Arc<ChangeSignal>),
+        pace: SurfacePace,
+        signal: Arc<ChangeSignal>,
     ) -> Self {
         Self {
             inbox,

@@ -17,10 +17,10 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::voxel_box::VoxelBox;
 
-use crate::deformable::displacements::Displacements;
+use crate::deformable::Displacements;
 use crate::picture::packed_patch::{Lattice, PackedPatch};
 use crate::picture::scene_updates::{EditUpdate, SceneUpdate};
-use crate::scene::incremental_surface::{IncrementalSurface, SegmentVoxels, SurfaceOptions};
+use crate::scene::{IncrementalSurface, SegmentVoxels, SurfaceOptions};
 
 /// What changed in the surface of a segment.
 #[derive(Clone, Debug, Default)]

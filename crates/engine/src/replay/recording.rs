@@ -6,9 +6,8 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::scene::tool_status::ToolStatus;
-use crate::servo::channels::TickRecord;
-use crate::servo::inputs::{HandTarget, TickInputs};
+use crate::scene::ToolStatus;
+use crate::servo::{HandTarget, TickInputs, TickRecord};
 
 /// Longest recording, in ticks: an hour at 1 kHz, some 1 GB.
 pub const MAX_TICKS: usize = 3_600_000;

@@ -16,14 +16,11 @@ use palpate_volume::grid::Grid;
 
 use crate::replay::recording::Recording;
 use crate::replay::tape::{Tape, TapeCommand, TapeEntry, put, put_fractions, rooted};
-use crate::servo::channels::{Channels, ServoCommand, SimulationChannels, TickRecord};
-use crate::servo::shared::Shared;
-use crate::servo::{MAX_COMMANDS_PER_TICK, ServoLoop};
-use crate::touch::occupancy_change::BrickChange;
-use crate::touch::occupancy_fractions::FractionalBits;
-use crate::touch::part::Part;
-use crate::touch::scan_values::ScanValues;
-use crate::touch::touchable::{Touchable, unmoved};
+use crate::servo::{
+    Channels, MAX_COMMANDS_PER_TICK, ServoCommand, ServoLoop, Shared, SimulationChannels,
+    TickRecord,
+};
+use crate::touch::{BrickChange, FractionalBits, Part, ScanValues, Touchable, unmoved};
 
 /// Why a recording cannot be replayed at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -17,17 +17,15 @@ use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensity_brick::IntensityBrick;
-use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::occupancy_fractions::FractionBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
 use crate::replay::tape::{
     PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, put_fractions, rooted,
 };
-use crate::servo::servo_state::ServoState;
-use crate::touch::occupancy_change::{FractionSwap, MAX_BRICKS};
-use crate::touch::scan_values::ScanValues;
-use crate::touch::settings::{Settings, SettingsError, check_radius};
+use crate::servo::ServoState;
+use crate::touch::{FractionSwap, MAX_BRICKS, ScanValues, Settings, SettingsError, check_radius};
 
 /// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
 pub const MAX_FILE_VOXELS: u64 = 1 << 33;
@@ -325,10 +323,10 @@ impl ValueColumns {
 }
 
 impl FractionColumns {
-    fn push(&mut self, id: SegmentId, index: u32, brick: Option<&ShareBrick>) {
+    fn push(&mut self, id: SegmentId, index: u32, brick: Option<&FractionBrick>) {
         self.segment.push(id.0);
         self.index.push(index);
-        self.bytes.push(brick.unwrap_or(&ShareBrick::UNKNOWN).0);
+        self.bytes.push(brick.unwrap_or(&FractionBrick::UNKNOWN).0);
     }
 
     /// Some of the bricks, checked against the grids that they stand on.
@@ -340,8 +338,8 @@ impl FractionColumns {
         let places = places(&self.segment, &self.index, range.clone(), frames)?;
         let bricks = places.into_iter().zip(&self.bytes[range]);
         let swap = |((id, index), &bytes): ((u8, u32), &[u8; 512])| {
-            let brick = ShareBrick(bytes);
-            let brick = (brick != ShareBrick::UNKNOWN).then(|| Arc::new(brick));
+            let brick = FractionBrick(bytes);
+            let brick = (brick != FractionBrick::UNKNOWN).then(|| Arc::new(brick));
             (SegmentId(id), BrickSwap { index, brick })
         };
         Ok(bricks.map(swap).collect())

@@ -7,9 +7,9 @@ use glam::DVec3;
 
 use crate::error::SessionError;
 use crate::scenario::rig::{LONGEST, RATE_HZ};
-use crate::servo::channels::TickRecord;
-use crate::session::config::check_point;
-use crate::touch::settings::Settings;
+use crate::servo::TickRecord;
+use crate::session::check_point;
+use crate::touch::Settings;
 
 /// Ticks of a drive, at most.
 const MOST_TICKS: f64 = 5e6;

@@ -13,7 +13,7 @@ use super::drive::{Drive, Sample};
 use super::rig::Rig;
 use crate::error::SessionError;
 use crate::scene::Properties;
-use crate::touch::touch_feel::TouchFeel;
+use crate::touch::TouchFeel;
 
 /// A layer of the body.
 #[derive(Clone, Debug)]

@@ -10,22 +10,14 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::voxels::Voxels;
 
 use super::drive::Drive;
-use crate::deformable::deformation::Deformation;
-use crate::deformable::deformation_loop::DeformationLoop;
+use crate::deformable::{Deformation, DeformationLoop};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::scene_updates::SceneUpdate;
-use crate::picture::simulation_status::SimulationStatus;
-use crate::scene::Scene;
-use crate::scene::mask_fractions::MaskFractions;
-use crate::servo::channels::{Channels, TickRecord};
-use crate::servo::inputs::DeviceSample;
-use crate::servo::mapping::Mapping;
-use crate::servo::shared::Shared;
-use crate::servo::{ServoLoop, ServoStart};
-use crate::simulation::Simulation;
-use crate::touch::touch_feel::TouchFeels;
-use crate::touch::touchable::Touchable;
+use crate::picture::{PictureEnds, SceneUpdate, SimulationStatus};
+use crate::scene::{MaskFractions, Scene};
+use crate::servo::{Channels, DeviceSample, Mapping, ServoLoop, ServoStart, Shared, TickRecord};
+use crate::simulation::{Simulation, SimulationParts};
+use crate::touch::{TouchFeels, Touchable};
 
 /// Ticks in a second.
 pub(super) const RATE_HZ: u32 = 1000;
@@ -89,11 +81,19 @@ impl Rig {
         Ok(Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                (scene, deformation, fractions),
+                SimulationParts {
+                    scene,
+                    deformation,
+                    fractions,
+                },
                 settings,
                 limits,
                 channels.simulation,
-                (status, notices, updates),
+                PictureEnds {
+                    status,
+                    notices,
+                    updates,
+                },
             ),
             deformation: deformation_loop,
             device: channels.device.samples,

@@ -29,7 +29,7 @@ pub struct Measured {
 
 /// How the surfaces are made: as those that are drawn where nobody chooses otherwise.
 #[must_use]
-pub fn options() -> SurfaceOptions {
+pub fn gap_surface_options() -> SurfaceOptions {
     SurfaceOptions::default()
 }
 
@@ -69,7 +69,7 @@ impl GapBodies {
         let known = known.filter(|surface| *surface.grid() == measured.voxels.grid);
         let mut surface = match known {
             Some(surface) => surface,
-            None => IncrementalSurface::new(options(), measured.voxels.clone())
+            None => IncrementalSurface::new(gap_surface_options(), measured.voxels.clone())
                 .expect("the usual settings make a surface"),
         };
         surface.replace(measured.voxels);

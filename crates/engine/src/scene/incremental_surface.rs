@@ -14,7 +14,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::voxel_box::VoxelBox;
 
-use crate::touch::scan_values::ThresholdRange;
+use crate::touch::ThresholdRange;
 
 /// A patch with more vertices is parted into octants, so that an edit sends less of it.
 const MOST_VERTICES: u32 = 6000;

@@ -18,13 +18,13 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
-use palpate_volume::relax::{regions, relaxed_shares};
+use palpate_volume::occupancy_fractions::{FractionBrick, OccupancyFractions};
+use palpate_volume::relax::{regions, relaxed_fractions};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::scene::{Scene, TouchChange};
-use crate::touch::occupancy_change::FractionSwap;
+use crate::touch::FractionSwap;
 
 /// How far from a change fractions are worked out again [voxels].
 const REACH: i32 = 8;
@@ -37,17 +37,17 @@ pub struct FractionJob {
     bits: Bits,
     spacing: Vec3,
     region: VoxelBox,
-    known: Arc<Shares>,
+    known: Arc<OccupancyFractions>,
 }
 
 /// What came of it.
-pub type FractionAnswer = Vec<BrickSwap<ShareBrick>>;
+pub type FractionAnswer = Vec<BrickSwap<FractionBrick>>;
 
 /// A mask whose occupancy fractions are known, as far as they are.
 #[derive(Debug)]
 struct Kept {
     bits: Bits,
-    fractions: Arc<Shares>,
+    fractions: Arc<OccupancyFractions>,
 }
 
 /// The region that is worked on.
@@ -129,7 +129,7 @@ impl MaskFractions {
         scene: &mut Scene,
         id: SegmentId,
         bricks: Option<&[u32]>,
-    ) -> Vec<BrickSwap<ShareBrick>> {
+    ) -> Vec<BrickSwap<FractionBrick>> {
         let segment = scene.voxels().segment(id).filter(|_| scene.is_mask(id));
         let Some(bits) = segment.map(Segment::occupancy) else {
             self.forget(id);
@@ -167,7 +167,7 @@ impl MaskFractions {
 
     fn begin(&mut self, id: SegmentId, bits: Bits, scene: &mut Scene) {
         self.forget(id);
-        let fractions = Arc::new(Shares::unknown(bits.dimensions()));
+        let fractions = Arc::new(OccupancyFractions::unknown(bits.dimensions()));
         self.queue
             .extend(regions(&bits).into_iter().map(|region| (id, region)));
         scene.set_fractions(id, Some(Arc::clone(&fractions)));
@@ -289,8 +289,8 @@ impl Kept {
     }
 
     /// Forgets the occupancy fractions of the voxels of some boxes and of those beside them.
-    fn forget(&mut self, changed: &[VoxelBox]) -> Vec<BrickSwap<ShareBrick>> {
-        let mut forgotten: BTreeMap<u32, BrickSwap<ShareBrick>> = BTreeMap::new();
+    fn forget(&mut self, changed: &[VoxelBox]) -> Vec<BrickSwap<FractionBrick>> {
+        let mut forgotten: BTreeMap<u32, BrickSwap<FractionBrick>> = BTreeMap::new();
         for changed in changed {
             let near = changed.dilate(1);
             for index in self.fractions.bricks().indices_in(&near) {
@@ -319,7 +319,7 @@ impl Kept {
 const EVERYTHING: VoxelBox = VoxelBox::new(IVec3::MIN, IVec3::MAX);
 
 /// Forgets the occupancy fractions of some voxels of a brick.
-fn forget_in(swap: &mut BrickSwap<ShareBrick>, voxels: &VoxelBox) {
+fn forget_in(swap: &mut BrickSwap<FractionBrick>, voxels: &VoxelBox) {
     if let Some(brick) = &mut swap.brick
         && !voxels.is_empty()
     {
@@ -355,7 +355,7 @@ impl FractionLoop {
     }
 
     fn answer(&self, job: &FractionJob) {
-        let answer = relaxed_shares(&job.bits, job.spacing, &job.region, &job.known);
+        let answer = relaxed_fractions(&job.bits, job.spacing, &job.region, &job.known);
         // whoever asked may have gone
         let _ = self.answers.send(answer);
     }

@@ -8,7 +8,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;
 
 use super::{Properties, Scene, Step, TouchChange};
-use crate::touch::scan_values::ThresholdRange;
+use crate::touch::ThresholdRange;
 
 impl Scene {
     /// Performs a step; gives its inverse and what touch must follow.

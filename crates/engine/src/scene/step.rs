@@ -9,7 +9,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
 use super::Properties;
-use crate::touch::scan_values::ThresholdRange;
+use crate::touch::ThresholdRange;
 
 /// A model of soft tissue.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,13 +16,10 @@ use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::servo::inputs::{DeformableContact, DeviceSample, HandTarget, TickInputs};
 use crate::servo::servo_state::ServoState;
-use crate::touch::moved_poses::CurrentPoses;
-use crate::touch::needle::NeedleStatus;
-use crate::touch::occupancy_change::{BrickChange, Garbage, MAX_HELD};
-use crate::touch::settings::Settings;
-use crate::touch::touch_feel::TouchFeel;
-use crate::touch::touch_occupancy::GARBAGE_PER_CHANGE;
-use crate::touch::touchable::Touchable;
+use crate::touch::{
+    BrickChange, CurrentPoses, GARBAGE_PER_CHANGE, Garbage, MAX_HELD, NeedleStatus, Settings,
+    TouchFeel, Touchable,
+};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;

@@ -9,8 +9,7 @@ use palpate_haptics::tick::TickState;
 use super::ServoLoop;
 use crate::servo::channels::ServoCommand;
 use crate::servo::inputs::TickInputs;
-use crate::touch::occupancy_change::Garbage;
-use crate::touch::probe::Probe;
+use crate::touch::{Garbage, Probe};
 
 /// Commands executed per tick, at most, and one change of the occupancy.
 pub const MAX_COMMANDS_PER_TICK: usize = 16;
@@ -98,11 +97,11 @@ impl ServoLoop {
                 self.state.mapping.rescale(device, settings.gain);
                 self.state.settings = settings;
                 self.occupancy.want_radius(settings.probe_radius);
-                self.state.touch.blend.tell();
+                self.state.touch.blend.note_new_settings();
             }
             Some(ServoCommand::Feel(id, feel)) => {
                 self.state.feels.set(id, feel);
-                self.state.touch.blend.tell();
+                self.state.touch.blend.note_new_settings();
             }
             Some(ServoCommand::Pose(id, target)) => {
                 if let Some((bounds, own_grid)) = self.occupancy.place_of(id) {

@@ -11,7 +11,7 @@ use super::ServoLoop;
 use crate::servo::channels::{ForceCommand, ServoStatus, Snapshot, TickRecord};
 use crate::servo::inputs::TickInputs;
 use crate::servo::mapping::Mapping;
-use crate::touch::needle::NeedleStatus;
+use crate::touch::NeedleStatus;
 
 impl ServoLoop {
     pub(super) fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {

@@ -14,9 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::servo::inputs::DeformableContact;
 use crate::servo::mapping::Mapping;
-use crate::touch::moved_poses::MovedPoses;
-use crate::touch::settings::Settings;
-use crate::touch::touch_feel::TouchFeels;
+use crate::touch::{MovedPoses, Settings, TouchFeels};
 
 /// All that changes from tick to tick, besides what is solid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

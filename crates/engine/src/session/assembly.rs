@@ -1,44 +1,34 @@
 //! The loops of a session and what connects them, made from its configuration.
 
-use std::sync::mpsc::{self, Sender};
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Mutex};
 
 use glam::{DAffine3, DVec3};
-use palpate_device::DeviceLimits;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
-use triple_buffer::{Input, triple_buffer};
+use triple_buffer::{Input, Output, triple_buffer};
 
-use crate::deformable::deformable_view::DeformableView;
-use crate::deformable::deformation::Deformation;
+use crate::deformable::{DeformableView, Deformation};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::frame_collector::{FrameCollector, FrameSources, RateReaders};
-use crate::picture::simulation_status::{PictureEnds, SimulationStatus};
-use crate::picture::surface_loop::{SurfaceLoop, SurfacePace};
-use crate::picture::surfaces::Surfaces;
-use crate::replay::tape::TapeRecorder;
-use crate::scene::mask_fractions::MaskFractions;
-use crate::scene::{Properties, Scene, Step};
-use crate::servo::channels::{Channels, SimulationChannels};
-use crate::servo::device_loop::DeviceLoop;
-use crate::servo::inputs::HandTarget;
-use crate::servo::mapping::{Mapping, view_from_the_front};
-use crate::servo::shared::Shared;
-use crate::servo::{ServoLoop, ServoStart};
+use crate::picture::{
+    FrameCollector, FrameSources, PictureEnds, RateReaders, SceneUpdate, SimulationStatus,
+    SurfaceLoop, SurfacePace, Surfaces,
+};
+use crate::replay::TapeRecorder;
+use crate::scene::{MaskFractions, Properties, Scene, Step};
+use crate::servo::{
+    Channels, DeviceLoop, HandTarget, Mapping, ServoLoop, ServoStart, Shared, view_from_the_front,
+};
 use crate::session::config::{Reference, SessionConfig};
-use crate::session::live::Loops;
-use crate::simulation::Simulation;
-use crate::simulation::touch_sender::touchable_of;
-use crate::threads::change_signal::ChangeSignal;
-use crate::threads::pacing::{PICTURE_HZ, SIMULATION_HZ};
-use crate::threads::rate::RateMeter;
-use crate::touch::placement::{REACH, free_point, in_front_of};
-use crate::touch::settings::Settings;
+use crate::session::live::{Loops, Metered};
+use crate::simulation::{Simulation, SimulationParts, touchable_of};
+use crate::threads::{ChangeSignal, PICTURE_HZ, RateMeter, SIMULATION_HZ};
+use crate::touch::{PLACEMENT_REACH, Settings, free_point, in_front_of};
 
 /// A session before it runs.
 pub struct Assembly {
@@ -69,84 +59,119 @@ pub struct Assembly {
 /// # Errors
 /// Where segments do not fit the scan, or there is no free place for the probe.
 pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
-    let (device_rate_hz, safety) = (config.device_rate_hz(), config.safety());
-    let SessionConfig {
-        grid,
-        device,
-        reference,
-        rate_hz,
-        ..
-    } = config;
-    let limits = device.limits();
+    let (device_hz, safety) = (config.device_rate_hz(), config.safety());
+    let limits = config.device.limits();
     let settings = config.settings.within(&limits);
-    let scene = scene_of(grid, config.intensities, config.segments)?;
+    let scene = scene_of(config.grid, config.intensities, config.segments)?;
     let probe = first_point(&scene, config.start, settings.probe_radius)?;
 
     // what connects the loops
     let shared = Arc::new(Shared::default());
     let channels = Channels::new(probe);
-    let (notices, notice_inbox) = mpsc::channel();
-    let (updates, update_inbox) = mpsc::channel();
-    let (status, status_out) = triple_buffer(&SimulationStatus::default());
-    let (meters, rates) = meters(device_rate_hz, rate_hz);
+    let meters = Meters::new(device_hz, config.rate_hz);
+    let (ends, inbox) = picture_channels();
+    let notices = ends.notices.clone();
 
     // the loops
-    let dt = 1.0 / f64::from(device_rate_hz);
-    let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
-    let start = servo_start(&scene, reference, probe, settings);
+    let dt = 1.0 / f64::from(device_hz);
+    let to_device = Arc::clone(&shared);
+    let device = DeviceLoop::new(config.device, channels.device, to_device, dt, safety);
+    let start = servo_start(&scene, config.reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
-    let (pace, signal) = (SurfacePace::default(), Arc::new(ChangeSignal::default()));
-    let surfaces = Surfaces::new(scene.voxels().intensities().clone());
-    let surfaces = Arc::new(Mutex::new(surfaces));
-    let ends = (status, notices.clone(), updates);
+    let surfaces = ShownSurfaces::new(&scene, inbox.updates);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
-    let deformable_view = deformation_loop.view();
     let (mut fractions, fraction_loop) = MaskFractions::new();
     fractions.switch(config.mask_fractions);
-    let simulation = first_simulation(
-        (scene, deformation, fractions),
-        (settings, limits),
-        channels.simulation,
-        ends,
-        (reference, probe),
-    )?;
-    let tape = simulation.tape();
+    let parts = SimulationParts {
+        scene,
+        deformation,
+        fractions,
+    };
+    let mut simulation = Simulation::new(parts, settings, limits, channels.simulation, ends);
+    begin(&mut simulation, config.reference, probe)?;
     let sources = FrameSources {
         records: channels.records,
-        status: status_out,
-        notices: notice_inbox,
-        rates,
+        status: inbox.status,
+        notices: inbox.notices,
+        rates: meters.readers,
         shared: Arc::clone(&shared),
     };
-    let picture = Arc::new(Mutex::new(FrameCollector::new(sources, rate_hz, probe)));
+    let picture = FrameCollector::new(sources, config.rate_hz, probe);
+    let picture = Arc::new(Mutex::new(picture));
 
     report_start(&notices, config.start, probe);
     report_limits(&notices, &settings, &config.settings);
-    let [device_meter, servo_meter, simulation_meter, picture_meter] = meters;
     Ok(Assembly {
-        loops: Loops {
-            device: (device, device_meter),
-            servo: (servo, servo_meter),
-            simulation: (simulation, simulation_meter),
-            picture: (Arc::clone(&picture), picture_meter),
-            surfaces: SurfaceLoop::new(
-                update_inbox,
-                Arc::clone(&surfaces),
-                (pace.clone(), Arc::clone(&signal)),
-            ),
-            deformation: deformation_loop,
-            fractions: fraction_loop,
-        },
-        picture,
-        surfaces,
-        pace,
-        signal,
-        deformable_view,
+        picture: Arc::clone(&picture),
+        surfaces: surfaces.surfaces,
+        pace: surfaces.pace,
+        signal: surfaces.signal,
+        deformable_view: deformation_loop.view(),
         hand: channels.hand,
         shared,
         notices,
-        tape,
+        tape: simulation.tape(),
+        loops: Loops {
+            device: Metered::new(device, meters.device),
+            servo: Metered::new(servo, meters.servo),
+            simulation: Metered::new(simulation, meters.simulation),
+            picture: Metered::new(picture, meters.picture),
+            surfaces: surfaces.follow,
+            deformation: deformation_loop,
+            fractions: fraction_loop,
+        },
     })
+}
+
+/// The picture's ends of what the simulation publishes.
+struct PictureInbox {
+    status: Output<SimulationStatus>,
+    notices: Receiver<Notice>,
+    updates: Receiver<SceneUpdate>,
+}
+
+fn picture_channels() -> (PictureEnds, PictureInbox) {
+    let (status, status_out) = triple_buffer(&SimulationStatus::default());
+    let (notices, notice_inbox) = mpsc::channel();
+    let (updates, update_inbox) = mpsc::channel();
+    let ends = PictureEnds {
+        status,
+        notices,
+        updates,
+    };
+    let inbox = PictureInbox {
+        status: status_out,
+        notices: notice_inbox,
+        updates: update_inbox,
+    };
+    (ends, inbox)
+}
+
+/// Surfaces, and the loop that makes them follow the voxels.
+struct ShownSurfaces {
+    surfaces: Arc<Mutex<Surfaces>>,
+    pace: SurfacePace,
+    signal: Arc<ChangeSignal>,
+    follow: SurfaceLoop,
+}
+
+impl ShownSurfaces {
+    fn new(scene: &Scene, updates: Receiver<SceneUpdate>) -> Self {
+        let (pace, signal) = (SurfacePace::default(), Arc::new(ChangeSignal::default()));
+        let surfaces = Surfaces::new(scene.voxels().intensities().clone());
+        let surfaces = Arc::new(Mutex::new(surfaces));
+        Self {
+            follow: SurfaceLoop::new(
+                updates,
+                Arc::clone(&surfaces),
+                pace.clone(),
+                Arc::clone(&signal),
+            ),
+            surfaces,
+            pace,
+            signal,
+        }
+    }
 }
 
 fn servo_start(
@@ -166,20 +191,18 @@ fn servo_start(
     }
 }
 
-/// A simulation that brings the device to the probe, where the device is not in the scene.
-fn first_simulation(
-    parts: (Scene, Deformation, MaskFractions),
-    (settings, limits): (Settings, DeviceLimits),
-    channels: SimulationChannels,
-    ends: PictureEnds,
-    (reference, probe): (Reference, DVec3),
-) -> Result<Simulation, SessionError> {
-    let mut simulation = Simulation::new(parts, settings, limits, channels, ends);
+/// The first pass of a simulation, which brings the device to the probe where the device is not in
+/// the scene.
+fn begin(
+    simulation: &mut Simulation,
+    reference: Reference,
+    probe: DVec3,
+) -> Result<(), SessionError> {
     if reference == Reference::View {
         simulation.place(probe, 0, true)?;
     }
     simulation.step();
-    Ok(simulation)
+    Ok(())
 }
 
 /// A free place for the probe: the start, or the free voxel nearest to it.
@@ -189,7 +212,7 @@ fn first_point(scene: &Scene, start: Option<DVec3>, radius: f64) -> Result<DVec3
     let touchable = touchable_of(scene, radius);
     free_point(&touchable.scene(grid), point).ok_or(SessionError::NoFreeVoxel {
         point,
-        reach: REACH,
+        reach: PLACEMENT_REACH,
     })
 }
 
@@ -252,16 +275,32 @@ fn first_mapping(reference: Reference) -> Mapping {
     }
 }
 
-fn meters(device_rate_hz: u32, rate_hz: u32) -> ([RateMeter; 4], RateReaders) {
-    let (device, device_reader) = RateMeter::new(device_rate_hz);
-    let (servo, servo_reader) = RateMeter::new(rate_hz);
-    let (simulation, simulation_reader) = RateMeter::new(SIMULATION_HZ);
-    let (picture, picture_reader) = RateMeter::new(PICTURE_HZ);
-    let readers = RateReaders {
-        device: device_reader,
-        servo: servo_reader,
-        simulation: simulation_reader,
-        picture: picture_reader,
-    };
-    ([device, servo, simulation, picture], readers)
+/// What counts the ticks of each thread, and where that can be read.
+struct Meters {
+    device: RateMeter,
+    servo: RateMeter,
+    simulation: RateMeter,
+    picture: RateMeter,
+    readers: RateReaders,
+}
+
+impl Meters {
+    fn new(device_hz: u32, servo_hz: u32) -> Self {
+        let (device, device_reader) = RateMeter::new(device_hz);
+        let (servo, servo_reader) = RateMeter::new(servo_hz);
+        let (simulation, simulation_reader) = RateMeter::new(SIMULATION_HZ);
+        let (picture, picture_reader) = RateMeter::new(PICTURE_HZ);
+        Self {
+            device,
+            servo,
+            simulation,
+            picture,
+            readers: RateReaders {
+                device: device_reader,
+                servo: servo_reader,
+                simulation: simulation_reader,
+                picture: picture_reader,
+            },
+        }
+    }
 }

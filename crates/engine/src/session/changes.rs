@@ -10,12 +10,10 @@ use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
-use crate::deformable::deformable_view::ShownParts;
-use crate::deformable::deformation::{DeformationStatus, ForceSource};
+use crate::deformable::{DeformationStatus, ForceSource, ShownParts};
 use crate::error::SessionError;
-use crate::simulation::Simulation;
-use crate::simulation::recovery::{Kept, Recovered};
-use crate::touch::needle::NeedleReport;
+use crate::simulation::{Kept, Recovered, Simulation};
+use crate::touch::NeedleReport;
 
 impl Session {
     /// Chooses the tool for the next strokes, or none; a stroke that is on ends.

@@ -9,7 +9,7 @@ use palpate_volume::segment::Segment;
 
 use crate::error::SessionError;
 use crate::scene::Properties;
-use crate::touch::settings::{Settings, check_radius};
+use crate::touch::{Settings, check_radius};
 
 /// Farthest point that a session takes [mm].
 const POINT_LIMIT: f64 = 1e6;
@@ -114,7 +114,7 @@ pub(crate) fn check(config: &SessionConfig) -> Result<(), SessionError> {
 }
 
 /// Refuses a point that is not finite or absurdly far away.
-pub(crate) fn check_point(name: &'static str, given: DVec3) -> Result<(), SessionError> {
+pub fn check_point(name: &'static str, given: DVec3) -> Result<(), SessionError> {
     // written so that NaN is refused
     if given.abs().cmple(DVec3::splat(POINT_LIMIT)).all() {
         return Ok(());

@@ -11,19 +11,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use crate::deformable::deformation_loop::{DeformationLoop, WakeUp};
+use crate::deformable::{DeformationLoop, WakeUp};
 use crate::error::SessionError;
-use crate::picture::frame_collector::FrameCollector;
-use crate::picture::surface_loop::SurfaceLoop;
-use crate::scene::mask_fractions::FractionLoop;
-use crate::servo::ServoLoop;
-use crate::servo::device_loop::DeviceLoop;
-use crate::servo::shared::Shared;
+use crate::picture::{FrameCollector, SurfaceLoop};
+use crate::scene::FractionLoop;
+use crate::servo::{DeviceLoop, ServoLoop, Shared};
 use crate::simulation::Simulation;
-use crate::threads::clock;
-use crate::threads::pacing::{PICTURE_HZ, Pacer, SIMULATION_HZ};
-use crate::threads::priority::{self, Priority};
-use crate::threads::rate::RateMeter;
+use crate::threads::priority::{self};
+use crate::threads::{PICTURE_HZ, Pacer, Priority, RateMeter, SIMULATION_HZ, clock};
 
 /// From the start of the threads to their first tick [ns].
 const HEAD_START_NS: u64 = 20_000_000;
@@ -41,16 +36,31 @@ const START_PATIENCE: Duration = Duration::from_secs(10);
 /// Something to do in the simulation thread.
 pub type Question = Box<dyn FnOnce(&mut Simulation) + Send>;
 
-/// What the threads run, with a meter for each.
+/// A loop at a rate of its own, and what counts its ticks.
+pub struct Metered<T> {
+    /// The loop.
+    pub work: T,
+    /// Its meter.
+    pub meter: RateMeter,
+}
+
+impl<T> Metered<T> {
+    /// A loop with its meter.
+    pub fn new(work: T, meter: RateMeter) -> Self {
+        Self { work, meter }
+    }
+}
+
+/// What the threads run.
 pub struct Loops {
-    /// The device and its meter.
-    pub device: (DeviceLoop, RateMeter),
-    /// The servo and its meter.
-    pub servo: (ServoLoop, RateMeter),
-    /// The simulation and its meter.
-    pub simulation: (Simulation, RateMeter),
-    /// The picture and its meter.
-    pub picture: (Arc<Mutex<FrameCollector>>, RateMeter),
+    /// The device.
+    pub device: Metered<DeviceLoop>,
+    /// The servo.
+    pub servo: Metered<ServoLoop>,
+    /// The simulation.
+    pub simulation: Metered<Simulation>,
+    /// The picture.
+    pub picture: Metered<Arc<Mutex<FrameCollector>>>,
     /// The surfaces.
     pub surfaces: SurfaceLoop,
     /// The deformation.
@@ -74,7 +84,6 @@ pub struct Live {
     questions: Mutex<Sender<Question>>,
     threads: Mutex<Vec<(&'static str, JoinHandle<()>)>>,
     shared: Arc<Shared>,
-    start_ns: u64,
 }
 
 /// What every thread needs.
@@ -110,7 +119,6 @@ impl Live {
             questions: Mutex::new(questions),
             threads: Mutex::new(Vec::with_capacity(7)),
             shared,
-            start_ns: context.start_ns,
         };
         let Loops {
             device,
@@ -142,18 +150,12 @@ impl Live {
             while !shared.stopping() && deformation.wait(PATIENCE) {}
         })?;
         let shared = Arc::clone(&live.shared);
-        live.spawn("shares", move || {
+        live.spawn("fractions", move || {
             while !shared.stopping() && fractions.wait(PATIENCE) {}
         })?;
 
         let granted = outcome_of_both(&results);
         Ok((live, granted))
-    }
-
-    /// The session's time zero, on the monotonic clock [ns].
-    #[must_use]
-    pub fn start_ns(&self) -> u64 {
-        self.start_ns
     }
 
     /// Has the simulation thread do something; false where it runs no more.
@@ -274,14 +276,22 @@ impl Context {
     }
 }
 
-fn run_device((mut device, meter): (DeviceLoop, RateMeter), context: &Context) {
+fn run_device(device: Metered<DeviceLoop>, context: &Context) {
+    let Metered {
+        work: mut device,
+        meter,
+    } = device;
     context.prepare(priority::DEVICE);
     let pacer = Pacer::new(context.paces.device_hz, context.start_ns);
     // `device` sends zero force when it is dropped, also when a tick panics
     context.run(pacer, meter, |now| device.step(now));
 }
 
-fn run_servo((mut servo, meter): (ServoLoop, RateMeter), context: &Context) {
+fn run_servo(servo: Metered<ServoLoop>, context: &Context) {
+    let Metered {
+        work: mut servo,
+        meter,
+    } = servo;
     context.prepare(priority::SERVO);
     let Paces {
         device_hz,
@@ -292,11 +302,11 @@ fn run_servo((mut servo, meter): (ServoLoop, RateMeter), context: &Context) {
     context.run(pacer, meter, |now| servo.step(now));
 }
 
-fn run_simulation(
-    (mut simulation, mut meter): (Simulation, RateMeter),
-    inbox: &Receiver<Question>,
-    context: &Context,
-) {
+fn run_simulation(simulation: Metered<Simulation>, inbox: &Receiver<Question>, context: &Context) {
+    let Metered {
+        work: mut simulation,
+        mut meter,
+    } = simulation;
     let mut pacer = Pacer::new(SIMULATION_HZ, context.start_ns);
     while !context.shared.stopping() {
         let rest = pacer.due_ns().saturating_sub(clock::now_ns());
@@ -321,7 +331,11 @@ fn run_surfaces(surfaces: &mut SurfaceLoop, shared: &Shared) {
     while !shared.stopping() && surfaces.wait(PATIENCE) {}
 }
 
-fn run_picture((picture, meter): (Arc<Mutex<FrameCollector>>, RateMeter), context: &Context) {
+fn run_picture(picture: Metered<Arc<Mutex<FrameCollector>>>, context: &Context) {
+    let Metered {
+        work: picture,
+        meter,
+    } = picture;
     let pacer = Pacer::new(PICTURE_HZ, context.start_ns);
     context.run(pacer, meter, |_| {
         picture

@@ -7,9 +7,7 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::{Session, lock};
 use crate::error::SessionError;
-use crate::scene::cut::{LineCut, Painted, Plane};
-use crate::scene::gap::Gap;
-use crate::scene::gap_bodies::{Measured, options};
+use crate::scene::{Gap, LineCut, Measured, Painted, Plane, gap_surface_options};
 use crate::session::config::check_point;
 use crate::simulation::Simulation;
 
@@ -122,7 +120,7 @@ impl Session {
         let ((mut first, first_pose), (mut second, second_pose)) = (first?, second?);
         let surfaces = lock(&self.surfaces);
         for one in [&mut first, &mut second] {
-            one.drawn = surfaces.kept(one.id, &options()).cloned();
+            one.drawn = surfaces.kept(one.id, &gap_surface_options()).cloned();
         }
         drop(surfaces);
         let bodies = lock(&self.gap_bodies).ready([first, second], &self.grid, &scan);

@@ -5,11 +5,11 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::picture::frame_collector::FrameCollector;
-use crate::servo::shared::Shared;
+use crate::picture::FrameCollector;
+use crate::servo::Shared;
 use crate::session::live::{Loops, Paces, message_of};
 use crate::simulation::Simulation;
-use crate::threads::pacing::{PICTURE_HZ, SIMULATION_HZ, Start};
+use crate::threads::{PICTURE_HZ, SIMULATION_HZ, TickStart};
 
 /// The loops and how far they are.
 pub struct Offline {
@@ -37,7 +37,7 @@ impl Offline {
 
     /// The simulation.
     pub fn simulation(&mut self) -> &mut Simulation {
-        &mut self.loops.simulation.0
+        &mut self.loops.simulation.work
     }
 
     /// The session's time [ns].
@@ -51,7 +51,7 @@ impl Offline {
         let ticks = (seconds * self.rate_hz as f64).round() as u64;
         let steps = || (0..ticks).for_each(|_| self.step());
         if let Err(panic) = catch_unwind(AssertUnwindSafe(steps)) {
-            self.loops.device.0.release();
+            self.loops.device.work.release();
             self.shared
                 .fail(format!("a loop failed: {}", message_of(&*panic)));
         }
@@ -60,7 +60,7 @@ impl Offline {
     /// Ends the session.
     pub fn stop(&mut self) {
         self.shared.stop();
-        self.loops.device.0.release();
+        self.loops.device.work.release();
         // where threads end, what they hold goes with them
         self.simulation().end_journal();
     }
@@ -82,15 +82,15 @@ impl Offline {
             fractions,
             ..
         } = &mut self.loops;
-        servo.1.count(start);
-        servo.0.step(now);
+        servo.meter.count(start);
+        servo.work.step(now);
         self.tick += 1;
         if self
             .tick
             .is_multiple_of(self.rate_hz / u64::from(SIMULATION_HZ))
         {
-            simulation.1.count(start);
-            simulation.0.step();
+            simulation.meter.count(start);
+            simulation.work.step();
             deformation.step();
             fractions.step();
         }
@@ -98,24 +98,27 @@ impl Offline {
             .tick
             .is_multiple_of(self.rate_hz / u64::from(PICTURE_HZ))
         {
-            picture.1.count(start);
-            lock(&picture.0).collect();
+            picture.meter.count(start);
+            lock(&picture.work).collect();
             surfaces.step();
         }
     }
 
     /// One tick of the device.
     fn step_device(&mut self) {
-        let (device, meter) = &mut self.loops.device;
-        meter.count(in_time(self.device_tick, self.device_hz));
-        device.step(self.device_tick as f64 / self.device_hz as f64);
+        let device = &mut self.loops.device;
+        let start = in_time(self.device_tick, self.device_hz);
+        device.meter.count(start);
+        device
+            .work
+            .step(self.device_tick as f64 / self.device_hz as f64);
         self.device_tick += 1;
     }
 }
 
 /// A tick of a loop that is never late.
-fn in_time(tick: u64, rate_hz: u64) -> Start {
-    Start {
+fn in_time(tick: u64, rate_hz: u64) -> TickStart {
+    TickStart {
         began_ns: tick * 1_000_000_000 / rate_hz,
         late_ns: 0,
         skipped: 0,

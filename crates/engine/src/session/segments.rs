@@ -9,8 +9,7 @@ use super::Session;
 use crate::error::SessionError;
 use crate::scene::Properties;
 use crate::simulation::{SegmentState, Simulation, checked_box};
-use crate::touch::scan_values::ThresholdRange;
-use crate::touch::touch_feel::TouchFeel;
+use crate::touch::{ThresholdRange, TouchFeel};
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;

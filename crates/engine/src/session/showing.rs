@@ -6,11 +6,9 @@ use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
 use crate::error::SessionError;
-use crate::picture::frame::{Frame, Rates};
-use crate::picture::surfaces::PictureChange;
-use crate::replay::recording::Recording;
-use crate::replay::tape::Tape;
-use crate::scene::incremental_surface::SurfaceOptions;
+use crate::picture::{Frame, PictureChange, Rates};
+use crate::replay::{Recording, Tape};
+use crate::scene::SurfaceOptions;
 use crate::simulation::Simulation;
 
 impl Session {

@@ -8,13 +8,12 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformable::deformation::{DeformationStatus, ForceSource};
+use crate::deformable::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::scene_updates::SceneUpdate;
+use crate::picture::SceneUpdate;
 use crate::scene::{ModelChoice, Step};
-use crate::servo::channels::ServoCommand;
-use crate::servo::inputs::DeformableContact;
+use crate::servo::{DeformableContact, ServoCommand};
 
 impl Simulation {
     /// Chooses the model of soft tissue and what it offers to choose, or none; an

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use palpate_deform::model::DisplacementField;
 
 use super::Simulation;
-use crate::deformable::displacements::Displacements;
-use crate::picture::scene_updates::SceneUpdate;
+use crate::deformable::Displacements;
+use crate::picture::SceneUpdate;
 
 impl Simulation {
     /// Has the model forget all displacements, and the picture with it.

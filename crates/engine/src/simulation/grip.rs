@@ -23,7 +23,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use rayon::prelude::*;
 
 use crate::scene::Scene;
-use crate::servo::channels::ServoStatus;
+use crate::servo::ServoStatus;
 
 /// Surface voxels that are looked up; of a larger surface every so many-th.
 pub const MOST_SAMPLES: usize = 40_000;

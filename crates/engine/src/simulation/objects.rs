@@ -11,7 +11,7 @@ use super::Simulation;
 use crate::error::SessionError;
 use crate::scene::{Properties, Step, TouchChange};
 use crate::simulation::grip::Grip;
-use crate::touch::moved_poses::CurrentPoses;
+use crate::touch::CurrentPoses;
 
 impl Simulation {
     /// Moves a segment; touch goes there smoothly. One step of undo, with all that it was dragged

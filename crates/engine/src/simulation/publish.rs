@@ -2,9 +2,8 @@
 
 use super::Simulation;
 use crate::notice::Notice;
-use crate::picture::scene_updates::SceneUpdate;
-use crate::picture::simulation_status::SimulationStatus;
-use crate::replay::tape::MAX_TAPE_BYTES;
+use crate::picture::{SceneUpdate, SimulationStatus};
+use crate::replay::MAX_TAPE_BYTES;
 
 impl Simulation {
     pub(super) fn report_held_changes(&mut self) {

@@ -18,8 +18,8 @@ use super::Simulation;
 use crate::error::SessionError;
 use crate::notice::Notice;
 use crate::scene::{Properties, Step, TouchChange};
-use crate::servo::channels::ServoCommand;
-use crate::touch::touch_feel::TouchFeel;
+use crate::servo::ServoCommand;
+use crate::touch::TouchFeel;
 
 /// What came back from a journal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformable::rigid_regions::{Regions, SharedChange, changed_bricks, rigid_mask};
+use crate::deformable::{Regions, SharedChange, changed_bricks, rigid_mask};
 use crate::error::SessionError;
 use crate::scene::{Step, TouchChange};
 
@@ -87,13 +87,12 @@ mod tests {
     use super::*;
     use std::sync::mpsc;
 
-    use crate::deformable::deformation::Deformation;
-    use crate::deformable::rigid_regions::SharedRegionChanges;
-    use crate::picture::simulation_status::SimulationStatus;
-    use crate::scene::mask_fractions::MaskFractions;
-    use crate::scene::{Properties, Scene};
-    use crate::servo::channels::Channels;
-    use crate::touch::settings::Settings;
+    use crate::deformable::{Deformation, SharedRegionChanges};
+    use crate::picture::{PictureEnds, SimulationStatus};
+    use crate::scene::{MaskFractions, Properties, Scene};
+    use crate::servo::Channels;
+    use crate::simulation::SimulationParts;
+    use crate::touch::Settings;
     use glam::{DMat3, DVec3, IVec3, UVec3};
     use oorandom::Rand64;
     use palpate_deform::material::preset;
@@ -140,11 +139,19 @@ mod tests {
         let scene = Scene::new(Voxels::new(grid, scan).unwrap());
         let (status, _) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let mut simulation = Simulation::new(
-            (scene, Deformation::new(true).0, MaskFractions::new().0),
+            SimulationParts {
+                scene,
+                deformation: Deformation::new(true).0,
+                fractions: MaskFractions::new().0,
+            },
             Settings::default(),
             LIMITS,
             Channels::new(DVec3::new(20.0, 20.0, 30.0)).simulation,
-            (status, mpsc::channel().0, mpsc::channel().0),
+            PictureEnds {
+                status,
+                notices: mpsc::channel().0,
+                updates: mpsc::channel().0,
+            },
         );
         for id in [SKIN_ID, SOFT_ID, BONE_ID] {
             let segment = Segment::from_fn(DIMENSIONS, |voxel| segment_at(voxel) == Some(id));

@@ -10,13 +10,10 @@ use glam::DAffine3;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::picture::scene_updates::SceneUpdate;
-use crate::scene::incremental_surface::SurfaceOptions;
-use crate::scene::{Properties, Step, TouchChange};
-use crate::servo::channels::ServoCommand;
-use crate::touch::scan_values::ThresholdRange;
-use crate::touch::settings::check_radius;
-use crate::touch::touch_feel::TouchFeel;
+use crate::picture::SceneUpdate;
+use crate::scene::{Properties, Step, SurfaceOptions, TouchChange};
+use crate::servo::ServoCommand;
+use crate::touch::{ThresholdRange, TouchFeel, check_radius};
 
 impl Simulation {
     /// Adds a segment; an undoable one is taken away again by undo.

@@ -6,7 +6,7 @@ use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::picture::scene_updates::SceneUpdate;
+use crate::picture::SceneUpdate;
 use crate::scene::Step;
 
 impl Simulation {

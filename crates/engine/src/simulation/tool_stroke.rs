@@ -16,10 +16,9 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;
 
 use crate::error::SessionError;
-use crate::scene::tool_status::ToolStatus;
-use crate::scene::{Scene, Step};
-use crate::servo::channels::ServoStatus;
-use crate::touch::scan_values::ThresholdRange;
+use crate::scene::{Scene, Step, ToolStatus};
+use crate::servo::ServoStatus;
+use crate::touch::ThresholdRange;
 
 /// The probe as the servo last told of it.
 #[derive(Clone, Copy, Debug)]

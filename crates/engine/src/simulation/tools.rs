@@ -11,9 +11,9 @@ use super::Simulation;
 use crate::error::SessionError;
 use crate::notice::Notice;
 use crate::scene::Step;
-use crate::servo::channels::ServoCommand;
+use crate::servo::ServoCommand;
 use crate::simulation::tool_stroke::ProbeStatus;
-use crate::touch::needle::{NeedlePlace, NeedleReport};
+use crate::touch::{NeedlePlace, NeedleReport};
 
 /// Where a needle that is taken out stands before its entry [mm].
 const BEFORE_ENTRY: f64 = 2.0;

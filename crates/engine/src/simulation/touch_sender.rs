@@ -10,16 +10,13 @@ use glam::DAffine3;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
-use crate::replay::tape::TapeRecorder;
+use crate::replay::TapeRecorder;
 use crate::scene::{Scene, TouchChange};
-use crate::servo::channels::{ServoCommand, ServoStatus, SimulationChannels};
-use crate::touch::moved_poses::CurrentPoses;
-use crate::touch::needle::NeedleStatus;
-use crate::touch::occupancy_change::{
-    BrickChange, FractionSwap, Garbage, MAX_BRICKS, MAX_FRACTIONS,
+use crate::servo::{ServoCommand, ServoStatus, SimulationChannels};
+use crate::touch::{
+    BrickChange, CurrentPoses, FractionSwap, Garbage, MAX_BRICKS, MAX_FRACTIONS, NeedleStatus,
+    Part, Touchable,
 };
-use crate::touch::part::Part;
-use crate::touch::touchable::Touchable;
 
 /// A change that touch does not follow yet.
 #[derive(Debug)]

@@ -12,7 +12,7 @@ pub const PICTURE_HZ: u32 = 60;
 
 /// One tick that has begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Start {
+pub struct TickStart {
     /// When it began, on the monotonic clock [ns].
     pub began_ns: u64,
     /// How long after its due time it began [ns].
@@ -46,17 +46,17 @@ impl Pacer {
     }
 
     /// Sleeps until the next tick is due and begins it.
-    pub fn wait(&mut self) -> Start {
+    pub fn wait(&mut self) -> TickStart {
         clock::sleep_until(self.due_ns);
         self.begin(clock::now_ns())
     }
 
     /// Begins the tick that is due, at `now_ns`.
-    pub fn begin(&mut self, now_ns: u64) -> Start {
+    pub fn begin(&mut self, now_ns: u64) -> TickStart {
         let late_ns = now_ns.saturating_sub(self.due_ns);
         let skipped = late_ns / self.period_ns;
         self.due_ns += (1 + skipped) * self.period_ns;
-        Start {
+        TickStart {
             began_ns: now_ns,
             late_ns,
             skipped,

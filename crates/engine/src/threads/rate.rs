@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use crate::threads::pacing::Start;
+use crate::threads::pacing::TickStart;
 
 /// A tick that begins later than this counts as late [ns].
 pub const LATE_NS: u64 = 2_000_000;
@@ -120,7 +120,7 @@ impl RateMeter {
     }
 
     /// Counts one tick.
-    pub fn count(&mut self, start: Start) {
+    pub fn count(&mut self, start: TickStart) {
         self.turn_slices(start.began_ns);
         let running = self.slice as usize % (SLICES + 1);
         self.counts[running] += 1;
@@ -138,7 +138,7 @@ impl RateMeter {
     }
 
     /// The tick itself and those that fell out, as far as they were due more than 2 ms before.
-    fn late_ticks(&self, start: Start) -> u64 {
+    fn late_ticks(&self, start: TickStart) -> u64 {
         if start.late_ns <= LATE_NS {
             return 0;
         }
@@ -173,8 +173,8 @@ fn bin_of(late_ns: u64) -> usize {
 mod tests {
     use super::*;
 
-    fn start(began_ns: u64, late_ns: u64, skipped: u64) -> Start {
-        Start {
+    fn start(began_ns: u64, late_ns: u64, skipped: u64) -> TickStart {
+        TickStart {
             began_ns,
             late_ns,
             skipped,

@@ -46,19 +46,19 @@ impl Occupancy for BodyVoxels {
     }
 
     #[inline]
-    fn knows_shares(&self) -> bool {
+    fn knows_fractions(&self) -> bool {
         self.fractions.is_some()
     }
 
     #[inline]
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+    fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
         self.fractions.as_ref()?.share(voxel, solid)
     }
 
     #[inline]
-    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         match &self.fractions {
-            Some(fractions) => fractions.share_changes(voxels, changes),
+            Some(fractions) => fractions.fraction_changes(voxels, changes),
             None => changes.fill(0.0),
         }
     }

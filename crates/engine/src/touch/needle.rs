@@ -6,7 +6,7 @@
 
 use glam::{DVec3, IVec3};
 use palpate_haptics::needle::events::{Events, NeedleEvent};
-use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
+use palpate_haptics::needle::tissues::{Layered, Met, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment_set::SegmentSet;
@@ -33,7 +33,7 @@ pub fn sharp(settings: &Settings) -> Settings {
     }
 }
 
-impl Matter for Touchable {
+impl TissueMap for Touchable {
     fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
         let mut layer = Layered::default();
         let stand = |part: &&Part| part.moved.is_none();

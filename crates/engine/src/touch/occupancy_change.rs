@@ -7,7 +7,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::occupancy_fractions::FractionBrick;
 
 use crate::touch::occupancy_fractions::{FractionalBits, union_fraction_brick};
 use crate::touch::touchable::{Touchable, union_brick};
@@ -23,13 +23,13 @@ pub struct BrickChange {
     pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
     /// What is known of the occupancy fractions of the union: at most [`MAX_FRACTIONS`], by rising
     /// index.
-    pub fractions: Vec<BrickSwap<ShareBrick>>,
+    pub fractions: Vec<BrickSwap<FractionBrick>>,
     /// The same of the segments, at most [`MAX_BRICKS`], for whoever records.
     pub part_fractions: Vec<FractionSwap>,
 }
 
 /// What is known of the shares in a brick of a segment.
-pub type FractionSwap = (SegmentId, BrickSwap<ShareBrick>);
+pub type FractionSwap = (SegmentId, BrickSwap<FractionBrick>);
 
 impl BrickChange {
     /// Bricks of segments that hold them by now; what becomes of the union follows from all
@@ -65,7 +65,7 @@ impl BrickChange {
         unmoved: &[FractionalBits<'_>],
         mut bricks: Vec<u32>,
         changed: &[FractionSwap],
-    ) -> Vec<BrickSwap<ShareBrick>> {
+    ) -> Vec<BrickSwap<FractionBrick>> {
         if unmoved.iter().all(|part| part.fractions.is_none()) {
             return Vec::new();
         }
@@ -99,7 +99,7 @@ pub enum Garbage {
     /// A brick that was never touched.
     Brick(BrickSwap<BitBrick>),
     /// The same of occupancy fractions.
-    Shares(BrickSwap<ShareBrick>),
+    Fractions(BrickSwap<FractionBrick>),
 }
 
 /// Bricks of one edit, at most; larger edits go as a root.

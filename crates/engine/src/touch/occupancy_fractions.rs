@@ -17,7 +17,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::occupancy_fractions::{ShareBrick, Shares, share_of};
+use palpate_volume::occupancy_fractions::{FractionBrick, OccupancyFractions, fraction_of};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::touch::part::Part;
@@ -32,7 +32,7 @@ const MAX_OWNERS: usize = 8;
 pub struct BodyFractions {
     made: Option<Made>,
     /// Those of all masks together; none where the body has no masks.
-    worked_out: Option<Shares>,
+    worked_out: Option<OccupancyFractions>,
 }
 
 /// What thresholds made.
@@ -71,7 +71,7 @@ impl BodyFractions {
     }
 
     /// Exchanges a brick of what was worked out.
-    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<FractionBrick>) {
         if let Some(fractions) = &mut self.worked_out {
             fractions.swap(swap);
         }
@@ -86,14 +86,14 @@ impl BodyFractions {
         {
             return made.values.share(&made.limits, voxel, solid);
         }
-        self.worked_out.as_ref()?.share(voxel, solid)
+        self.worked_out.as_ref()?.fraction(voxel, solid)
     }
 
-    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    /// What those of some voxels are beyond their bits; see `Occupancy::fraction_changes`.
     #[inline]
-    pub fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    pub fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         match &self.made {
-            Some(made) => made.values.share_changes(&made.limits, voxels, changes),
+            Some(made) => made.values.fraction_changes(&made.limits, voxels, changes),
             None => changes.fill(0.0),
         }
         if self
@@ -110,7 +110,7 @@ impl BodyFractions {
                 .is_none_or(|made| !made.has(voxel, solid))
             {
                 let known = self.worked_out.as_ref();
-                let share = known.and_then(|fractions| fractions.share(voxel, solid));
+                let share = known.and_then(|fractions| fractions.fraction(voxel, solid));
                 *change = share.map_or(0.0, |share| share - f32::from(u8::from(solid)));
             }
         }
@@ -163,7 +163,7 @@ pub struct FractionalBits<'a> {
     /// The voxels.
     pub bits: &'a Bits,
     /// Their occupancy fractions; none of a segment that a threshold made.
-    pub fractions: Option<&'a Shares>,
+    pub fractions: Option<&'a OccupancyFractions>,
 }
 
 impl<'a> From<&'a Part> for FractionalBits<'a> {
@@ -181,7 +181,7 @@ impl<'a> From<&'a Part> for FractionalBits<'a> {
 
 /// The occupancy fractions of segments of one grid together.
 #[must_use]
-pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Shares {
+pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> OccupancyFractions {
     if let [
         FractionalBits {
             fractions: Some(fractions),
@@ -191,7 +191,7 @@ pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Sh
     {
         return (*fractions).clone();
     }
-    let mut union = Shares::unknown(dimensions);
+    let mut union = OccupancyFractions::unknown(dimensions);
     for index in 0..union.bricks().len() as u32 {
         if let Some(brick) = union_fraction_brick(parts, index) {
             let brick = Some(brick);
@@ -203,7 +203,10 @@ pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Sh
 
 /// One brick of the union.
 #[must_use]
-pub fn union_fraction_brick(parts: &[FractionalBits<'_>], index: u32) -> Option<Arc<ShareBrick>> {
+pub fn union_fraction_brick(
+    parts: &[FractionalBits<'_>],
+    index: u32,
+) -> Option<Arc<FractionBrick>> {
     let brick = |part: &FractionalBits<'_>| part.fractions?.bricks().get(index).cloned();
     if let [part] = parts {
         return brick(part);
@@ -225,7 +228,7 @@ pub fn union_fraction_brick(parts: &[FractionalBits<'_>], index: u32) -> Option<
     if let [part] = there[..] {
         return brick(part);
     }
-    let mut union = ShareBrick::UNKNOWN;
+    let mut union = FractionBrick::UNKNOWN;
     for z in 0..BRICK {
         for y in 0..BRICK {
             for x in 0..BRICK {
@@ -234,7 +237,7 @@ pub fn union_fraction_brick(parts: &[FractionalBits<'_>], index: u32) -> Option<
             }
         }
     }
-    (union != ShareBrick::UNKNOWN).then(|| Arc::new(union))
+    (union != FractionBrick::UNKNOWN).then(|| Arc::new(union))
 }
 
 /// The byte of a voxel of the union.
@@ -263,7 +266,7 @@ fn union_byte(parts: &[&FractionalBits<'_>], voxel: IVec3) -> u8 {
         let is_inner = beside
             .flat_map(|axis| [voxel - axis, voxel + axis])
             .any(goes_on);
-        if share_of(own, true).is_none() || is_inner {
+        if fraction_of(own, true).is_none() || is_inner {
             return 0;
         }
         most = most.max(own);
@@ -310,7 +313,7 @@ mod tests {
             let voxels = VoxelBox::of_dimensions(size).voxels();
             let voxels: Vec<_> = voxels.map(|voxel| (voxel, solid(voxel))).collect();
             let mut changes = vec![f32::NAN; voxels.len()];
-            fractions.share_changes(&voxels, &mut changes);
+            fractions.fraction_changes(&voxels, &mut changes);
             let one_by_one = voxels.iter().map(|(voxel, solid)| {
                 let bit = f32::from(u8::from(*solid));
                 fractions

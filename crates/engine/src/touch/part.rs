@@ -8,7 +8,7 @@ use glam::DAffine3;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::Shares;
+use palpate_volume::occupancy_fractions::OccupancyFractions;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::touch::scan_values::Threshold;
@@ -26,7 +26,7 @@ pub struct Part {
     /// elsewhere.
     pub threshold: Option<Threshold>,
     /// How much of its voxels at the surface is solid, as far as that was worked out from them.
-    pub fractions: Option<Arc<Shares>>,
+    pub fractions: Option<Arc<OccupancyFractions>>,
     /// Whether a needle is in it: then it is no obstacle, unless it was moved.
     pub punctured: bool,
     /// Where it is rigid although it is deformable; none where it is deformable everywhere.

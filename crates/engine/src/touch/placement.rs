@@ -7,7 +7,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
 /// How far around a point is searched, along each axis [voxels].
-pub const REACH: i32 = 64;
+pub const PLACEMENT_REACH: i32 = 64;
 
 /// The free point nearest to `point` [mm], the point itself where it is free; none where no
 /// voxel within reach is.
@@ -15,7 +15,7 @@ pub const REACH: i32 = 64;
 pub fn free_point<O: Occupancy>(scene: &TouchScene<'_, O>, point: DVec3) -> Option<DVec3> {
     let grid = scene.grid;
     let point_in_grid = grid.grid_from_patient().transform_point3(point);
-    let probe = nearest_free_in(scene, point_in_grid, REACH)?;
+    let probe = nearest_free_in(scene, point_in_grid, PLACEMENT_REACH)?;
     if probe.point() == point_in_grid {
         return Some(point);
     }

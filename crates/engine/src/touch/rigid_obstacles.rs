@@ -33,6 +33,19 @@ pub struct HardStop {
     pub by: Option<SegmentId>,
 }
 
+/// What is touched, and what of it is soft.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidWorld<'a> {
+    /// What is touched.
+    pub touchable: &'a Touchable,
+    /// Changes with whatever is touched.
+    pub version: u64,
+    /// The grid of the scan.
+    pub grid: &'a Grid,
+    /// Segments that are soft where nothing rigid has their voxels too.
+    pub soft: SegmentSet,
+}
+
 /// The cells that hard voxels block for a ball, as far as they were asked for; they change no
 /// result.
 #[derive(Debug)]
@@ -56,11 +69,17 @@ impl RigidObstacles {
     /// touched; `visits` counts voxels that were read.
     pub fn stop(
         &mut self,
-        (touchable, version, grid): (&Touchable, u64, &Grid),
-        soft: SegmentSet,
-        (proxy, tool): (&Proxy, DVec3),
+        world: RigidWorld<'_>,
+        proxy: &Proxy,
+        tool: DVec3,
         visits: &mut u32,
     ) -> Option<HardStop> {
+        let RigidWorld {
+            touchable,
+            version,
+            grid,
+            soft,
+        } = world;
         let target = grid.grid_from_patient().transform_point3(tool);
         let voxels = HardVoxels {
             parts: &touchable.parts,

@@ -129,21 +129,21 @@ impl ScanValues {
             Kept::All(scan) => Around::of(scan, voxel),
             Kept::Some(bricks) => Around::of_stored(self.stored_in_bricks(bricks, voxel)),
         };
-        limits.share(&around, solid)
+        limits.fraction(&around, solid)
     }
 
-    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    /// What those of some voxels are beyond their bits; see `Occupancy::fraction_changes`.
     #[inline]
-    pub fn share_changes(&self, limits: &Limits, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    pub fn fraction_changes(&self, limits: &Limits, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         if self.marks.wanted.load(Relaxed) {
             voxels.iter().for_each(|(voxel, _)| self.mark(*voxel));
         }
         match &self.kept {
             Kept::All(scan) => {
-                limits.share_changes(|voxel| Around::stored(scan, voxel), voxels, changes);
+                limits.fraction_changes(|voxel| Around::stored(scan, voxel), voxels, changes);
             }
             Kept::Some(bricks) => {
-                limits.share_changes(
+                limits.fraction_changes(
                     |voxel| self.stored_in_bricks(bricks, voxel),
                     voxels,
                     changes,
@@ -260,7 +260,7 @@ mod tests {
         let changes = |values: &ScanValues| {
             let mut changes = [[f32::NAN; 5]; 2];
             for (changes, solid) in changes.iter_mut().zip([true, false]) {
-                values.share_changes(&limits, &asked.map(|voxel| (voxel, solid)), changes);
+                values.fraction_changes(&limits, &asked.map(|voxel| (voxel, solid)), changes);
             }
             changes
         };

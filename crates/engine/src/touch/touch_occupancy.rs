@@ -367,7 +367,7 @@ impl TouchOccupancy {
         for swap in &change.fractions {
             let mut newer = swap.clone();
             held.touchable.swap_fractions(&mut newer);
-            dispose(&mut self.garbage, Garbage::Shares(newer));
+            dispose(&mut self.garbage, Garbage::Fractions(newer));
         }
     }
 
@@ -395,7 +395,7 @@ impl TouchOccupancy {
                 if let Some(place) = place_of(&held.fractions, swap.index) {
                     let mut newer = swap.clone();
                     std::mem::swap(&mut held.fractions[place], &mut newer);
-                    dispose(&mut self.garbage, Garbage::Shares(newer));
+                    dispose(&mut self.garbage, Garbage::Fractions(newer));
                 }
             }
         }

@@ -19,7 +19,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::occupancy_fractions::FractionBrick;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::touch::body::BodyVoxels;
@@ -211,7 +211,7 @@ impl Touchable {
     }
 
     /// Exchanges a brick of what is known of the occupancy fractions of the union.
-    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<FractionBrick>) {
         // what a ball can be in follows from bits alone
         self.world.change(&VoxelBox::EMPTY, |voxels| {
             if let Some(fractions) = &mut voxels.fractions {

@@ -2,9 +2,8 @@
 
 use glam::{DAffine3, DMat3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
-use palpate_engine::servo::inputs::HandTarget;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::TouchFeel;
+use palpate_engine::servo::HandTarget;
+use palpate_engine::touch::{Settings, TouchFeel};
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::edit::SegmentId;
 

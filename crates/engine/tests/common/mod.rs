@@ -17,25 +17,16 @@ use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
-use palpate_engine::deformable::deformation::Deformation;
-use palpate_engine::deformable::deformation_loop::DeformationLoop;
+use palpate_engine::deformable::{Deformation, DeformationLoop};
 use palpate_engine::notice::Notice;
-use palpate_engine::picture::frame::Frame;
-use palpate_engine::picture::scene_updates::SceneUpdate;
-use palpate_engine::picture::simulation_status::SimulationStatus;
-use palpate_engine::scene::mask_fractions::{FractionLoop, MaskFractions};
-use palpate_engine::scene::{Properties, Scene};
-use palpate_engine::servo::channels::{Channels, TickRecord};
-use palpate_engine::servo::inputs::{DeviceSample, HandTarget};
-use palpate_engine::servo::mapping::Mapping;
-use palpate_engine::servo::shared::Shared;
-use palpate_engine::servo::{ServoLoop, ServoStart};
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
-use palpate_engine::simulation::Simulation;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::{TouchFeel, TouchFeels};
-use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::picture::{Frame, PictureEnds, SceneUpdate, SimulationStatus};
+use palpate_engine::scene::{FractionLoop, MaskFractions, Properties, Scene};
+use palpate_engine::servo::{
+    Channels, DeviceSample, HandTarget, Mapping, ServoLoop, ServoStart, Shared, TickRecord,
+};
+use palpate_engine::session::{Reference, Session, SessionConfig};
+use palpate_engine::simulation::{Simulation, SimulationParts};
+use palpate_engine::touch::{Settings, TouchFeel, TouchFeels, Touchable};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -246,7 +237,7 @@ pub struct Rig {
     pub deformation: DeformationLoop,
     pub fractions: FractionLoop,
     pub device: triple_buffer::Input<DeviceSample>,
-    pub forces: triple_buffer::Output<palpate_engine::servo::channels::ForceCommand>,
+    pub forces: triple_buffer::Output<palpate_engine::servo::ForceCommand>,
     pub hand: triple_buffer::Input<HandTarget>,
     pub records: rtrb::Consumer<TickRecord>,
     pub status: triple_buffer::Output<SimulationStatus>,
@@ -288,11 +279,19 @@ impl Rig {
             deformation: deformation_loop,
             fractions: fraction_loop,
             simulation: Simulation::new(
-                (scene, deformation, fractions),
+                SimulationParts {
+                    scene,
+                    deformation,
+                    fractions,
+                },
                 Settings::default(),
                 limits(),
                 channels.simulation,
-                (status_in, notices, news_in),
+                PictureEnds {
+                    status: status_in,
+                    notices,
+                    updates: news_in,
+                },
             ),
             device: channels.device.samples,
             forces: channels.device.forces,

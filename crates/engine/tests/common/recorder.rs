@@ -1,9 +1,7 @@
 //! A rig under random changes whose ticks and commands are recorded, to be replayed.
 
 use glam::{DVec3, UVec3};
-use palpate_engine::replay::recording::Recording;
-use palpate_engine::replay::run::{ReplayEnd, Replayed, replay};
-use palpate_engine::replay::tape::Tape;
+use palpate_engine::replay::{Recording, ReplayEnd, Replayed, Tape, replay};
 use palpate_volume::edit::SegmentId;
 
 use super::changes::change_something;

@@ -7,10 +7,9 @@ use palpate_deform::model::{
     ToolShape,
 };
 use palpate_deform::registry::ModelOptions;
-use palpate_engine::deformable::deformation::ForceSource;
-use palpate_engine::picture::scene_updates::SceneUpdate;
-use palpate_engine::picture::surfaces::ShownDisplacements;
-use palpate_engine::servo::channels::TickRecord;
+use palpate_engine::deformable::ForceSource;
+use palpate_engine::picture::{SceneUpdate, ShownDisplacements};
+use palpate_engine::servo::TickRecord;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
 use palpate_volume::voxel_box::VoxelBox;

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::touch::touch_feel::TouchFeel;
+use palpate_engine::servo::TickRecord;
+use palpate_engine::touch::TouchFeel;
 
 use super::soft_block::{SIZE, SOFT, TOP, go, lattice_rig};
 use crate::common::{OBSTACLE, Rig, box_segment};

@@ -5,8 +5,8 @@ use std::sync::mpsc;
 use glam::DVec3;
 use palpate_deform::material::preset;
 use palpate_deform::registry::ModelOptions;
-use palpate_engine::deformable::deformation_loop::WakeUp;
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::deformable::WakeUp;
+use palpate_engine::touch::Settings;
 
 use super::soft_block::{SOFT, TOP, go, lattice_rig, soft_voxels};
 use crate::common::Rig;

@@ -3,8 +3,8 @@
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
 use palpate_deform::registry::ModelOptions;
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::servo::TickRecord;
+use palpate_engine::touch::Settings;
 use palpate_volume::edit::SegmentId;
 
 use crate::common::{OBSTACLE, Rig, box_segment};

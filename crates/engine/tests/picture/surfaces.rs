@@ -5,12 +5,9 @@ use std::sync::Arc;
 
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::picture::packed_patch::PackedPatch;
-use palpate_engine::picture::surfaces::PictureChange;
-use palpate_engine::scene::Properties;
-use palpate_engine::scene::incremental_surface::{SurfaceOptions, SurfaceSource};
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_engine::picture::{PackedPatch, PictureChange};
+use palpate_engine::scene::{Properties, SurfaceOptions, SurfaceSource};
+use palpate_engine::session::{Reference, Session, SessionConfig};
 use palpate_surface::PatchId;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;

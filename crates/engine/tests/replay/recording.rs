@@ -6,11 +6,9 @@ use std::sync::mpsc::{self, Sender};
 
 use glam::DVec3;
 use palpate_engine::notice::{Notice, NoticeLevel};
-use palpate_engine::picture::frame_collector::{FrameCollector, FrameSources, RateReaders};
-use palpate_engine::picture::simulation_status::SimulationStatus;
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::servo::shared::Shared;
-use palpate_engine::threads::rate::RateMeter;
+use palpate_engine::picture::{FrameCollector, FrameSources, RateReaders, SimulationStatus};
+use palpate_engine::servo::{Shared, TickRecord};
+use palpate_engine::threads::RateMeter;
 use rtrb::{Producer, RingBuffer};
 use triple_buffer::{Input, triple_buffer};
 

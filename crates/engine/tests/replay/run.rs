@@ -3,11 +3,10 @@
 use crate::common::recorder::*;
 use crate::common::*;
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_engine::replay::recording::Recording;
-use palpate_engine::replay::run::{ReplayEnd, ReplayError, replay};
-use palpate_engine::replay::tape::{Tape, TapeCommand};
-use palpate_engine::replay::tape_columns::{TapeColumns, TapeError};
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::replay::{
+    Recording, ReplayEnd, ReplayError, Tape, TapeColumns, TapeCommand, TapeError, replay,
+};
+use palpate_engine::touch::Settings;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
 
@@ -158,7 +157,7 @@ fn a_gap_ends_the_replay() {
 }
 
 fn copy_row(from: &Recording, row: usize, to: &mut Recording) {
-    use palpate_engine::servo::channels::TickRecord;
+    use palpate_engine::servo::TickRecord;
     let record = TickRecord {
         tick: from.tick[row],
         time: from.time[row],

@@ -3,9 +3,8 @@
 use crate::common::recorder::*;
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::replay::run::replay;
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_engine::replay::replay;
+use palpate_engine::session::{Reference, Session, SessionConfig};
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);

@@ -3,10 +3,8 @@
 use crate::common::recorder::*;
 use crate::common::*;
 use glam::{DVec3, UVec3};
-use palpate_engine::replay::run::replay;
-use palpate_engine::replay::tape::Tape;
-use palpate_engine::replay::tape_columns::{BUILD, TapeColumns, TapeError};
-use palpate_engine::servo::servo_state::ServoState;
+use palpate_engine::replay::{BUILD, Tape, TapeColumns, TapeCommand, TapeEntry, TapeError, replay};
+use palpate_engine::servo::{DeformableContact, ServoState};
 
 #[test]
 fn a_tape_goes_through_columns_and_is_replayed_all_the_same() {
@@ -96,4 +94,24 @@ fn bricks_beyond_the_border_and_scans_that_fill_all_memory_are_refused() {
 fn the_build_has_a_name() {
     assert_eq!(BUILD.len(), 16);
     assert!(u64::from_str_radix(BUILD, 16).unwrap() != 0);
+}
+
+/// Files of older versions are read by these names, whatever the code calls them.
+#[test]
+fn names_in_a_file_stay_as_they_are() {
+    let (_, mut tape) = recorded(13, 30, 10);
+    tape.entries.push(TapeEntry {
+        command: TapeCommand::DeformableContact(DeformableContact::default()),
+        swaps: Vec::new(),
+        fractions: Vec::new(),
+    });
+    let columns = TapeColumns::from(&tape);
+    let has = |bytes: &[u8], name: &str| bytes.windows(name.len()).any(|at| at == name.as_bytes());
+    let names = "grid state parts rescale is_full touch mapping settings feels radius poses touched \
+                 giving_way soft needle hand clutch forgotten_hand received refused_places command \
+                 tick segments contact";
+    for name in names.split_whitespace() {
+        assert!(has(&columns.start, name), "{name}");
+    }
+    assert!(has(&columns.commands, "GiveWay"));
 }

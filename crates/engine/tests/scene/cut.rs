@@ -3,9 +3,8 @@
 use crate::common::*;
 use glam::{DAffine3, DVec2, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
-use palpate_engine::scene::cut::{LineCut, MOST_POINTS, Painted};
-use palpate_engine::session::Session;
-use palpate_engine::session::config::SessionConfig;
+use palpate_engine::scene::{LineCut, MOST_POINTS, Painted};
+use palpate_engine::session::{Session, SessionConfig};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 

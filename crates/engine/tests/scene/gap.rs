@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, UVec3};
-use palpate_engine::scene::gap::{Gap, GapBody};
-use palpate_engine::scene::gap_bodies::{GapBodies, Measured, options};
-use palpate_engine::scene::incremental_surface::{IncrementalSurface, SegmentVoxels};
+use palpate_engine::scene::{
+    Gap, GapBodies, GapBody, IncrementalSurface, Measured, SegmentVoxels, gap_surface_options,
+};
 use palpate_surface::{Patch, PatchId};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -206,7 +206,7 @@ fn the_surface_of_a_measured_segment_is_kept_and_follows_edits_by_their_boxes() 
 fn a_surface_that_is_drawn_is_measured_as_it_is() {
     let (grid, scan) = (grid(), scan());
     let mut one = measured(1, &block(true));
-    let mut drawn = IncrementalSurface::new(options(), one.voxels.clone()).unwrap();
+    let mut drawn = IncrementalSurface::new(gap_surface_options(), one.voxels.clone()).unwrap();
     drawn.follow(&scan);
     let patches = patches_of(&drawn);
     one.drawn = Some(drawn);

@@ -9,12 +9,10 @@ use glam::{DVec3, IVec3, UVec3};
 use palpate_device::HapticDevice;
 use palpate_engine::error::SessionError;
 use palpate_engine::notice::NoticeLevel;
-use palpate_engine::servo::channels::{Channels, ForceCommand};
-use palpate_engine::servo::device_loop::{DeviceLoop, WATCHDOG_SECS};
-use palpate_engine::servo::force_state::ForceState;
-use palpate_engine::servo::shared::Shared;
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_engine::servo::{
+    Channels, DeviceLoop, ForceCommand, ForceState, Shared, WATCHDOG_SECS,
+};
+use palpate_engine::session::{Reference, Session, SessionConfig};
 use palpate_haptics::force::{ForceOff, LocalForce, SafetySettings};
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);

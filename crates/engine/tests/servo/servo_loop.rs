@@ -5,15 +5,10 @@ use std::sync::atomic::Ordering;
 
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::servo::channels::{Channels, ServoCommand, ServoStatus};
-use palpate_engine::servo::inputs::HandTarget;
-use palpate_engine::servo::mapping::Mapping;
-use palpate_engine::servo::shared::Shared;
-use palpate_engine::servo::{ServoLoop, ServoStart};
-use palpate_engine::touch::occupancy_change::Garbage;
-use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::TouchFeels;
-use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::servo::{
+    Channels, HandTarget, Mapping, ServoCommand, ServoLoop, ServoStart, ServoStatus, Shared,
+};
+use palpate_engine::touch::{Garbage, Settings, TouchFeels, Touchable};
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
 

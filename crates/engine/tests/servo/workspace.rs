@@ -2,8 +2,8 @@
 
 use crate::common::{OBSTACLE, Rig, box_segment};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::servo::TickRecord;
+use palpate_engine::touch::Settings;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
 const START: DVec3 = DVec3::new(24.5, 24.5, 30.5);

@@ -3,9 +3,8 @@
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::notice::NoticeLevel;
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::session::{Reference, Session, SessionConfig};
+use palpate_engine::touch::Settings;
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::new(60, 50, 40);
@@ -26,7 +25,7 @@ fn press_and_retreat() -> SessionConfig {
     offline(DIMENSIONS, block(), scripted(&path), Reference::Scene)
 }
 
-fn recorded(session: &Session, seconds: f64) -> palpate_engine::replay::recording::Recording {
+fn recorded(session: &Session, seconds: f64) -> palpate_engine::replay::Recording {
     session.start_recording().unwrap();
     session.run(seconds).unwrap();
     session.stop_recording().unwrap()

@@ -7,9 +7,9 @@ use std::fs;
 
 use crate::common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
-use palpate_engine::scene::cut::Plane;
+use palpate_engine::scene::Plane;
 use palpate_engine::simulation::SegmentState;
-use palpate_engine::touch::touch_feel::TouchFeel;
+use palpate_engine::touch::TouchFeel;
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;

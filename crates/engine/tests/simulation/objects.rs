@@ -3,8 +3,8 @@
 use crate::common::{OBSTACLE, Random, Rig, box_segment, sponge};
 use glam::{DAffine3, DQuat, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
-use palpate_engine::scene::cut::Plane;
-use palpate_engine::simulation::grip::surface_voxels;
+use palpate_engine::scene::Plane;
+use palpate_engine::simulation::surface_voxels;
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);

@@ -4,14 +4,10 @@
 use crate::common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
-use palpate_engine::replay::recording::Recording;
-use palpate_engine::replay::run::{ReplayEnd, replay};
-use palpate_engine::replay::tape::Tape;
-use palpate_engine::replay::tape_columns::{TapeColumns, TapeError};
-use palpate_engine::scene::incremental_surface::SurfaceOptions;
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::replay::{Recording, ReplayEnd, Tape, TapeColumns, TapeError, replay};
+use palpate_engine::scene::SurfaceOptions;
+use palpate_engine::session::{Reference, Session, SessionConfig};
+use palpate_engine::touch::Settings;
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -326,7 +322,7 @@ fn voxels_of_two_grids_are_not_mixed() {
         VoxelsError::DifferentGrids(block.0, plate.0)
     );
     // matter of the scan is none of the plate's
-    let edit = voxels.matter_edit(&region, |_, mut was| {
+    let edit = voxels.voxel_edit(&region, |_, mut was| {
         was.segments = SegmentSet::EMPTY;
         was
     });

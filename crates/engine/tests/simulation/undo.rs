@@ -3,8 +3,7 @@
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::scene::Properties;
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_engine::session::{Reference, Session, SessionConfig};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 

@@ -4,7 +4,7 @@ use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::notice::NoticeLevel;
 use palpate_engine::scene::Properties;
-use palpate_engine::touch::touchable::union_of;
+use palpate_engine::touch::union_of;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;

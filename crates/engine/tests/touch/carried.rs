@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::Settings;
 use palpate_volume::segment::Segment;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);

@@ -3,13 +3,10 @@
 
 use crate::common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
-use palpate_engine::replay::run::{ReplayEnd, replay};
-use palpate_engine::replay::tape::Tape;
-use palpate_engine::replay::tape_columns::TapeColumns;
+use palpate_engine::replay::{ReplayEnd, Tape, TapeColumns, replay};
 use palpate_engine::scene::Properties;
-use palpate_engine::session::Session;
-use palpate_engine::session::config::{Reference, SessionConfig};
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::session::{Reference, Session, SessionConfig};
+use palpate_engine::touch::Settings;
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;

@@ -3,14 +3,11 @@
 
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::replay::recording::Recording;
-use palpate_engine::replay::run::{ReplayEnd, replay};
-use palpate_engine::replay::tape::Tape;
-use palpate_engine::replay::tape_columns::TapeColumns;
+use palpate_engine::replay::{Recording, ReplayEnd, Tape, TapeColumns, replay};
 use palpate_engine::scenario::drive::{Drive, Phase, Sample};
 use palpate_engine::scenario::needle::{NeedleLayer, NeedleRun, drive_needle};
-use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_engine::servo::TickRecord;
+use palpate_engine::session::{Reference, SessionConfig};
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::tool::ToolError;

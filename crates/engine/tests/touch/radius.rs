@@ -3,7 +3,7 @@
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
-use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::Settings;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
 const START: DVec3 = DVec3::new(24.5, 24.5, 40.5);

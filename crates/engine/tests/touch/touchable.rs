@@ -2,8 +2,7 @@
 
 use crate::common::*;
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_engine::touch::part::{MovedPart, Part};
-use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::touch::{MovedPart, Part, Touchable};
 use palpate_haptics::scene::Solid;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::occupancy::Occupancy;

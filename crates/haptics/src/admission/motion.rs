@@ -113,7 +113,7 @@ struct Step<'a, O> {
 enum SweptBy {
     /// By a face with this outward normal, in the object's grid, at this share of the chord.
     Face { fraction: f64, normal: DVec3 },
-    /// It begins inside, or the chord is too long to be walked.
+    /// The sweep starts in a solid voxel, or the chord is too long to be walked.
     Unknown,
 }
 

@@ -20,7 +20,7 @@ use std::ops::Range;
 
 /// Edge of the box in radii of the ball: a square across a round hole that the ball closes.
 const EDGE: f64 = 1.4;
-/// Its longest edge [voxels].
+/// Longest edge of the box [voxels].
 const LONGEST: i32 = 4;
 /// Voxels around a brick that matter.
 const MARGIN: i32 = LONGEST - 1;
@@ -37,7 +37,7 @@ pub(crate) struct Closing {
 }
 
 impl Closing {
-    /// For a ball of this shape; nothing is allocated later.
+    /// A closing for a ball of this shape; nothing is allocated later.
     pub(crate) fn new(shape: &BallShape) -> Self {
         Self {
             edges: edges(shape),
@@ -89,7 +89,7 @@ impl Closing {
     }
 }
 
-/// Of the box that fits a ball.
+/// Edges of the box that a ball of this shape fits [voxels].
 fn edges(shape: &BallShape) -> IVec3 {
     let edges: DVec3 = (EDGE * shape.radius_mm() / shape.spacing()).ceil();
     edges.as_ivec3().clamp(IVec3::ONE, IVec3::splat(LONGEST))

@@ -69,7 +69,7 @@ pub struct ProbeSolid<O> {
     inner: O,
     /// Where its centre cannot be.
     hard: Ball,
-    /// What it cannot get into: the smooth force takes that as solid.
+    /// Holes and gaps too narrow for the ball, which the smooth force takes as solid.
     closing: Closing,
 }
 
@@ -208,18 +208,18 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
     }
 
     #[inline]
-    fn knows_shares(&self) -> bool {
-        self.inner.knows_shares()
+    fn knows_fractions(&self) -> bool {
+        self.inner.knows_fractions()
     }
 
     #[inline]
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.inner.share(voxel, solid)
+    fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.inner.occupancy_fraction(voxel, solid)
     }
 
     #[inline]
-    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
-        self.inner.share_changes(voxels, changes);
+    fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        self.inner.fraction_changes(voxels, changes);
     }
 }
 

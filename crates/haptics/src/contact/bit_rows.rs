@@ -59,7 +59,7 @@ impl<const LOG: u32> Rows<LOG> {
         up
     }
 
-    /// The same downward.
+    /// The same toward lower bits.
     #[inline(always)]
     pub(crate) fn down(seed: u64, free: u64) -> u64 {
         let (mut down, mut pass) = (seed, free);

@@ -60,10 +60,10 @@ pub(crate) struct LegHit {
 /// What is in the way of a straight move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Leg {
-    /// Nothing: every voxel of it is free in every body.
+    /// No body is met: every voxel of the leg is free in all of them.
     Free,
     Hit(LegHit),
-    /// It starts inside, is too long to be walked, or no visits are left.
+    /// Not known: the leg starts in a solid voxel, is too long to be walked, or no visits are left.
     Unknown,
 }
 
@@ -106,7 +106,7 @@ impl<'a, O> Bodies<'a, O> {
         Self::near_box(scene, device * spacing - reach, device * spacing + reach)
     }
 
-    /// The same without one object.
+    /// These bodies without one object.
     pub(crate) fn without(self, index: usize) -> Self {
         let mark = u32::try_from(index)
             .ok()

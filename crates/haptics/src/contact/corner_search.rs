@@ -29,7 +29,7 @@ const CELL: f64 = 0.8;
 const EDGE: i32 = 16;
 /// Most places looked at.
 const PLACES: usize = 96;
-/// How often a cell without a place is aimed at.
+/// Attempts to reach a cell that has no place yet.
 const AIMS: usize = 2;
 /// Legs of a step: one, and on along a face and a crease.
 const LEGS: u32 = 4;
@@ -38,7 +38,7 @@ const LEAST_WAY: f64 = 0.02;
 
 /// Feels around `from` for a place whose squared distance to the device is below `limit`
 /// [mm²]; `met` has the bodies whose axes are tried, as bits.
-pub(crate) fn creep<O: Occupancy>(
+pub(crate) fn search_corner<O: Occupancy>(
     bodies: &Bodies<'_, O>,
     from: DVec3,
     device: DVec3,
@@ -82,7 +82,7 @@ struct Search<'a, 'b, O> {
     bodies: &'a Bodies<'b, O>,
     device: DVec3,
     limit: f64,
-    /// Of a step [mm].
+    /// Length of a step [mm].
     length: f64,
     steps: [DVec3; STEPS],
 }

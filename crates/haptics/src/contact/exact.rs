@@ -79,7 +79,7 @@ impl ContactModel for Exact {
 }
 
 simd_dispatch! {
-    /// With the world alone.
+    /// One update where the world is the only body.
     fn advance_in_world[O: Occupancy](
         limits: &ExactLimits,
         scene: &TouchScene<'_, O>,

@@ -9,7 +9,7 @@
 //! Frame: the world's grid, lengths in mm.
 
 use crate::contact::bodies::{Bodies, Visits};
-use crate::contact::corner_search::creep;
+use crate::contact::corner_search::search_corner;
 use crate::contact::descent::{Descent, descend};
 use crate::contact::node_lattice::{NODES, NodeLattice, Way, clear};
 use crate::contact::slide_window::{LayerDistances, SlideWindow};
@@ -23,7 +23,7 @@ pub(crate) const LEAST_GAIN: f64 = 1e-5;
 
 /// Ways tried in one lattice.
 const TRIES: u32 = 4;
-/// The same where it is felt for, so that it is no crawl.
+/// Least gain of a corner search [voxels]: a smaller one would make the probe crawl.
 const CREEP_GAIN: f64 = 0.02;
 
 /// A slide to be found.
@@ -48,7 +48,7 @@ impl<O: Occupancy> Slide<'_, '_, O> {
             return found;
         }
         let limit = self.limit(CREEP_GAIN);
-        let place = creep(self.bodies, self.from, self.device, self.met, limit, visits)?;
+        let place = search_corner(self.bodies, self.from, self.device, self.met, limit, visits)?;
         Some(descend(
             self.bodies,
             place,
@@ -65,7 +65,7 @@ impl<O: Occupancy> Slide<'_, '_, O> {
         (here - gain).max(0.0).powi(2)
     }
 
-    /// In the window of a body's own voxels, by the distance to their boxes.
+    /// A slide in the window of a body's own voxels, by the distance to their boxes.
     fn along_voxels(&self, body: u8, visits: &mut Visits) -> Option<Descent> {
         let [from, device] = [self.from, self.device].map(|point| self.bodies.to_body(body, point));
         let voxel = from.floor().as_ivec3();

@@ -45,7 +45,7 @@ impl SlideWindow {
         }
     }
 
-    /// Its free and usable voxels.
+    /// The free voxels of the window that a slide may use, one bit each.
     #[inline]
     pub(crate) fn free(&self, occupancy: &(impl Occupancy + ?Sized)) -> [u64; 8] {
         self.outside(&occupancy.block(self.min))

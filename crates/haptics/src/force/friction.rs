@@ -56,13 +56,13 @@ pub enum FrictionError {
 struct Held {
     /// Device [mm].
     device: DVec3,
-    /// From the device to the target [mm], along the surface.
+    /// Vector from the device to the target [mm], along the surface.
     offset: DVec3,
     /// Out of the surface, as friction takes it.
     normal: DVec3,
     /// Out of the surface, as the contact model found it last.
     measured: DVec3,
-    /// From the target to the contact point [mm].
+    /// Distance from the target to the contact point [mm].
     depth: f64,
     /// Between the kinetic and the static coefficient.
     coefficient: f64,
@@ -211,7 +211,7 @@ impl FrictionState {
         self.held = None;
     }
 
-    /// From the device to the target [mm]; zero without contact or friction.
+    /// Vector from the device to the target [mm]; zero without contact or friction.
     #[must_use]
     pub fn offset(&self) -> DVec3 {
         self.held.map_or(DVec3::ZERO, |held| held.offset)

@@ -26,7 +26,7 @@ use glam::DVec3;
 pub struct LocalForce {
     /// Where the device was [mm].
     pub device: DVec3,
-    /// From there to the contact point [scene mm]; zero without contact.
+    /// Vector from the device to the contact point [scene mm]; zero without contact.
     pub spring: DVec3,
     /// Out of the surface, of length 1; zero without contact.
     pub normal: DVec3,

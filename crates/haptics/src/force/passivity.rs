@@ -33,7 +33,7 @@ const MOST_DAMPING: f64 = 0.02;
 pub struct Passivity {
     /// Energy that came from nowhere [N·mm]; below zero it is credit.
     excess: f64,
-    /// In the spring after the last tick [N·mm].
+    /// Energy stored in the spring after the last tick [N·mm].
     stored: f64,
     /// What the controller has taken out of forces so far, in ticks.
     acted: u64,

@@ -39,10 +39,10 @@ impl Default for ForceLimits {
 /// Why limits cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LimitsError {
-    /// No force can be sent under it.
+    /// The largest force is not above zero: no force could be sent.
     #[error("force limit is {0} N; allowed: finite, > 0")]
     MaxForce(f64),
-    /// No force can grow under it.
+    /// The largest growth is not above zero: no force could grow.
     #[error("slew limit is {0} N/s; allowed: finite, > 0")]
     MaxGrowth(f64),
 }
@@ -120,7 +120,7 @@ pub enum ForceOff {
 }
 
 impl ForceOff {
-    /// All of them.
+    /// All reasons.
     pub const ALL: [Self; 5] = [
         Self::NotStarted,
         Self::Waiting,
@@ -225,7 +225,7 @@ impl Safety {
         self.off
     }
 
-    /// How much of the wanted force is sent so soon after the start: 0 to 1.
+    /// Fraction of the wanted force that is sent while forces ramp up after the start, 0 to 1.
     #[must_use]
     pub fn share(&self) -> f64 {
         let Some(begun) = self.begun else {

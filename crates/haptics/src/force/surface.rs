@@ -59,7 +59,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Its friction.
+    /// Friction of the surface.
     #[must_use]
     pub fn friction(&self) -> Friction {
         Friction {
@@ -227,7 +227,7 @@ impl Holders {
 pub struct Feel {
     /// Spring between device and probe [N/mm].
     pub stiffness: f64,
-    /// Its friction.
+    /// Friction of the surface.
     pub friction: Friction,
 }
 
@@ -239,16 +239,17 @@ pub struct SurfaceBlend {
     slip: Blend,
     touching: bool,
     /// What surfaces feel like was set anew, and this contact has not come there yet.
-    told: bool,
+    #[serde(rename = "told")]
+    settings_changed: bool,
 }
 
 /// Share of a full change in a tick after the surface was set anew.
-const TOLD_SHARE: f64 = 1.0 / 256.0;
+const NEW_SETTINGS_SHARE: f64 = 1.0 / 256.0;
 
 impl SurfaceBlend {
     /// A person has set anew what surfaces feel like: also a hand at rest is to feel it.
-    pub fn tell(&mut self) {
-        self.told = self.touching;
+    pub fn note_new_settings(&mut self) {
+        self.settings_changed = self.touching;
     }
 
     /// Goes on to what is touched now, by the way [mm] that the hand moved since the last tick;
@@ -263,7 +264,11 @@ impl SurfaceBlend {
         };
         // a new contact begins as it is; `max` keeps a way that is none from counting
         let share = if self.touching {
-            let in_time = if self.told { TOLD_SHARE } else { 0.0 };
+            let in_time = if self.settings_changed {
+                NEW_SETTINGS_SHARE
+            } else {
+                0.0
+            };
             (way / h.max(3.0 * depth)).max(in_time)
         } else {
             f64::INFINITY
@@ -277,7 +282,7 @@ impl SurfaceBlend {
             (self.stick, wanted.friction.stick),
             (self.slip, wanted.friction.slip),
         ];
-        self.told &= there.iter().any(|(blend, wanted)| blend.now != *wanted);
+        self.settings_changed &= there.iter().any(|(blend, wanted)| blend.now != *wanted);
         self.feel()
     }
 
@@ -304,7 +309,7 @@ struct Blend {
 }
 
 impl Blend {
-    /// By a share of a full change.
+    /// Moves toward `wanted` by a fraction of a full change; an infinite one jumps to it.
     fn follow(&mut self, wanted: f64, share: f64) {
         if share == f64::INFINITY || self.now == wanted {
             (self.now, self.largest) = (wanted, wanted);

@@ -32,19 +32,30 @@ impl EventKind {
     }
 }
 
-/// One of them.
+/// An event of a needle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NeedleEvent {
     /// What happened.
     pub kind: EventKind,
-    /// To which segment; 0 where to none.
+    /// Number of the segment; 0 for none.
     pub segment: u8,
-    /// When [s].
+    /// Time of the tick [s].
     pub time: f64,
-    /// How deep along the line [mm].
+    /// Depth of the tip along the needle's line [mm].
     pub depth: f64,
-    /// With which force at the tip [N].
+    /// Force at the tip [N].
     pub force: f64,
+}
+
+impl NeedleEvent {
+    /// The tip came out at a time [s].
+    pub(super) fn withdrawn(time: f64) -> Self {
+        Self {
+            kind: EventKind::Withdrawn,
+            time,
+            ..Self::default()
+        }
+    }
 }
 
 /// The newest events.
@@ -55,28 +66,22 @@ pub struct Events {
 }
 
 impl Events {
-    /// How many there were.
+    /// Number of events since the start, those no longer kept among them.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Those after the first `known`, oldest first, as far as they are kept.
+    /// Events after the first `known` ones, oldest first, as far as they are kept.
     pub fn since(&self, known: u64) -> impl Iterator<Item = NeedleEvent> {
         let first = known.max(self.count.saturating_sub(MAX_EVENTS as u64));
         let newest = self.newest;
         (first..self.count).map(move |number| newest[place_of(number)])
     }
 
-    /// Keeps another one, at a time [s] and depth [mm], with a force [N].
-    pub fn note(&mut self, kind: EventKind, segment: u8, (time, depth, force): (f64, f64, f64)) {
-        self.newest[place_of(self.count)] = NeedleEvent {
-            kind,
-            segment,
-            time,
-            depth,
-            force,
-        };
+    /// Keeps another one.
+    pub fn note(&mut self, event: NeedleEvent) {
+        self.newest[place_of(self.count)] = event;
         self.count += 1;
     }
 }

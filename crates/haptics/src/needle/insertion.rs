@@ -8,9 +8,9 @@ use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
-use super::events::{EventKind, Events};
+use super::events::{EventKind, Events, NeedleEvent};
 use super::shaft::{Resistance, Shaft};
-use super::tissues::{Layered, Matter, Met, Tissues, World};
+use super::tissues::{Layered, Met, TissueMap, Tissues, World};
 use super::track::{Line, Track};
 use super::{NeedleForces, NeedleInput};
 
@@ -30,7 +30,7 @@ pub struct Insertion {
     track: Track,
     /// Tip and shaft.
     pub shaft: Shaft,
-    /// How far the tissue is cut [mm].
+    /// Depth to which tissue is cut [mm].
     pub cut: f64,
     /// The layer in which the cut ends.
     place: u8,
@@ -85,7 +85,7 @@ impl Insertion {
     pub fn advance(
         &mut self,
         input: &NeedleInput,
-        world: &World<'_, impl Matter>,
+        world: &World<'_, impl TissueMap>,
         events: &mut Events,
     ) -> (DVec3, NeedleForces) {
         let k = input.coupling.stiffness;
@@ -107,7 +107,13 @@ impl Insertion {
 
         self.relax(input.dt, tissues);
         let note = |kind, segment, depth| {
-            events.note(kind, segment, (input.time, depth, tip_force + wall));
+            events.note(NeedleEvent {
+                kind,
+                segment,
+                time: input.time,
+                depth,
+                force: tip_force + wall,
+            });
         };
         self.go_on(tip_force + wall, tissues, note);
         let tool = self.line.at(self.shaft.tip) + aside * give;

@@ -15,7 +15,7 @@
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
-/// How far the bristle bends before it slips [mm].
+/// Largest deflection of the friction bristle before it slips [mm].
 pub const BEND: f64 = 0.2;
 /// Bisections: 2⁻⁵² of some millimetres.
 const BISECTIONS: u32 = 52;
@@ -42,7 +42,7 @@ pub struct Resistance {
     pub threshold: f64,
     /// Friction of the shaft [N].
     pub friction: f64,
-    /// How far the tip can come at all [mm].
+    /// Largest depth that the tip can reach [mm]; a wall ends it.
     pub end: f64,
 }
 

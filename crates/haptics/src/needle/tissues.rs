@@ -26,7 +26,7 @@ impl Tissues {
         tissues
     }
 
-    /// All of them.
+    /// All tissues with the numbers of their segments.
     pub fn segments(&self) -> impl Iterator<Item = (u8, Tissue)> {
         self.0.into_iter().flatten()
     }
@@ -96,7 +96,7 @@ pub enum Met {
 }
 
 /// What a needle can meet; neither allocates nor panics.
-pub trait Matter {
+pub trait TissueMap {
     /// What stands in a voxel of the grid, whether it is punctured or not, for a needle that can
     /// puncture these tissues.
     fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met;
@@ -105,13 +105,28 @@ pub trait Matter {
     fn is_open(&self) -> bool;
 }
 
-/// All that a needle knows of what it goes into.
+/// The scan that a needle goes into.
 #[derive(Debug)]
-pub struct World<'a, M> {
+pub struct NeedleScan<'a, M> {
     /// Where the scan stands.
     pub grid: &'a Grid,
-    /// What is in it.
-    pub matter: &'a M,
-    /// What it can puncture of that.
+    /// What stands in its voxels.
+    pub map: &'a M,
+}
+
+impl<M> Clone for NeedleScan<'_, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for NeedleScan<'_, M> {}
+
+/// The scan, and what a needle can puncture of it.
+#[derive(Debug)]
+pub struct World<'a, M> {
+    /// The scan.
+    pub scan: NeedleScan<'a, M>,
+    /// Tissues that the needle can puncture.
     pub tissues: &'a Tissues,
 }

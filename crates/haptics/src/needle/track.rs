@@ -9,7 +9,7 @@ use palpate_volume::tissue::Tissue;
 use palpate_volume::walk::Walk;
 use serde::{Deserialize, Serialize};
 
-use super::tissues::{Layered, Matter, Met, Tissues, World};
+use super::tissues::{Layered, Met, NeedleScan, TissueMap, Tissues, World};
 
 /// Layers that are told apart; what lies beyond counts to the last of them.
 const MAX_LAYERS: usize = 32;
@@ -34,7 +34,7 @@ impl Line {
         self.entry + self.direction * depth
     }
 
-    /// How far along it a point is [mm].
+    /// Depth of a point along the line [mm].
     #[must_use]
     pub fn depth_of(&self, point: DVec3) -> f64 {
         (point - self.entry).dot(self.direction)
@@ -47,7 +47,7 @@ impl Line {
         way - self.direction * way.dot(self.direction)
     }
 
-    /// The same point in the grid.
+    /// The point at a depth [mm], in the grid.
     fn in_grid(&self, grid: &Grid, depth: f64) -> DVec3 {
         grid.grid_from_patient().transform_point3(self.at(depth))
     }
@@ -56,7 +56,7 @@ impl Line {
 /// A stretch of the line in one tissue, or in none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Layer {
-    /// Where it begins [mm].
+    /// Depth at which the layer begins [mm].
     from: f64,
     met: Met,
 }
@@ -100,15 +100,14 @@ impl Track {
     }
 
     /// Looks further along a line, up to a depth [mm] or as far as one tick allows.
-    pub fn look(&mut self, line: &Line, to: f64, world: &World<'_, impl Matter>) {
+    pub fn look(&mut self, line: &Line, to: f64, world: &World<'_, impl TissueMap>) {
         let &World {
-            grid,
-            matter,
+            scan: NeedleScan { grid, map },
             tissues,
         } = world;
         if let Some((wall, _)) = self.wall {
             let voxel = line.in_grid(grid, wall + INTO_WALL).floor().as_ivec3();
-            if to <= wall || matches!(matter.at(voxel, tissues), Met::Wall(_)) {
+            if to <= wall || matches!(map.at(voxel, tissues), Met::Wall(_)) {
                 return;
             }
             // it is gone
@@ -125,7 +124,7 @@ impl Track {
         };
         for _ in 0..MAX_VOXELS {
             let depth = from + way * walk.fraction();
-            match matter.at(walk.voxel(), tissues) {
+            match map.at(walk.voxel(), tissues) {
                 Met::Wall(segment) => {
                     self.seen = depth;
                     self.wall = Some((depth, segment));

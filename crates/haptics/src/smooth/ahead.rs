@@ -24,7 +24,7 @@ pub(super) struct Ahead {
     way: IVec3,
     /// Bricks of that window, by their places.
     inside: VoxelBox,
-    /// Those beside it along each axis, and which of them were looked at.
+    /// Slabs beside the window along each axis, and which of their bricks were looked at.
     beside: [Slab; 3],
 }
 

@@ -22,11 +22,12 @@ pub(super) struct Aim {
     pub(super) point: DVec3,
     /// A voxel that is free since the probe is where it is, and from which the free side is told.
     pub(super) seed: IVec3,
-    /// From the probe's middle to where it touches, about; zero for a point [mm].
+    /// Vector from the probe's centre to about where it touches [mm]; zero for a point.
     pub(super) contact: DVec3,
 }
 
-/// How far aside of the ball's middle the window follows the device [cells].
+/// Largest offset of the window from the ball's centre, along the surface toward the device
+/// [cells].
 const FARTHEST_ASIDE: f64 = 2.5;
 /// The seed is at most so far above the surface [cells], so that the window holds it.
 const SEED_ABOVE: f64 = 2.0;
@@ -58,12 +59,12 @@ struct Kept {
 struct Nearest {
     /// The direction from the ball's middle; zero where nothing is.
     toward: DVec3,
-    /// How far it is from the middle [mm].
+    /// Distance of the surface from the ball's centre [mm].
     distance: f64,
 }
 
 impl Aims {
-    /// None.
+    /// No direction is known for any body.
     pub(super) const NONE: Self = Self {
         kept: [None; MAX_BODIES],
     };
@@ -77,7 +78,8 @@ impl Aims {
     #[inline]
     pub(super) fn aim<O: Occupancy>(
         &mut self,
-        (body, source): (usize, Source),
+        body: usize,
+        source: Source,
         occupancy: &O,
         spacing: DVec3,
         [middle, device]: [DVec3; 2],

@@ -9,19 +9,19 @@
 
 use super::spline::Width;
 
-/// Solid shares of cells, a word for each row.
+/// Solid fractions of cells, a word for each row.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
-    /// Those of even x.
+    /// Cells of even x.
     even: [u64; 64],
-    /// Those of odd x.
+    /// Cells of odd x.
     odd: [u64; 64],
 }
 
 /// Blurred cells: rows of 0 to almost 2¹⁶.
 pub(super) type Blurred = [[u16; 8]; 64];
 
-/// The largest share of a cell: 64 of them, as three tents add up, are less than 2¹⁶.
+/// The largest fraction of a cell: 64 of them, as three tents add up, are less than 2¹⁶.
 const LARGEST: u16 = 0x3ff;
 
 /// Every second byte.
@@ -42,9 +42,9 @@ const BIT: u32 = 12;
 /// nothing goes from one to the next.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Changes {
-    /// Those of even x.
+    /// Cells of even x.
     even: u64,
-    /// Those of odd x.
+    /// Cells of odd x.
     odd: u64,
 }
 
@@ -64,7 +64,7 @@ impl Changes {
         *word = *word & !(0xffff << place) | u64::from(bits) << place;
     }
 
-    /// That of a cell.
+    /// The change of a cell.
     #[cfg(test)]
     pub(super) fn get(self, cell: u32) -> i32 {
         let is_even = cell.is_multiple_of(2);
@@ -137,7 +137,7 @@ fn sum(numbers: u64, changes: u64, full: u64) -> u64 {
     sum & within | full & !within
 }
 
-/// The share of one of so many voxels in a cell, as large as it may be.
+/// The fraction of one of so many voxels in a cell, as large as it may be.
 pub(super) fn unit_of(voxels: u16) -> u16 {
     LARGEST / voxels
 }

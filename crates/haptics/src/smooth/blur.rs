@@ -15,7 +15,7 @@
 use super::aim::Aim;
 use super::binomial_filter::{Cells, ChangesOfRows, unit_of};
 use super::cache::Source;
-use super::cell_fractions::CellShares;
+use super::cell_fractions::CellFractions;
 use super::cell_shape::{CELLS, CellShape};
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
@@ -67,7 +67,7 @@ impl BlurField {
         occupancy: &impl Occupancy,
         aim: &Aim,
         spacing: DVec3,
-        known: Option<(Source, &mut CellShares)>,
+        known: Option<(Source, &mut CellFractions)>,
     ) {
         if self.spacing != spacing {
             self.spacing = spacing;
@@ -108,14 +108,14 @@ impl BlurField {
 
 simd_dispatch! {
     /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
-    /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
+    /// occupancy fractions of voxels at the surface, where they are to count. Where that voxel is solid,
     /// nothing can be told apart, and the field is that of nothing.
     pub(super) fn make_around[O: Occupancy](
         field: &mut BlurField,
         occupancy: &O,
         aim: &Aim,
         spacing: DVec3,
-        known: Option<(Source, &mut CellShares)>,
+        known: Option<(Source, &mut CellFractions)>,
     ) = [avx2] BlurField::around_plainly
 }
 
@@ -214,19 +214,19 @@ mod tests {
             };
             let source = Source {
                 epoch: 1,
-                shares: true,
+                fractions: true,
             };
             let [mut wide, mut plain] = [BlurField::empty(), BlurField::empty()];
-            let mut shares = CellShares::EMPTY;
+            let mut fractions = CellFractions::EMPTY;
             make_around(
                 &mut wide,
                 &world,
                 &aim,
                 spacing,
-                Some((source, &mut shares)),
+                Some((source, &mut fractions)),
             );
-            let mut shares = CellShares::EMPTY;
-            plain.around_plainly(&world, &aim, spacing, Some((source, &mut shares)));
+            let mut fractions = CellFractions::EMPTY;
+            plain.around_plainly(&world, &aim, spacing, Some((source, &mut fractions)));
             for _ in 0..50 {
                 let at = Vec3A::from_array([(); 3].map(|()| 7.0 * random.rand_float() as f32));
                 assert_eq!(wide.sample(at), plain.sample(at), "run {run} at {at}");

@@ -7,7 +7,7 @@
 use super::ahead::Ahead;
 use super::aim::{Aim, Aims};
 use super::blur::{BlurField, make_around};
-use super::cell_fractions::CellShares;
+use super::cell_fractions::CellFractions;
 use super::field::Field;
 use crate::ball::MAX_BODIES;
 use crate::contact::Proxy;
@@ -29,7 +29,7 @@ pub struct SmoothCache {
     /// What each field was made from; none where it is not to be used.
     sources: [Option<Source>; ENTRIES],
     /// What is known of the cells of each body: the world's, then those of objects.
-    shares: Box<[CellShares; MAX_BODIES]>,
+    fractions: Box<[CellFractions; MAX_BODIES]>,
     /// Where balls touch.
     aims: Aims,
     /// The field of the world that was used last.
@@ -43,11 +43,11 @@ pub struct SmoothCache {
 /// What fields are made from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// A number that changes with every voxel of any body, with what is known of their shares,
+    /// A number that changes with every voxel of any body, with what is known of their fractions,
     /// and with the bodies themselves.
     pub epoch: u64,
-    /// Whether voxels at the surface count by their shares, where bodies know them.
-    pub shares: bool,
+    /// Whether voxels at the surface count by their fractions, where bodies know them.
+    pub fractions: bool,
 }
 
 impl Default for SmoothCache {
@@ -55,7 +55,7 @@ impl Default for SmoothCache {
         Self {
             fields: Box::new(std::array::from_fn(|_| BlurField::empty())),
             sources: [None; ENTRIES],
-            shares: Box::new([CellShares::EMPTY; MAX_BODIES]),
+            fractions: Box::new([CellFractions::EMPTY; MAX_BODIES]),
             aims: Aims::NONE,
             world: 0,
             filled: 0,
@@ -139,7 +139,7 @@ impl<'a, F> NearFields<'a, F> {
         }
     }
 
-    /// None.
+    /// No fields.
     #[must_use]
     pub fn none() -> Self {
         Self {
@@ -185,7 +185,7 @@ impl SmoothCache {
     pub fn forget(&mut self) {
         self.sources = [None; ENTRIES];
         self.aims.forget();
-        self.shares.iter_mut().for_each(CellShares::forget);
+        self.fractions.iter_mut().for_each(CellFractions::forget);
     }
 
     /// The fields of the bodies that are solid near the probe, whose device is a point of the
@@ -201,7 +201,7 @@ impl SmoothCache {
         let point = proxy.point();
         let aim = self
             .aims
-            .aim((0, source), scene.occupancy, spacing, [point, device]);
+            .aim(0, source, scene.occupancy, spacing, [point, device]);
         self.refresh_world(scene, source, &aim);
         let world = Near {
             place: self.world,
@@ -231,7 +231,6 @@ impl SmoothCache {
             let world_from_mm = DMat3::from_diagonal(spacing.recip());
             let object_from_mm = object.pose().object_from_world().matrix3 * world_from_mm;
             let places = [point, device].map(|point| object.pose().to_object(point));
-            let body = (number + 1, source);
             let (occupancy, spacing) = (object.occupancy(), object.spacing());
             let new = Near {
                 place: OF_WORLD + number,
@@ -239,7 +238,9 @@ impl SmoothCache {
                 spacing,
                 axes: Mat3A::from(object_from_mm.as_mat3()),
                 proxy: places[0],
-                aim: self.aims.aim(body, occupancy, spacing, places),
+                aim: self
+                    .aims
+                    .aim(number + 1, source, occupancy, spacing, places),
             };
             self.refresh(new.place, source, occupancy, &new.aim, spacing);
             self.insert(&mut near, new);
@@ -330,8 +331,8 @@ impl SmoothCache {
     ) {
         self.sources[place] = Some(source);
         let body = (place + 1).saturating_sub(OF_WORLD);
-        let known =
-            (source.shares && occupancy.knows_shares()).then(|| (source, &mut self.shares[body]));
+        let known = (source.fractions && occupancy.knows_fractions())
+            .then(|| (source, &mut self.fractions[body]));
         make_around(&mut self.fields[place], occupancy, aim, spacing, known);
     }
 }

@@ -1,4 +1,4 @@
-//! What the shares of voxels at the surface change in cells, kept while it stays what it is.
+//! What the fractions of voxels at the surface change in cells, kept while it stays what it is.
 //!
 //! Windows overlap, and one that the proxy enters has few cells that the last one had not. What a
 //! cell counts beyond its bits follows from which of its voxels are at the surface, on which side
@@ -52,7 +52,7 @@ impl KeptRow {
 
 /// What cells of one body count beyond their bits.
 #[derive(Clone, Debug)]
-pub(super) struct CellShares {
+pub(super) struct CellFractions {
     /// What all was made from; none where nothing is to be used.
     source: Option<Source>,
     shape: CellShape,
@@ -61,8 +61,8 @@ pub(super) struct CellShares {
     rows: [KeptRow; 64],
 }
 
-impl CellShares {
-    /// Of no body.
+impl CellFractions {
+    /// Nothing is kept yet.
     pub(super) const EMPTY: Self = Self {
         source: None,
         shape: CellShape::ONE,
@@ -107,7 +107,7 @@ impl CellShares {
             }
             let cells = surface.differing(kept.surface, shape);
             kept.surface = surface;
-            asked.add(row, shape, first, (surface, cells));
+            asked.add(row, shape, first, surface, cells);
         }
         asked.ask();
 
@@ -143,12 +143,12 @@ fn ones(mut word: u64) -> impl Iterator<Item = usize> {
 /// Voxels that are asked for at once.
 const AT_ONCE: usize = 32;
 
-/// Cells of a window whose voxels at the surface are asked for their shares.
+/// Cells of a window whose voxels at the surface are asked for their fractions.
 struct Asked<'a, O: ?Sized> {
     occupancy: &'a O,
-    /// Those of each row of the window.
+    /// Cells of each row of the window that are asked for.
     cells: [CellsOfRow; 64],
-    /// How many voxels they count beyond their bits.
+    /// Sum of the voxels' changes in each cell [voxels], beyond their bits.
     sums: [[f32; 8]; 64],
     /// Voxels that are to be asked for next.
     voxels: [(IVec3, bool); AT_ONCE],
@@ -176,7 +176,8 @@ impl<'a, O: Occupancy + ?Sized> Asked<'a, O> {
         row: usize,
         shape: CellShape,
         first: IVec3,
-        (surface, cells): (SurfaceRow, CellsOfRow),
+        surface: SurfaceRow,
+        cells: CellsOfRow,
     ) {
         self.cells[row & 63] = cells;
         surface.visit(shape, first, cells, |cell, voxel, solid| {
@@ -195,7 +196,8 @@ impl<'a, O: Occupancy + ?Sized> Asked<'a, O> {
         let count = self.count.min(AT_ONCE);
         let mut changes = [0.0_f32; AT_ONCE];
         let asked = &self.voxels[..count];
-        self.occupancy.share_changes(asked, &mut changes[..count]);
+        self.occupancy
+            .fraction_changes(asked, &mut changes[..count]);
         for ([row, cell], change) in self.places[..count].iter().zip(changes) {
             self.sums[usize::from(row & 63)][usize::from(cell & 7)] += change;
         }
@@ -218,7 +220,7 @@ mod tests {
 
     const AXES: [IVec3; 3] = [IVec3::X, IVec3::Y, IVec3::Z];
 
-    /// Voxels and shares as good as random, a function of the place.
+    /// Voxels and fractions as good as random, a function of the place.
     struct Speckled {
         salt: i32,
         density: u32,
@@ -241,10 +243,10 @@ mod tests {
             self.random(voxel, 1) < self.density
         }
 
-        fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-            let share = self.random(voxel, 2) as f32 / 200.0;
+        fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+            let fraction = self.random(voxel, 2) as f32 / 200.0;
             let known = self.random(voxel, 3) < 90;
-            known.then_some(if solid { 1.0 - share } else { share })
+            known.then_some(if solid { 1.0 - fraction } else { fraction })
         }
     }
 
@@ -264,8 +266,9 @@ mod tests {
                         .any(|beside| window.is_reached(*beside) != reached);
                     let solid = occupancy.is_solid(voxel);
                     if at_surface && (reached || solid) {
-                        let share = occupancy.share(voxel, solid);
-                        change += share.map_or(0.0, |share| share - f32::from(u8::from(solid)));
+                        let fraction = occupancy.occupancy_fraction(voxel, solid);
+                        change +=
+                            fraction.map_or(0.0, |fraction| fraction - f32::from(u8::from(solid)));
                     }
                 }
             }
@@ -285,7 +288,7 @@ mod tests {
         ];
         for spacing in spacings {
             let shape = CellShape::for_spacing(spacing);
-            let mut known = CellShares::EMPTY;
+            let mut known = CellFractions::EMPTY;
             let mut first = IVec3::new(-3, 5, -2);
             let mut counted = 0;
             for step in 0..300_u64 {
@@ -295,8 +298,8 @@ mod tests {
                     salt: body as i32,
                     density: 20 + 10 * body as u32,
                 };
-                let (epoch, shares) = (body, true);
-                known.keep(Source { epoch, shares }, shape);
+                let (epoch, fractions) = (body, true);
+                known.keep(Source { epoch, fractions }, shape);
                 let axis = AXES[random.rand_range(0..3) as usize];
                 // mostly to the next window, sometimes far away
                 let way = match random.rand_range(0..20) {

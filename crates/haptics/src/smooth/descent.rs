@@ -22,7 +22,7 @@ use glam::{DVec3, Vec3A};
 /// What is asked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Query {
-    /// From the proxy to the device [mm].
+    /// Vector from the proxy to the device [mm].
     pub(crate) device: DVec3,
     /// The body that holds the proxy; none where it is free.
     pub(crate) held_by: Option<u8>,
@@ -34,7 +34,7 @@ pub(crate) struct Found {
     /// From the proxy to the smooth contact point [mm]; to the device where no surface is
     /// above that.
     pub(crate) point: DVec3,
-    /// How far it is to be believed, 0..=1; the rest belongs to the proxy.
+    /// Weight of the point, 0..=1; the rest belongs to the proxy.
     pub(crate) weight: f64,
     /// Samples of fields taken.
     pub(crate) samples: u32,
@@ -44,16 +44,16 @@ pub(crate) struct Found {
 #[derive(Clone, Copy, Debug)]
 struct Surface {
     outward: Vec3A,
-    /// How far the point is under it [mm].
+    /// Depth of the point under the plane [mm].
     depth: f32,
     /// Share of the wide kernel in both.
     wide: f32,
-    /// Of the wide kernel alone.
+    /// Plane of the wide kernel alone.
     wide_plane: Plane,
 }
 
 impl Surface {
-    /// As seen after a short way of the point.
+    /// Follows a short displacement of the point [mm]: the depth changes, the normal stays.
     fn move_point(&mut self, way: Vec3A) {
         self.depth -= self.outward.dot(way);
         let plane = &mut self.wide_plane;
@@ -65,7 +65,7 @@ impl Surface {
 #[derive(Clone, Copy, Debug)]
 struct Plane {
     outward: Vec3A,
-    /// How far the point is under it [mm].
+    /// Depth of the point under the plane [mm].
     depth: f32,
     /// The level at the point, beyond ½.
     above: f32,
@@ -92,7 +92,7 @@ pub(crate) fn descend<F: Field>(
     }
 }
 
-/// The same on several; apart, so that the search on one stays short.
+/// The search on several fields; apart, so that the search on one stays short.
 #[inline(never)]
 fn descend_on_all<F: Field>(
     smoother: &Smoother,
@@ -107,9 +107,9 @@ struct Search<'a, F, const N: usize> {
     smoother: &'a Smoother,
     fields: [Option<&'a PlacedField<'a, F>>; N],
     device: Vec3A,
-    /// From a ball's middle to where it touches each body [mm]; zero for a point.
+    /// Vector from a ball's centre to where it touches each body [mm]; zero for a point.
     contacts: [Vec3A; N],
-    /// How they were last found to be wrong, and what share of that was taken.
+    /// Last correction of each contact, and the fraction of it that was applied.
     turns: [Pace; N],
     /// The largest of those [mm²].
     largest_turn: f32,
@@ -148,7 +148,7 @@ impl Pace {
         Self { way, share }
     }
 
-    /// The same where no more than this step could be taken.
+    /// The pace where no more than this step could be taken.
     fn with_step(&self, step: Vec3A) -> Self {
         let share = step.dot(self.way) / self.way.length_squared();
         Self {
@@ -381,7 +381,7 @@ impl<F: Field> PlacedField<'_, F> {
         self.contact != Vec3A::ZERO
     }
 
-    /// By how much the longest edge of a voxel is longer than the shortest [mm].
+    /// Difference of the longest and the shortest edge of a voxel [mm].
     fn thickness(&self) -> f32 {
         self.voxel.max_element() - self.voxel.min_element()
     }

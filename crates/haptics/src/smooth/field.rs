@@ -17,18 +17,18 @@ pub struct Level {
 /// A field at a point, blurred by two kernels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FieldSample {
-    /// By the narrow kernel, which follows edges and small features.
+    /// Sample of the narrow kernel, which follows edges and small features.
     pub fine: Level,
-    /// By the wide kernel, which sees through the stairs of voxels.
+    /// Sample of the wide kernel, which smooths the stairs of voxels away.
     pub wide: Level,
 }
 
 /// How wide a field's kernels are, along each axis [nodes]: standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kernel {
-    /// Of the narrow kernel.
+    /// Standard deviation of the narrow kernel.
     pub fine: Vec3A,
-    /// Of the wide kernel.
+    /// Standard deviation of the wide kernel.
     pub wide: Vec3A,
 }
 
@@ -42,10 +42,10 @@ pub trait Field {
         self.sample(point_in_nodes).wide.value
     }
 
-    /// Its kernels.
+    /// The kernels of the field.
     fn kernel(&self) -> &Kernel;
 
-    /// From a node to the next, along each axis of the grid of its body [voxels].
+    /// Distance between nodes along each axis of the grid of its body [voxels].
     fn cell(&self) -> Vec3A;
 
     /// A point of that grid, near the window, among the nodes.

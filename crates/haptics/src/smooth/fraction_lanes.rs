@@ -1,7 +1,7 @@
-//! The shares of several voxels at once, side by side, as processors work fastest.
+//! The fractions of several voxels at once, side by side, as processors work fastest.
 //!
 //! All is decided by picking numbers, never by branches, which would be guessed wrong where a
-//! surface is rough. What comes out is the same, to the bit, as [`Limits::share`] tells of each.
+//! surface is rough. What comes out is the same, to the bit, as [`Limits::fraction`] tells of each.
 //!
 //! Frame: grid. Values and limits as stored.
 
@@ -17,7 +17,7 @@ type Lane = [f32; LANES];
 
 /// Values of some voxels and of their neighbours.
 struct Lanes {
-    /// Its own, then those before and after it along x, y and z; as stored.
+    /// Stored values of the voxel itself, then of those before and after it along x, y and z.
     values: [[i16; LANES]; 7],
     /// 1 for a solid one, 0 for others.
     solid: Lane,
@@ -25,9 +25,9 @@ struct Lanes {
 
 impl Limits {
     /// By how much each of some voxels counts for more or less than its bit, where values are
-    /// `stored`; see `Occupancy::share_changes`.
+    /// `stored`; see `Occupancy::fraction_changes`.
     #[inline]
-    pub fn share_changes(
+    pub fn fraction_changes(
         &self,
         stored: impl Fn(IVec3) -> Stored,
         voxels: &[(IVec3, bool)],
@@ -85,11 +85,11 @@ impl Limits {
 }
 
 simd_dispatch! {
-    /// By how much voxels count for more or less than their bits.
+    /// Occupancy fraction of each voxel less its bit, -½..=½.
     fn changes_of(limits: &Limits, lanes: &Lanes) -> Lane = [avx2] Limits::changes_plainly
 }
 
-/// By how much a voxel counts for more or less than its bit; see `share` in `occupancy_fractions.rs`.
+/// By how much a voxel counts for more or less than its bit; see `fraction` in `occupancy_fractions.rs`.
 #[inline(always)]
 fn change(here: f32, columns: [[f32; 2]; 3], solid: f32) -> f32 {
     let is_solid = solid > 0.5;
@@ -110,9 +110,9 @@ fn change(here: f32, columns: [[f32; 2]; 3], solid: f32) -> f32 {
     let [before, here, after] = [side * before, side * here, side * after];
     let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
     let own = larger(0.5 * ways, 0.5);
-    let share = if is_solid { own } else { 1.0 - own };
-    let known = (is_solid == is_within) & (rises != 0.0) & share.is_finite();
-    if known { share - solid } else { 0.0 }
+    let fraction = if is_solid { own } else { 1.0 - own };
+    let known = (is_solid == is_within) & (rises != 0.0) & fraction.is_finite();
+    if known { fraction - solid } else { 0.0 }
 }
 
 /// See there.
@@ -176,13 +176,17 @@ mod tests {
                 .collect();
             let mut changes = vec![f32::NAN; voxels.len()];
             let stored = |voxel| Around::stored(&scan, voxel);
-            limits.share_changes(stored, &voxels, &mut changes);
+            limits.fraction_changes(stored, &voxels, &mut changes);
             for ((voxel, solid), change) in voxels.into_iter().zip(changes) {
-                let share = limits.share(&Around::of(&scan, voxel), solid);
+                let fraction = limits.fraction(&Around::of(&scan, voxel), solid);
                 let bit = f32::from(u8::from(solid));
-                let expected = share.map_or(0.0, |share| share - bit);
-                assert_eq!(change.to_bits(), expected.to_bits(), "{voxel}: {share:?}");
-                known += u32::from(share.is_some());
+                let expected = fraction.map_or(0.0, |fraction| fraction - bit);
+                assert_eq!(
+                    change.to_bits(),
+                    expected.to_bits(),
+                    "{voxel}: {fraction:?}"
+                );
+                known += u32::from(fraction.is_some());
             }
         }
         assert!(known > 500, "{known}");

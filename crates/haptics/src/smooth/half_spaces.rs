@@ -7,14 +7,14 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 /// The free side of a plane: all points x with x·outward >= offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HalfSpace {
-    /// Of length 1.
+    /// Outward normal of length 1.
     pub(crate) outward: DVec3,
     /// Distance of the plane from the origin along it [mm].
     pub(crate) offset: f64,
 }
 
 impl HalfSpace {
-    /// How far a point is under the plane [mm]; negative where it is free.
+    /// Depth of a point under the plane [mm]; negative where it is free.
     fn depth(&self, point: DVec3) -> f64 {
         self.offset - point.dot(self.outward)
     }

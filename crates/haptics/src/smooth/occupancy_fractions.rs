@@ -1,7 +1,7 @@
 //! How much of a voxel at the surface is solid, from the intensities that it was made from.
 //!
 //! A threshold makes whole voxels solid or free; the intensities still tell where between
-//! two voxels the threshold is crossed. Counting each voxel at the surface by its share takes
+//! two voxels the threshold is crossed. Counting each voxel at the surface by its fraction takes
 //! most of the stairs away, and leaves all the rest as it is: what the proxy does not reach is
 //! filled, noise is blurred, and a voxel that was edited counts as its bit says.
 //!
@@ -16,11 +16,11 @@ use palpate_volume::intensities::Intensities;
 /// Stored values of a voxel and of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
-    /// Its own.
+    /// Value of the voxel itself.
     pub here: f32,
-    /// Those before it along x, y and z.
+    /// Values of the voxels before it along x, y and z.
     pub before: Vec3A,
-    /// Those after it.
+    /// Values of the voxels after it along x, y and z.
     pub after: Vec3A,
 }
 
@@ -43,7 +43,7 @@ impl Around {
         Self::of_inner(scan, voxel).unwrap_or_else(|| Self::of_outer(scan, voxel))
     }
 
-    /// Of values as they are stored.
+    /// From values as they are stored.
     #[inline]
     #[must_use]
     pub fn of_stored(stored: Stored) -> Self {
@@ -63,7 +63,7 @@ impl Around {
         }
     }
 
-    /// Of a voxel that is not at the border; none for others.
+    /// Values around a voxel that is not at the border; none for others.
     #[inline]
     fn of_inner(scan: &Intensities, voxel: IVec3) -> Option<Stored> {
         // without its sign, what is negative is large
@@ -86,7 +86,7 @@ impl Around {
         ])
     }
 
-    /// Of any voxel.
+    /// Values around any voxel, the outermost ones continued beyond the border.
     #[inline(never)]
     fn of_outer(scan: &Intensities, voxel: IVec3) -> Stored {
         let size = scan.dimensions().as_ivec3();
@@ -97,13 +97,13 @@ impl Around {
         })
     }
 
-    /// Of a voxel, from the stored value of each.
+    /// Values around a voxel, each asked for by its place.
     #[must_use]
     pub fn from_fn(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Self {
         Self::of_stored(Self::stored_from(voxel, stored))
     }
 
-    /// The same as they are stored.
+    /// Stored values around a voxel, each asked for by its place.
     #[must_use]
     pub fn stored_from(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Stored {
         let [x, y, z] = [IVec3::X, IVec3::Y, IVec3::Z];
@@ -170,17 +170,17 @@ impl Limits {
         self.count == 0
     }
 
-    /// How far a value is within the limits; negative outside of them.
+    /// Distance of a stored value from the nearest limit; negative outside.
     fn within(&self, stored: f32) -> f32 {
         let ranges = self.ranges.iter().take(self.count);
         let within = ranges.map(|[low, high]| (stored - low).min(high - stored));
         within.fold(f32::NEG_INFINITY, f32::max)
     }
 
-    /// The share of a voxel that is solid; see `Occupancy::share`.
+    /// The fraction of a voxel that is solid; see `Occupancy::fraction`.
     #[inline]
     #[must_use]
-    pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
+    pub fn fraction(&self, around: &Around, solid: bool) -> Option<f32> {
         match self.count {
             // there is mostly but one
             1 => {
@@ -188,20 +188,20 @@ impl Limits {
                 let within = |values: Vec3A| (values - low).min(high - values);
                 let [above, below] = [around.here - low, high - around.here];
                 let here = if above < below { above } else { below };
-                share(within(around.before), here, within(around.after), solid)
+                fraction(within(around.before), here, within(around.after), solid)
             }
             _ => self.share_of_many(around, solid),
         }
     }
 
-    /// The same for any number of ranges.
+    /// The occupancy fraction for any number of ranges.
     #[inline(never)]
     fn share_of_many(&self, around: &Around, solid: bool) -> Option<f32> {
         if self.is_empty() {
             return None;
         }
         let within = |values: Vec3A| values.map(|stored| self.within(stored));
-        share(
+        fraction(
             within(around.before),
             self.within(around.here),
             within(around.after),
@@ -210,14 +210,14 @@ impl Limits {
     }
 }
 
-/// The share of a voxel that is solid, from how far values are within what is solid: its own, and
+/// The fraction of a voxel that is solid, from how far values are within what is solid: its own, and
 /// those before and after it along each axis.
 ///
 /// Along the axis on which values change most, a surface passes between the middles of one solid
 /// voxel and one free voxel of each column. So each of these two gives or takes half of how far it
 /// is from the middle between them, and the column counts just as much as is solid.
 #[inline]
-fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
+fn fraction(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
     // an edit, or another segment, made it what it is
     if solid != (here >= 0.0) {
         return None;
@@ -233,8 +233,8 @@ fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
     let [before, here, after] = [before[axis], here, after[axis]].map(|value| side * value);
     let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
     let own = (0.5 * ways).max(0.5);
-    let share = if solid { own } else { 1.0 - own };
-    share.is_finite().then_some(share)
+    let fraction = if solid { own } else { 1.0 - own };
+    fraction.is_finite().then_some(fraction)
 }
 
 /// The way from the middle of a voxel to where values pass zero, of that to the next voxel; 1 where

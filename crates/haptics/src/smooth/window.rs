@@ -63,7 +63,7 @@ impl Window {
         self.first
     }
 
-    /// Whether it stands there.
+    /// Whether the window has this shape and stands at this voxel.
     #[inline]
     pub(crate) fn is_at(&self, shape: CellShape, first: IVec3) -> bool {
         self.first == first && self.shape == shape
@@ -140,7 +140,7 @@ impl Window {
         }
     }
 
-    /// The same where cells have `HEIGHT` voxels along y.
+    /// The counts of cells that have `HEIGHT` voxels along y.
     #[inline(always)]
     fn count<const LOG: u32, const HEIGHT: usize>(&self) -> [u64; 64] {
         let log_z = self.shape.log[2];
@@ -207,7 +207,7 @@ fn read_free(
     }
 }
 
-/// The same for windows that are so many blocks wide.
+/// Reads the free voxels of windows that are `BLOCKS` blocks wide.
 #[inline(always)]
 fn read_free_of<const BLOCKS: usize>(
     occupancy: &(impl Occupancy + ?Sized),

@@ -118,7 +118,7 @@ pub(crate) struct ThesisPath<'a, O: ?Sized> {
 }
 
 impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
-    /// At p1; none where the device point is none.
+    /// Starts a path at p1; none where the device point is not finite or too far away.
     pub fn start(
         occupancy: &'a O,
         limits: ThesisLimits,

@@ -41,13 +41,13 @@ pub struct TickOutput {
 /// What is felt, along the axes of the grid in mm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Felt {
-    /// From the device to the contact point.
+    /// Vector from the device to the contact point.
     pub(super) spring: DVec3,
     /// Out of the surface, of length 1.
     pub(super) normal: DVec3,
     pub(super) stiffness: f64,
     pub(super) sticks: bool,
-    /// Of a model with a force of its own [N].
+    /// Force of a model that has one of its own [N].
     pub(super) own_force: Option<DVec3>,
 }
 
@@ -62,7 +62,8 @@ impl Felt {
 }
 
 impl<O, M, S> Tick<'_, O, M, S> {
-    /// In the scene; from differences, so that rounding stays relative to them.
+    /// The answer of the tick in the scene; from differences, so that rounding stays relative to
+    /// them.
     #[inline]
     pub(super) fn output(&self, state: &TickState, contact: &Contact, felt: &Felt) -> TickOutput {
         let grid = self.scene.grid;

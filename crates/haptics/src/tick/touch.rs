@@ -79,15 +79,14 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         let friction = was.map_or(Friction::NONE, |feel| feel.friction);
         let target = friction.target(device, slip_length, &mut state.friction);
         let smooth_before = state.smooth;
-        let held = self.advance(target, state, cache);
-        let lets_go = held.is_free() && target != device && moved > 0.0;
-        if !lets_go {
-            return held;
+        let mut reached = self.advance(target, state, cache);
+        if reached.is_free() && target != device && moved > 0.0 {
+            state.friction.forget();
+            state.smooth = smooth_before;
+            let visits = reached.contact.visits;
+            reached = self.advance(device, state, cache);
+            reached.contact.visits += visits;
         }
-        state.friction.forget();
-        state.smooth = smooth_before;
-        let mut reached = self.advance(device, state, cache);
-        reached.contact.visits += held.contact.visits;
         reached
     }
 
@@ -120,17 +119,21 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         state: &mut TickState,
         cache: &mut TickCache,
     ) -> SmoothContact {
-        let (smoother, fields) = if self.input.smoothing == Smoothing::Off {
-            (&STAIRS, NearFields::none())
+        let smoother = if self.input.smoothing == Smoothing::Off {
+            &STAIRS
         } else {
+            &SMOOTH
+        };
+        let fields = if smoother.enabled {
             let source = Source {
                 epoch: cache.epoch,
-                shares: self.input.smoothing == Smoothing::Intensities,
+                fractions: self.input.smoothing == Smoothing::Intensities,
             };
-            let fields = cache
+            cache
                 .fields
-                .near(self.scene, source, &state.proxy, target_in_grid);
-            (&SMOOTH, fields)
+                .near(self.scene, source, &state.proxy, target_in_grid)
+        } else {
+            NearFields::none()
         };
         let asked = SmoothInput {
             proxy: &state.proxy,

@@ -298,16 +298,16 @@ impl Occupancy for Thresholded<'_> {
         self.bits.block(min)
     }
 
-    fn knows_shares(&self) -> bool {
+    fn knows_fractions(&self) -> bool {
         true
     }
 
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.limits.share(&Around::of(self.scan, voxel), solid)
+    fn occupancy_fraction(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.limits.fraction(&Around::of(self.scan, voxel), solid)
     }
 
-    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+    fn fraction_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
         let stored = |voxel| Around::stored(self.scan, voxel);
-        self.limits.share_changes(stored, voxels, changes);
+        self.limits.fraction_changes(stored, voxels, changes);
     }
 }

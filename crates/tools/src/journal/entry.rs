@@ -17,9 +17,9 @@ pub struct ScanHash(pub [u8; 32]);
 /// Why something changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// It was so when the journal began; no step.
+    /// State when the journal began; not a step.
     Start,
-    /// It was done. Entries up to the next [`Entry::StepEnd`] are one step.
+    /// Done by the user. Entries up to the next [`Entry::StepEnd`] are one step.
     Do,
     /// A step was taken back; each entry is a whole step.
     Undo,
@@ -38,7 +38,7 @@ pub struct Facts {
     pub made_by: Option<(f64, f64)>,
     /// How it feels: stiffness [N/mm], static and kinetic friction; none is as the settings say.
     pub feel: [Option<f64>; 3],
-    /// Where it was moved [mm, from the scan to the scene].
+    /// Pose of a moved segment [mm, scene from scan]; none where it was not moved.
     pub pose: Option<DAffine3>,
 }
 
@@ -59,7 +59,7 @@ pub enum Entry {
         id: SegmentId,
         /// Where to; nobody has checked yet that it is a rigid motion.
         pose: DAffine3,
-        /// Whether it goes on with the move before: both are one step.
+        /// Whether it continues the move before: both are one step.
         goes_on: bool,
     },
     /// What is known of a segment from here on; no step.
@@ -137,7 +137,7 @@ pub(crate) fn start_of(voxels: &Voxels) -> Vec<Written> {
         .collect();
     if !intensities.is_empty() {
         let delta = Delta {
-            kind: EditKind::Matter,
+            kind: EditKind::Voxel,
             segments: Vec::new(),
             intensities,
         };

@@ -30,14 +30,14 @@ pub enum JournalError {
     /// Written by another version of this program.
     #[error("journal of version {given} given; allowed: {oldest} to {newest}")]
     Version {
-        /// As the file says.
+        /// Version that the file states.
         given: u32,
         /// The oldest that this program reads.
         oldest: u32,
         /// What this program writes.
         newest: u32,
     },
-    /// It belongs to other voxels.
+    /// The journal belongs to another scan.
     #[error("a journal of another scan given; allowed: one of this scan of {allowed} voxels")]
     OtherScan {
         /// Voxels along each axis.
@@ -46,7 +46,7 @@ pub enum JournalError {
     /// A record is whole, but says what cannot be.
     #[error("journal record at byte {at}: {what}")]
     Record {
-        /// Where it begins.
+        /// Offset in the file [bytes].
         at: u64,
         /// What is wrong.
         what: &'static str,
@@ -54,7 +54,7 @@ pub enum JournalError {
     /// A record does not fit the voxels.
     #[error("journal record at byte {at}: {source}")]
     Misfit {
-        /// Where it begins.
+        /// Offset in the file [bytes].
         at: u64,
         /// Why.
         source: VoxelsError,

@@ -40,14 +40,14 @@ use crate::journal::record::{Record, encode};
 pub const VERSION: u32 = 2;
 /// The oldest format that is read.
 pub const OLDEST_VERSION: u32 = 1;
-/// How a journal begins.
+/// First bytes of a journal.
 pub(crate) const MAGIC: &[u8; 8] = b"PALPATEJ";
 /// Bytes before the first record.
 pub(crate) const HEAD_BYTES: usize = 60;
 
 /// Changes that wait for the disk at most; at 100 a second, those of 10 s.
 const QUEUE: usize = 1024;
-/// How long a written record may wait until the disk is asked to keep it.
+/// Longest time until a written record is synced to disk.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// Where a journal is written to.

@@ -27,7 +27,7 @@ pub struct Recovery {
     pub ignored_bytes: u64,
     /// Whether the last step has no end: its changes are there.
     pub step_is_open: bool,
-    /// From which the next record's checksum goes on.
+    /// Checksum so far, which the next record's continues.
     pub(crate) checksum: u32,
 }
 

@@ -164,7 +164,7 @@ fn along_cage(cage: &Tube, p: Vec3, course: impl Fn(&Rib, f32) -> (f32, f32, f32
 
 /// The short way of each rib from the cage forward and inward to its vertebra.
 struct RibHeads {
-    /// On the vertebra and on the cage, patient's left.
+    /// Ends of each rib on the vertebra and on the cage, patient's left.
     ends: [(Vec3, Vec3); 12],
 }
 

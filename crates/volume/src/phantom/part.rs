@@ -53,7 +53,7 @@ pub(super) fn all_parts() -> Vec<Part> {
 /// `blur` [mm]: how far from its surface a part still shows.
 pub(super) fn list_visible<'a>(
     parts: &'a [Part],
-    (low, high): (Vec3, Vec3),
+    [low, high]: [Vec3; 2],
     blur: f32,
     visible: &mut Vec<&'a Part>,
 ) {
@@ -116,7 +116,7 @@ mod tests {
             .collect()
     }
 
-    /// Culling is a matter of speed only.
+    /// Culling is a tissue of speed only.
     #[test]
     fn parts_left_out_of_a_block_never_show_in_it() {
         let parts = all_parts();
@@ -134,7 +134,7 @@ mod tests {
         {
             let blur = half.element_sum() / 8.0;
             for centre in random_points(20_000) {
-                list_visible(&parts, (centre - half, centre + half), blur, &mut visible);
+                list_visible(&parts, [centre - half, centre + half], blur, &mut visible);
                 for corner in 0..8 {
                     let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
                     let point = centre + half * Vec3::new(sign(0), sign(1), sign(2));

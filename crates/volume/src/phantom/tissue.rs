@@ -23,11 +23,11 @@ pub enum Tissue {
     Heart,
     /// Aorta, caval veins and their first branches.
     Vessels,
-    /// On the patient's right.
+    /// Liver, on the patient's right.
     Liver,
-    /// On the patient's left.
+    /// Spleen, on the patient's left.
     Spleen,
-    /// With its content.
+    /// Stomach with its content.
     Stomach,
     /// Both kidneys.
     Kidneys,
@@ -35,7 +35,7 @@ pub enum Tissue {
     Bowel,
     /// The urinary bladder.
     Bladder,
-    /// Of ribs, airways and pubic joint.
+    /// Cartilage of ribs, airways and the pubic joint.
     Cartilage,
     /// Between the vertebrae.
     Discs,
@@ -144,7 +144,7 @@ impl Tissue {
         (value, value)
     }
 
-    /// Whether it is bone.
+    /// Whether the tissue is bone.
     pub fn is_bone(self) -> bool {
         self.intensity().0 != self.intensity().1
     }

@@ -84,7 +84,7 @@ fn tangents(axis: usize) -> impl Iterator<Item = IVec3> {
     others.flat_map(|other| [-AXES[other], AXES[other]])
 }
 
-/// For each cell the numbers of the faces that it is the solid side of.
+/// For each cell, the numbers of the faces of which it is the solid side.
 fn numbers(faces: &[Face], band: &Band) -> Vec<[u32; 6]> {
     let mut numbers = vec![[NONE; 6]; band.cells.len()];
     for (face, number) in faces.iter().zip(0..) {

@@ -9,7 +9,7 @@ use super::solve::System;
 use super::terms::Terms;
 use super::{MARGIN, cell_of};
 use crate::bits::Bits;
-use crate::occupancy_fractions::Shares;
+use crate::occupancy_fractions::OccupancyFractions;
 use crate::voxel_box::VoxelBox;
 
 /// Terms are taken anew so often, with iterations in between.
@@ -28,12 +28,12 @@ pub(super) struct Level {
     pub(super) spacing: Vec3,
     pub(super) side: Vec3,
     pub(super) faces: Vec<Face>,
-    /// Of the finest level, which faces are as flat as they look.
+    /// For the finest level, whether each face belongs to a flat terrace.
     pub(super) flat: Vec<bool>,
     pub(super) band: Band,
     /// [mm], positive inside.
     pub(super) field: Vec<f32>,
-    /// Cells whose shares are known already, with them.
+    /// Cells whose fractions are known already, with them.
     pub(super) held: Vec<(usize, f32)>,
 }
 
@@ -98,11 +98,11 @@ impl Level {
         }
     }
 
-    /// Holds the field where shares are known already, outside a box.
-    pub(super) fn hold(&mut self, core: &VoxelBox, known: &Shares) {
+    /// Holds the field where fractions are known already, outside a box.
+    pub(super) fn hold(&mut self, core: &VoxelBox, known: &OccupancyFractions) {
         let outside = |(number, cell): (usize, &IVec3)| {
-            let share = known.any_share(*cell)?;
-            (!core.contains(*cell)).then_some((number, share))
+            let fraction = known.any_fraction(*cell)?;
+            (!core.contains(*cell)).then_some((number, fraction))
         };
         self.held = self
             .band
@@ -134,12 +134,12 @@ impl Level {
         }
     }
 
-    /// The share of a voxel of the finest level, if it is at the surface.
+    /// The fraction of a voxel of the finest level, if it is at the surface.
     ///
     /// Along the axis on which the field changes most, the solid one of two voxels counts half of
     /// the way to the surface more than one half, the free one half of the rest; so a column
     /// counts as much as is solid of it.
-    pub(super) fn share(&self, bits: &Bits, voxel: IVec3) -> Option<f32> {
+    pub(super) fn fraction(&self, bits: &Bits, voxel: IVec3) -> Option<f32> {
         let solid = bits.is_solid(voxel);
         let number = self.band.number(voxel);
         let side = if solid { 1.0 } else { -1.0 };

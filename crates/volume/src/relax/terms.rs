@@ -10,23 +10,25 @@ use super::faces::Face;
 use super::level::{Level, corners, weight_of};
 use crate::bits::Bits;
 
-/// Over so many longest voxel sides a surface is smoothed that is known as well as one at 45°.
+/// Length over which a surface at 45° is smoothed [longest voxel sides].
 const SMOOTHED: f32 = 8.0;
-/// A radius from which on a surface is taken for flat, in longest voxel sides.
+/// Radius of curvature above which a surface is taken as flat [longest voxel sides].
 const FLAT_RADIUS: f32 = 450.0;
-/// Of the sine of an angle; below it the edges of terraces tell no more.
+/// Least sine of an angle between face and surface; below it the edges of terraces give no
+/// information.
 const EPSILON: f32 = 0.2;
-/// What a flat terrace tells at least, of what a face at 45° does.
+/// Least weight of a face of a flat terrace, relative to a face at 45°.
 const TERRACE: f32 = 0.05;
-/// The same where the surface bends, times a voxel's side over its radius.
+/// The same least weight where the surface bends, times a voxel's side over the radius of
+/// curvature.
 const BENT_TERRACE: f32 = 0.3;
-/// A normal that points farther away from a face's solid side is none.
+/// A normal that points farther away from a face's solid side is not used (cosine).
 const AGAINST: f32 = -0.3;
-/// A field that rises less than this has no normal.
+/// Least length of the gradient for a normal to be known.
 const RISING: f32 = 0.2;
-/// What being on the wrong side costs, of what being off a face does.
+/// Weight of being on the wrong side, relative to being off a face.
 const WRONG_SIDE: f32 = 1.0;
-/// What being off a share that is known costs, of the same.
+/// Weight of being off a fraction that is known, relative to the same.
 const KNOWN: f32 = 100.0;
 /// What being off a flat face costs: more than stiffness, so that it ends with its last voxel.
 const FLAT: f32 = 1e4;
@@ -40,9 +42,9 @@ const THICKNESS: f32 = 4.0;
 pub(super) struct Terms {
     /// What bending costs along each axis.
     pub(super) stiffness: Vec<[f32; 3]>,
-    /// How the field bends [1/mm].
+    /// Curvature of the field [1/mm].
     bends: Vec<f32>,
-    /// How it rises.
+    /// Gradient of the field.
     gradients: Vec<Vec3>,
 }
 
@@ -82,7 +84,7 @@ impl Terms {
         terms
     }
 
-    /// Weights and targets: where faces, and shares that are known, want the field to be zero.
+    /// Weights and targets: where faces, and fractions that are known, want the field to be zero.
     pub(super) fn data(&self, level: &Level) -> (Vec<f32>, Vec<f32>) {
         let count = level.band.cells.len();
         let (mut weights, mut sums) = (vec![0.0; count], vec![0.0; count]);
@@ -149,16 +151,16 @@ impl Terms {
         (normal, ANYWHERE / width * told)
     }
 
-    /// Puts shares that are known in the place of what faces tell.
+    /// Puts fractions that are known in the place of what faces tell.
     fn hold(&self, level: &Level, weights: &mut [f32], targets: &mut [f32]) {
         let cost = KNOWN * usual_cost(level.spacing);
-        for &(number, share) in &level.held {
+        for &(number, fraction) in &level.held {
             let Some(gradient) = self.gradients[number].try_normalize() else {
                 continue;
             };
             let steps = (gradient * level.spacing).abs();
             weights[number] = cost;
-            targets[number] = (2.0 * share - 1.0) * steps.max_element();
+            targets[number] = (2.0 * fraction - 1.0) * steps.max_element();
         }
     }
 
@@ -187,7 +189,7 @@ fn usual_cost(spacing: Vec3) -> f32 {
     ANYWHERE / (spacing.max_element() * spacing.min_element())
 }
 
-/// How the field rises at a cell.
+/// Gradient of the field at a cell.
 fn gradient(level: &Level, number: usize) -> Vec3 {
     let here = level.field[number];
     let beside = level.band.neighbours[number];
@@ -204,7 +206,7 @@ fn gradient(level: &Level, number: usize) -> Vec3 {
     }))
 }
 
-/// How the field bends along an axis at a cell and beside it [1/mm].
+/// Second derivative of the field along an axis at a cell and beside it [1/mm].
 fn bend(level: &Level, number: usize, axis: usize) -> f32 {
     let [before, after] = beside(level, number, axis);
     if before == NONE || after == NONE {

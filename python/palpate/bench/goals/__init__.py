@@ -1,7 +1,6 @@
-"""What each benchmark reports, and the goals: the one table that reports and tests read.
+"""Reports of all benchmarks, and their goals: the one table that reports and tests read.
 
-Goals are those of the design's section 8 and of the issues that asked for a benchmark. A row
-without a goal is reported for orientation.
+A row without a goal is reported for information.
 """
 
 from __future__ import annotations
@@ -59,7 +58,7 @@ __all__ = [
 
 
 def _times(case: str, *, tail: float | None = None) -> tuple[Goal, ...]:
-    """Returns the times of single calls: their middle and their tail."""
+    """Returns the rows of single calls: median and tail."""
     return (
         Goal(case, "median", "median_ns", 1e-3, "µs", None, "lower"),
         Goal(case, "p99", "p99_ns", 1e-3, "µs", None, "lower"),
@@ -80,7 +79,7 @@ HEAD, TRUNK, CHEST = "CThead bone", "AMOS bone", "LIDC bone"
 MANY = "LIDC bones and skin"
 TORSO, LARGE = "phantom 520×512×512", "phantom 1024³"
 GROUNDS = (HEAD, TRUNK, CHEST, MANY, TORSO, LARGE)
-"""What ``palpate bench haptics`` touches, in the order of its report."""
+"""Data sets of ``palpate bench haptics``, in the order of its report."""
 
 EXACT, ORIGINAL, IMPROVED = "exact", "thesis-original", "thesis-improved"
 
@@ -94,13 +93,13 @@ WORKS = {
     "tick without smoothing": "tick, no smoothing",
     "tick without friction": "tick, no friction",
 }
-"""What is timed, and what the engine calls it."""
+"""What is timed, and the engine's name of it."""
 
 PARTS = ("tick by bits", "tick without smoothing", "tick without friction")
-"""Of a complete tick: told of a point."""
+"""Parts of a complete tick, reported for a point only."""
 
 RADII = (0, 1, 2, 5)
-"""Of the probe [h]; 0 is a point."""
+"""Radii of the probe [h]; 0 is a point."""
 
 
 @dataclass(frozen=True)
@@ -113,12 +112,12 @@ class TouchCase:
 
     @property
     def name(self) -> str:
-        """As it stands in the report."""
+        """Name in the report."""
         return f"{self.work}, {self.model}, r {self.radius}"
 
 
 def _touch_cases() -> tuple[TouchCase, ...]:
-    """Returns all of them: the thesis has points only, and ticks in parts are told of a point."""
+    """Returns all cases; the thesis' models, and the parts of a tick, are for points only."""
     return tuple(
         TouchCase(work, model, radius)
         for work in WORKS
@@ -139,17 +138,17 @@ LEAST_RATE = {
     "complete tick, exact, r 2": 0.4,
     "complete tick, exact, r 5": 0.15,
 }
-"""Calls [M/s]; of many segments at once the figure is told only."""
+"""Least rate [M/s]; with many segments there is no goal."""
 
 LONGEST_TICK = 20.0
-"""Within which 99.9 % of complete ticks end [µs]."""
+"""Longest time of 99.9 % of complete ticks [µs]."""
 
 RATIO = "ratio_to_thesis_improved"
-"""Key of calls per second by those of ``thesis-improved`` in the same run."""
+"""Key of the calls per second relative to ``thesis-improved`` in the same run."""
 
 
 def haptics_rows(ground: str) -> tuple[Goal, ...]:
-    """Returns what is told of touch on a ground."""
+    """Returns the rows of one data set."""
     return tuple(row for case in TOUCH_CASES for row in _touch_rows(ground, case))
 
 
@@ -194,7 +193,7 @@ EMBEDDED_ROWS = (
 )
 
 PUBLISHED_BY_OTHERS = "published"
-"""In place of a ground."""
+"""Name of these rows in place of a data set."""
 
 PUBLISHED = (
     ("thesis, detection, points", 0.75),
@@ -214,7 +213,7 @@ PUBLISHED = (
     ("CHAI3D 3.3, full update, heart CT, r 2", 0.30),
     ("CHAI3D 3.3, full update, heart CT, r 5", 0.07),
 )
-"""Rates of others on other machines [M/s], so without a ratio: thesis sections 4.14 and 4.15 on a
+"""Published rates on other machines [M/s], so without a ratio: thesis sections 4.14 and 4.15 on a
 Xeon W5580; CHAI3D, which does not smooth, on an EPYC."""
 
 RANDOM = "random moves"
@@ -234,18 +233,18 @@ EXACT_TOUCHES: tuple[Touch, ...] = (
     *("exact", "exact, intensities"),
     *("exact, r 1", "exact, r 2", "exact, r 5"),
 )
-"""``exact`` with a point on bits, with a point on what a threshold made of intensities, and with
-balls [h], which are held against the dilated body."""
+"""``exact`` with a point on a mask, with a point on a threshold of intensities, and with balls [h],
+which are compared with the dilated body."""
 
 TOUCHES: tuple[Touch, ...] = (*EXACT_TOUCHES, "stairs", "thesis-original", "thesis-improved")
-"""Ways of touch: ``exact``, the same unsmoothed, and the thesis' models."""
+"""Models of touch: ``exact``, the same unsmoothed, and the thesis' models."""
 
 CUBES = "cubes"
 SLICES = "0.7×0.7×2.5"
 GRIDS = (CUBES, SLICES)
 
 STROKES = ((2.0, 0.2), (5.0, 0.2), (2.0, 0.05), (5.0, 1.0))
-"""Depth of the device and its way per update, both in h."""
+"""Depth of the device and its motion per update, both in h."""
 
 FLAT = ("plane below 10°", "plane")
 BODIES = (
@@ -254,7 +253,7 @@ BODIES = (
     *("shell of 1", "shell of 2", "shell of 3"),
 )
 TOLD_WELL = ("plane", "sphere", "torus")
-"""Bodies on which the force has a goal of direction and magnitude."""
+"""Bodies on which direction and magnitude of the force have a goal."""
 NEVER_STUCK = (*FLAT, "sphere", "cylinder", "wedge", "shell of 1", "shell of 2", "shell of 3")
 """Convex and flat bodies."""
 
@@ -275,7 +274,7 @@ def quality_case(touch: Touch, body: str, grid: str, *, stroke: tuple[float, flo
 def _quality(
     touch: Touch, body: str, grid: str, *, stroke: tuple[float, float]
 ) -> tuple[Goal, ...]:
-    """Returns what is told of a body; only ``exact`` has goals."""
+    """Returns the rows of a body; only ``exact`` has goals."""
     depth, _ = stroke
     case = quality_case(touch, body, grid, stroke=stroke)
 
@@ -314,9 +313,9 @@ def _quality(
 RATES = (1000, 2000, 4000)
 """Rates of the servo [Hz]."""
 BUSY = "all cores busy"
-GIVING = "matter gives way"
-LOADS = ("at rest", BUSY, GIVING)
-"""What else the machine does."""
+DEFORMING = "matter gives way"
+LOADS = ("at rest", BUSY, DEFORMING)
+"""Load of the machine."""
 
 
 def servo_case(rate: int, load: str) -> str:
@@ -325,7 +324,7 @@ def servo_case(rate: int, load: str) -> str:
 
 
 def _servo(rate: int, load: str) -> tuple[Goal, ...]:
-    """Returns what is told of the servo; only 1 kHz has a goal."""
+    """Returns the rows of the servo; only 1 kHz has a goal."""
     case, late = servo_case(rate, load), 0.1 if rate == 1000 else None
     rows = (
         Goal(case, "median", "p50_ms", 1e3, "µs", None, "lower"),
@@ -335,7 +334,7 @@ def _servo(rate: int, load: str) -> tuple[Goal, ...]:
         Goal(case, "more than 2 ms late", "late_share", 100.0, "%", late, "lower"),
         Goal(case, "fell out", "missed_share", 100.0, "%", None, "lower"),
     )
-    if load != GIVING:
+    if load != DEFORMING:
         return rows
     return (*rows, Goal(case, "answers of the model", "answers_hz", 1.0, "1/s", None, "higher"))
 
@@ -359,11 +358,12 @@ DEFAULT_STIFFNESS = {
     "delta.3": 1.0,
     "Falcon": 1.0,
 }
-"""What each device begins with [N/mm]: the default of touch, or what the device bears at most."""
+"""Initial stiffness of each device [N/mm]: the default of touch, or the largest that the device
+allows."""
 
 
 def _passivity(device: str, rate_khz: int, wall: str) -> tuple[Goal, ...]:
-    """Returns what is told of a device on a wall."""
+    """Returns the rows of a device on a wall."""
     case = f"{device}, {rate_khz} kHz, {wall}"
     least = DEFAULT_STIFFNESS[device]
     return (
@@ -380,9 +380,9 @@ def _passivity(device: str, rate_khz: int, wall: str) -> tuple[Goal, ...]:
 
 TRUNK_512 = "phantom 512³"
 SURFACES = (HEAD, CHEST, TRUNK_512)
-"""Bones of which ``palpate bench surface`` makes the surface."""
+"""Bones of ``palpate bench surface``."""
 FLYING = ("vtkFlyingEdges3D", "vtkDiscreteFlyingEdges3D")
-"""Filters of VTK beside which it is measured."""
+"""Filters of VTK that are compared."""
 DRILLED = "phantom 512³: drill of 5 voxels, smoothed"
 SPHERES = {20.0: 1.0, 5.0: 3.0}
 """Largest error of area and volume of a smoothed ball [%], by its radius [voxels]."""
@@ -394,7 +394,7 @@ def sphere_case(radius: float) -> str:
 
 
 def _surface_rows(bone: str) -> tuple[Goal, ...]:
-    """Returns what is told of the surface of a bone."""
+    """Returns the rows of the surface of a bone."""
 
     def rates(case: str) -> tuple[Goal, ...]:
         def rate(metric: str, key: str) -> Goal:
@@ -436,7 +436,7 @@ EDIT_PRESSED = "matter gives way, drawing suspended"
 
 
 def _edit_rows(case: str, *, goal: float | None) -> tuple[Goal, ...]:
-    """Returns what is told of edits on their way to the page."""
+    """Returns the rows of edits on their way to the page."""
 
     def row(metric: str, key: str, goal: float | None = None) -> Goal:
         return Goal(case, metric, key, 1e3, "ms", goal, "lower")

@@ -1,4 +1,4 @@
-"""A figure that a benchmark reports, and what it is held against."""
+"""A figure that a benchmark reports, and its goal."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class Goal:
     case: str
     """What was done."""
     metric: str
-    """What was measured of it."""
+    """What was measured."""
     key: str
-    """Where the engine's report has it."""
+    """Its key in the engine's report."""
     scale: float
     """Reported figure per unit of the engine's."""
     unit: str

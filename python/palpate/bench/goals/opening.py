@@ -1,4 +1,4 @@
-"""What ``palpate bench open`` reports, and its goals: design, section 8."""
+"""Rows of ``palpate bench open``, and their goals."""
 
 from __future__ import annotations
 

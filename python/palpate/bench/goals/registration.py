@@ -1,7 +1,7 @@
-"""What ``palpate bench register`` reports, and its goals.
+"""Rows of ``palpate bench register``, and their goals.
 
-A pair of lungs: within 10 % of elastix' own defaults. CT and a stand-in for MR: what was reached
-with mutual information, rounded up, so that a loss is seen.
+A pair of lungs: within 10 % of elastix' own defaults. CT and a stand-in for MR: what mutual
+information has reached, rounded up, so that a regression is noticed.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ def _rows(case: str, *, goal: float | None = None) -> tuple[Goal, ...]:
 
 
 STARTS = ((5.0, 5.0), (15.0, 10.0), (30.0, 20.0))
-"""By how much a start is off [mm], [degrees]."""
+"""Errors of a start: translation [mm] and rotation [degrees]."""
 METRICS: tuple[Metric, ...] = ("mutual-information", "correlation")
 CORNER_GOALS: dict[Kind, float] = {"rigid": 1.0, "affine": 1.0}
-"""Of the corners of a head [mm], by mutual information."""
+"""Errors of the corners of a head [mm], with mutual information."""
 
 
 def modality_case(kind: str, metric: str, off: tuple[float, float]) -> str:

@@ -1,4 +1,4 @@
-"""What ``palpate bench render`` reports, and its goals: those of the issue that asked for it."""
+"""Rows of ``palpate bench render``, and their goals."""
 
 from __future__ import annotations
 
@@ -33,22 +33,22 @@ MODES = (
 )
 """Blend modes of the page; then bone as triangles, beside shaded tissue or before a MIP."""
 SIZES = ((640, 480), (1366, 768))
-"""Of the picture [pixels]."""
+"""Sizes of the picture [pixels]."""
 PEER_MODES = ("composite", "shaded", "mip")
-"""Modes that vtk.js draws too."""
+"""Modes that vtk.js has too."""
 
 OPENED_CASE, EDIT_CASE = "opened", "an edit"
 RESTING = "full quality after the last turn"
-"""Its goal is one of GPUs."""
+"""A row whose goal is for GPUs."""
 
 
 def picture_case(mode: str, size: tuple[int, int]) -> str:
-    """Returns what a picture of a mode and a size is called."""
+    """Returns the name of a picture of a mode and a size."""
     return f"{mode}, {size[0]}×{size[1]}"
 
 
 def peer_case(mode: str) -> str:
-    """Returns what a comparison with vtk.js is called."""
+    """Returns the name of a comparison with vtk.js."""
     return f"{mode} beside vtk.js"
 
 

@@ -1,4 +1,4 @@
-"""What ``palpate bench segment`` reports, and its goals: how soon segments are there."""
+"""Rows of ``palpate bench segment``, and their goals."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""What the benchmarks of matter that gives way report, and their goals.
-
-Goals are those of the design's section 8 and of the issue that asked for these benchmarks.
-"""
+"""Rows of the benchmarks of soft tissue, and their goals."""
 
 from __future__ import annotations
 
@@ -38,12 +35,12 @@ __all__ = [
 
 @dataclass(frozen=True)
 class LatticeCase:
-    """What a ball presses on."""
+    """Layers that a ball presses on."""
 
     soft: int
-    """Layers of soft matter over the stiff; many for one material."""
+    """Layers of soft tissue over the stiff one; many for one material."""
     ratio: float
-    """Young's modulus of the stiff matter over that of the soft."""
+    """Young's modulus of the stiff tissue relative to that of the soft one."""
     poisson: float
     name: str
 
@@ -116,22 +113,22 @@ DEFORM_ROWS = (
 
 NO_MODEL = "none"
 MODELS = ("lattice", "fcc-lj", "cuboid-lj", "global-lj")
-"""Models of deformation; those of the thesis have its figures beside them."""
+"""Deformation models; those of the thesis have its figures beside them."""
 
 SESSION_GROUNDS = {
     "CThead bone": "Head small",
     "LIDC bone": None,
     "phantom 520×512×512": "Torso",
 }
-"""What is touched, and what of the thesis' tables has that size."""
+"""Scans, and the data of the thesis' tables that has their size."""
 
 Rates = tuple[float, float, float]
-"""Average, least second and most."""
+"""Mean, minimum and maximum over the seconds."""
 
 
 @dataclass(frozen=True)
-class Told:
-    """Rates that the thesis tells of a ground and a model."""
+class ThesisRates:
+    """Rates in the thesis for one scan and one model."""
 
     servo: Rates
     """[kHz], tables 5.1 and 5.2."""
@@ -141,7 +138,7 @@ class Told:
     """[Hz], normalized by the voxels of the box, table 5.4."""
 
     def figures(self) -> dict[str, tuple[float, str]]:
-        """Returns each figure with its unit, by what it is of."""
+        """Returns each figure with its unit, by its key."""
         rates = {
             "servo": (self.servo, "kHz"),
             "deformation": (self.deformation, "Hz"),
@@ -149,33 +146,37 @@ class Told:
         }
         return {
             f"thesis, {name}, {which}": (figure, unit)
-            for name, (told, unit) in rates.items()
-            for which, figure in zip(WHICH, told or (), strict=told is not None)
+            for name, (figures, unit) in rates.items()
+            for which, figure in zip(WHICH, figures or (), strict=figures is not None)
         }
 
 
 WHICH = ("average", "least second", "most")
 
 THESIS = {
-    ("Head small", NO_MODEL): Told((66.0, 61.0, 77.0)),
-    ("Head small", "fcc-lj"): Told((68.0, 56.0, 74.0), (60.0, 48.0, 92.0), (60.0, 48.0, 92.0)),
-    ("Head small", "cuboid-lj"): Told(
+    ("Head small", NO_MODEL): ThesisRates((66.0, 61.0, 77.0)),
+    ("Head small", "fcc-lj"): ThesisRates(
+        (68.0, 56.0, 74.0), (60.0, 48.0, 92.0), (60.0, 48.0, 92.0)
+    ),
+    ("Head small", "cuboid-lj"): ThesisRates(
         (64.0, 57.0, 77.0), (30.0, 29.0, 45.0), (120.0, 116.0, 180.0)
     ),
-    ("Head small", "global-lj"): Told((120.0, 109.0, 129.0)),
-    ("Torso", NO_MODEL): Told((57.0, 47.0, 65.0)),
-    ("Torso", "fcc-lj"): Told((63.0, 59.0, 67.0), (51.0, 49.0, 54.0), (51.0, 49.0, 54.0)),
-    ("Torso", "cuboid-lj"): Told((68.0, 65.0, 71.0), (28.0, 26.0, 30.0), (112.0, 104.0, 120.0)),
-    ("Torso", "global-lj"): Told((96.0, 49.0, 140.0)),
+    ("Head small", "global-lj"): ThesisRates((120.0, 109.0, 129.0)),
+    ("Torso", NO_MODEL): ThesisRates((57.0, 47.0, 65.0)),
+    ("Torso", "fcc-lj"): ThesisRates((63.0, 59.0, 67.0), (51.0, 49.0, 54.0), (51.0, 49.0, 54.0)),
+    ("Torso", "cuboid-lj"): ThesisRates(
+        (68.0, 65.0, 71.0), (28.0, 26.0, 30.0), (112.0, 104.0, 120.0)
+    ),
+    ("Torso", "global-lj"): ThesisRates((96.0, 49.0, 140.0)),
 }
-"""Its tables 5.1 to 5.4, on 4 × AMD FX-4100 (section 5.27); it tells no deformation rate of the
-global model."""
+"""Tables 5.1 to 5.4 of the thesis, on 4 × AMD FX-4100 (section 5.27); there is no deformation rate
+of the global model."""
 
 
 def thesis_figures(ground: str, model: str) -> dict[str, tuple[float, str]]:
-    """Returns the thesis' figures with their units, by what they are of; none where it has none."""
-    told = THESIS.get((SESSION_GROUNDS[ground] or "", model))
-    return {} if told is None else told.figures()
+    """Returns the thesis' figures with their units, by key; empty where it has none."""
+    rates = THESIS.get((SESSION_GROUNDS[ground] or "", model))
+    return {} if rates is None else rates.figures()
 
 
 def session_case(ground: str, model: str) -> str:
@@ -218,7 +219,7 @@ SESSION_ROWS = tuple(
 )
 
 TRUTH_LEVELS = {5.0: "TruthCube-5.pml", 12.5: "TruthCube-12.pml", 18.25: "TruthCube-18.pml"}
-"""Compression [%], and where its beads were measured."""
+"""Compressions [%] at which beads were measured, and the file of each."""
 
 TRUTH_MODELS = {
     "lattice, ν 0.45, 9³ nodes": ("lattice", 0.45, 9),
@@ -226,8 +227,8 @@ TRUTH_MODELS = {
     "linear FEM, ν 0.45, 9³ nodes": ("fem", 0.45, 9),
     "linear FEM, ν 0.49, 9³ nodes": ("fem", 0.49, 9),
 }
-"""Method, Poisson's ratio, nodes along an edge; the FEM stands on the mesh of the data set, whose
-inner nodes are the beads."""
+"""Method, Poisson's ratio, nodes along an edge; the FEM uses the mesh of the data set, whose inner
+nodes are the beads."""
 
 
 def truth_case(model: str, level: float) -> str:
@@ -256,7 +257,7 @@ TRUTH_CUBE_ROWS = tuple(
 
 
 def stress_case(model: str) -> str:
-    """Returns the name of a case of work in matter that gives way."""
+    """Returns the name of a case of work in soft tissue."""
     return f"{model}: pressing, drilling, needles"
 
 

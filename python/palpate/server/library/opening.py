@@ -102,7 +102,7 @@ class Opener:
         opened = _read(place, progress)
         # from here on it cannot be taken back
         progress("starting", None)
-        for sentence in opened.told:
+        for sentence in opened.messages:
             self._workbench.notify(sentence)
         _name(opened.scene.volume, place, passing=place.upload is not None or fetched is not None)
         try:

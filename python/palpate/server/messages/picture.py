@@ -16,6 +16,7 @@ from palpate import protocol
 from palpate.server.messages.outbox import Box, Outbox
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.session.edited_values import EditedValues
+from palpate.session.picture_change import PictureChange, SurfaceChange
 from palpate.session.session import Session
 
 __all__ = ["EditPace", "PublishedPicture", "change_messages", "label_messages", "voxel_slabs"]
@@ -52,14 +53,14 @@ class PublishedPicture:
             if box.stored is not None:
                 self._edited.write(box.low, box.high, box.stored)
 
-    def surface_messages(self, whole: dict[str, Any], *, edit: int) -> Iterator[protocol.Changed]:
+    def surface_messages(self, whole: PictureChange, *, edit: int) -> Iterator[protocol.Changed]:
         """Yields all of ``Session.whole_surfaces``: surfaces, and displacements of soft tissue.
 
         Surfaces that are gone are forgotten.
         """
         there = {surface["id"] for surface in whole["surfaces"]}
         self._surfaces |= there
-        gone = [
+        gone: list[SurfaceChange] = [
             {"id": segment_id, "whole": True, "dropped": [], "patches": []}
             for segment_id in sorted(self._surfaces - there)
         ]
@@ -119,7 +120,7 @@ def voxel_slabs(
         yield (x, y, first), (to_x, to_y, last), array[first:last, y:to_y, x:to_x].tobytes()
 
 
-def change_messages(change: dict[str, Any]) -> Iterator[protocol.Changed]:
+def change_messages(change: PictureChange) -> Iterator[protocol.Changed]:
     """Yields a change of ``Session.picture_changes`` as one message, or as many if it is large.
 
     What an edit does stays in one message up to 4 MiB of patches, so that a page shows it in one

@@ -27,6 +27,7 @@ from palpate.session.appearance import (
     scene_with_appearances,
     with_colour_chosen,
 )
+from palpate.session.segment_state import Bounds, SegmentState
 from palpate.session.session import Session
 from palpate.volumes.anatomical_colour import colour_of_name, first_colour
 from palpate.volumes.appearance import Colour, SegmentAppearance, SurfaceSource
@@ -172,7 +173,7 @@ class SegmentList:
             notices, self._notices = self._notices, []
         return notices
 
-    def _show_moved_as_surface(self, state: dict[str, Any]) -> None:
+    def _show_moved_as_surface(self, state: SegmentState) -> None:
         """Shows a moved segment as a surface, since voxels are drawn where the scan has them."""
         segment_id, pose, has_own_grid = state["id"], state["pose"], state["grid"] is not None
         look = self._appearance_of(segment_id)
@@ -259,7 +260,7 @@ class SegmentList:
             self._labels += 1
         return protocol.Segments(segments=segments, labels=self._labels)
 
-    def _segment(self, state: dict[str, Any]) -> protocol.Segment:
+    def _segment(self, state: SegmentState) -> protocol.Segment:
         segment_id = state["id"]
         look = self._appearance_of(segment_id)
         return protocol.Segment(
@@ -276,9 +277,19 @@ class SegmentList:
             material=material_of(state),
             regions=regions_of(self._session.regions(segment_id)),
             pose=state["pose"],
-            bounds=state["bounds"],
+            bounds=_box_of(state["bounds"]),
             grid=state["grid"],
         )
+
+
+def _box_of(
+    bounds: Bounds | None,
+) -> tuple[protocol.GridPlace, protocol.GridPlace] | None:
+    """Returns the bounding box of a segment in the form of a message."""
+    if bounds is None:
+        return None
+    (x, y, z), (to_x, to_y, to_z) = bounds
+    return (x, y, z), (to_x, to_y, to_z)
 
 
 def _is_labelled(segment: protocol.Segment) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import msgspec
 
@@ -12,6 +11,7 @@ from palpate import protocol
 from palpate.server.messages.outbox import Outbox
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.session.model_options import ModelOptions, Prony, offered_models
+from palpate.session.segment_state import SegmentState
 from palpate.session.session import Session
 from palpate.volumes.material import Material, Region, material_presets
 
@@ -142,7 +142,7 @@ def _wanted_options(wanted: protocol.ModelOptions) -> ModelOptions:
     )
 
 
-def material_of(state: dict[str, Any]) -> protocol.SegmentMaterial | None:
+def material_of(state: SegmentState) -> protocol.SegmentMaterial | None:
     """Returns what a segment of ``Session.segments`` is made of; None where it is rigid."""
     material = state["material"]
     if material is None:

@@ -14,6 +14,7 @@ from palpate.server import live as server_live
 from palpate.server.messages import outbox as server_outbox
 from palpate.server.messages.outbox import Box, Outbox
 from palpate.server.messages.picture import PublishedPicture, label_messages, voxel_slabs
+from palpate.session.picture_change import PictureChange
 from palpate.session.session import Session
 from running_server import PATIENCE, Page, RunningServer, running, write_page
 
@@ -56,22 +57,23 @@ class Picture:
                 new = new.reshape(to_z - z, to_y - y, to_x - x)
                 self.labels[z:to_z, y:to_y, x:to_x] = new
         for surface in message["surfaces"]:
-            patches = self.patches.setdefault(surface["id"], {})
-            if surface["whole"]:
-                patches.clear()
-            for index in surface["dropped"]:
-                patches.pop(tuple(index), None)
-            patches.update({tuple(patch["index"]): patch for patch in surface["patches"]})
+            self.take_surface(surface)
+
+    def take_surface(self, surface: Any) -> None:
+        """Follows a change of a surface, of a message or of the engine."""
+        patches = self.patches.setdefault(surface["id"], {})
+        if surface["whole"]:
+            patches.clear()
+        for index in surface["dropped"]:
+            patches.pop(tuple(index), None)
+        patches.update({tuple(patch["index"]): patch for patch in surface["patches"]})
 
     def is_right(self, session: Session) -> bool:
         """Compares with what the engine holds by now."""
         true = Picture(session.segment(1).mask())
         whole = session.whole_surfaces()
         for surface in whole["surfaces"]:
-            surface["patches"] = [
-                patch | {"index": list(patch["index"])} for patch in surface["patches"]
-            ]
-        true.take(whole | {"type": "changed"})
+            true.take_surface(surface)
         there = {number: patches for number, patches in self.patches.items() if patches}
         return np.array_equal(self.labels, true.labels) and _same(there, true.patches)
 
@@ -184,7 +186,13 @@ def test_a_surface_that_is_gone_is_forgotten() -> None:
     picture = PublishedPicture(np.zeros((2, 2, 2), np.int16))
     gone = protocol.SegmentSurface(5, whole=True, dropped=[], patches=[])
     picture.take(protocol.Changed(edit=1, applied=None, voxels=[], surfaces=[gone]))
-    whole: dict[str, Any] = {"edit": 0, "applied": None, "voxels": [], "surfaces": []}
+    whole: PictureChange = {
+        "edit": 0,
+        "applied": None,
+        "voxels": [],
+        "surfaces": [],
+        "displaced": None,
+    }
     (told,) = picture.surface_messages(whole, edit=1)
     assert told.surfaces == [gone]
     # a page that is new is told nothing where there never was a surface

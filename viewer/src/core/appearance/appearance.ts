@@ -32,9 +32,17 @@ export interface Appearance {
 /** Share of its extinction that flat tissue keeps, away from any boundary. */
 export const flatShare = 0.06;
 
-export const firstLighting: Lighting = { ambient: 1, diffuse: 1, specular: 1, shininess: 1, edges: 1 - flatShare, occlusion: 0.8, shadow: 0.6 };
+export const firstLighting: Lighting = {
+  ambient: 1,
+  diffuse: 1,
+  specular: 1,
+  shininess: 1,
+  edges: 1 - flatShare,
+  occlusion: 0.8,
+  shadow: 0.6,
+};
 
-/** What of a look tells how opaque places are; other light is no reason to work that out again. */
+/** What of an appearance tells how opaque places are; other light is no reason to work that out again. */
 export function opacityKey({ transferFunction, ranges, edgeGradient, lighting, optics }: Appearance): string {
   return JSON.stringify([transferFunction, ranges, edgeGradient, lighting.edges, optics]);
 }

@@ -2,7 +2,7 @@
  * A transfer function as people draw it: points of opacity and stops of colour over the values.
  * Opacity is that of 1 mm of tissue, so it does not depend on the ray's step.
  */
-import { hexFromSrgb, linearFromHex, srgbFromLinear } from "./colour";
+import { hexFromSrgb, linearFromHex, srgbFromLinear } from "../base/colour";
 import { sample, type ControlPoint, type TransferFunction } from "./transfer_function";
 
 export interface OpacityPoint {
@@ -27,7 +27,17 @@ export interface Curve {
 export function isCurve(kept: unknown): kept is Curve {
   const rows = (name: "opacities" | "colours", fits: (point: Record<string, unknown>) => boolean): boolean => {
     const row = typeof kept === "object" && kept !== null ? (kept as Record<string, unknown>)[name] : null;
-    return Array.isArray(row) && row.length >= 2 && row.every((point: unknown) => typeof point === "object" && point !== null && Number.isFinite((point as ColourStop).value) && fits(point as Record<string, unknown>));
+    return (
+      Array.isArray(row) &&
+      row.length >= 2 &&
+      row.every(
+        (point: unknown) =>
+          typeof point === "object" &&
+          point !== null &&
+          Number.isFinite((point as ColourStop).value) &&
+          fits(point as Record<string, unknown>),
+      )
+    );
   };
   return (
     rows("opacities", ({ opacity }) => typeof opacity === "number" && opacity >= 0 && opacity <= 1) &&
@@ -51,8 +61,16 @@ export function opacityOf(extinction: number): number {
 
 /** The function of a curve; outside of its points it stays as at its ends. */
 export function transferFunctionOfCurve({ opacities, colours }: Curve): TransferFunction {
-  const asPoints = colours.map(({ value, colour }): ControlPoint => ({ value, colour: linearFromHex(colour), extinction: 0 }));
-  const asOpacities = opacities.map(({ value, opacity }): ControlPoint => ({ value, colour: [0, 0, 0], extinction: opacity }));
+  const asPoints = colours.map(({ value, colour }): ControlPoint => ({
+    value,
+    colour: linearFromHex(colour),
+    extinction: 0,
+  }));
+  const asOpacities = opacities.map(({ value, opacity }): ControlPoint => ({
+    value,
+    colour: [0, 0, 0],
+    extinction: opacity,
+  }));
   const ends = [...asPoints, ...asOpacities].map(({ value }) => value).sort((a, b) => a - b);
   const values = ends.flatMap((value, i) => {
     const next = ends[i + 1];
@@ -89,7 +107,12 @@ export function placedCurve({ opacities, colours }: Curve, shift: number, stretc
 }
 
 /** A row with one of its entries at another place; it stays between its neighbours. */
-export function moved<T extends { readonly value: number }>(row: readonly T[], i: number, part: Partial<T>, gap: number): T[] {
+export function moved<T extends { readonly value: number }>(
+  row: readonly T[],
+  i: number,
+  part: Partial<T>,
+  gap: number,
+): T[] {
   const [before, after] = [row[i - 1]?.value ?? -Infinity, row[i + 1]?.value ?? Infinity];
   return row.map((point, j) => {
     const other = { ...point, ...part };
@@ -98,8 +121,11 @@ export function moved<T extends { readonly value: number }>(row: readonly T[], i
   });
 }
 
-/** A row with one more entry; its place in it is told too. */
-export function added<T extends { readonly value: number }>(row: readonly T[], point: T): { readonly row: T[]; readonly at: number } {
+/** A row with one more entry; with its place in it. */
+export function added<T extends { readonly value: number }>(
+  row: readonly T[],
+  point: T,
+): { readonly row: T[]; readonly at: number } {
   const found = row.findIndex(({ value }) => value > point.value);
   const at = found === -1 ? row.length : found;
   return { row: [...row.slice(0, at), point, ...row.slice(at)], at };

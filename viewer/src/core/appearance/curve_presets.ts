@@ -28,14 +28,20 @@ export const presets: readonly Preset[] = [
     title: "Skin, fat and organs before bone",
     scale: "HU",
     opacities: [[-220, 0], [-90, 4], [-40, 3], [20, 14], [120, 16], [280, 60], [1000, 85]],
-    colours: [[-220, "#cf9272"], [-90, "#e6bd8c"], [20, "#b5534a"], [120, "#c26a54"], [280, "#efdfc0"], [1000, "#fdf8ec"]],
+    colours: [
+      [-220, "#cf9272"], [-90, "#e6bd8c"], [20, "#b5534a"],
+      [120, "#c26a54"], [280, "#efdfc0"], [1000, "#fdf8ec"],
+    ],
   },
   {
     name: "CT-Muscle",
     title: "Muscle and organs without fat, over bone",
     scale: "HU",
     opacities: [[-30, 0], [10, 3], [45, 30], [110, 35], [160, 22], [300, 70], [1000, 90]],
-    colours: [[-30, "#7e2f28"], [45, "#a63d32"], [110, "#b8503d"], [220, "#dcb28a"], [300, "#efdfc0"], [1000, "#fdf8ec"]],
+    colours: [
+      [-30, "#7e2f28"], [45, "#a63d32"], [110, "#b8503d"],
+      [220, "#dcb28a"], [300, "#efdfc0"], [1000, "#fdf8ec"],
+    ],
   },
   {
     name: "CT-Fat",

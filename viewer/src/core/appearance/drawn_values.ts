@@ -14,10 +14,15 @@ export interface Drawn {
   readonly any: (low: number, high: number) => boolean;
 }
 
-/** What a look draws; with the bodies that can stand for surfaces, so that these may come and go with each picture. */
-export function drawnBy(look: Appearance, rescale: Rescale): Drawn {
-  const { optics, ranges, transferFunction } = look;
-  const solids = drawsSolids(optics.blend) ? ranges.filter(({ body = 0, tinted, visible }) => body > 0 || (visible && tinted !== true)) : [];
+/**
+ * What an appearance draws; with the bodies that can stand for surfaces, so that these may come and go with each
+ * picture.
+ */
+export function drawnBy(appearance: Appearance, rescale: Rescale): Drawn {
+  const { optics, ranges, transferFunction } = appearance;
+  const solids = drawsSolids(optics.blend)
+    ? ranges.filter(({ body = 0, tinted, visible }) => body > 0 || (visible && tinted !== true))
+    : [];
   if (usesTransferFunction(optics.blend)) {
     return new DrawnValues(transferFunction, rescale, solids.map(({ low, high }) => [low, high]));
   }

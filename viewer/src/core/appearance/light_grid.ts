@@ -21,7 +21,12 @@ export function lightGridOf(frame: ScanFrame, most: number): LightGrid {
 }
 
 /** Layers of cells along z that the planes `low` to `high` of the grid (half open) reach. */
-export function layersReached({ dimensions }: ScanFrame, { counts }: LightGrid, low: number, high: number): readonly [number, number] {
+export function layersReached(
+  { dimensions }: ScanFrame,
+  { counts }: LightGrid,
+  low: number,
+  high: number,
+): readonly [number, number] {
   const perVoxel = counts[2] / dimensions[2];
   return [Math.max(0, Math.floor(low * perVoxel)), Math.min(counts[2], Math.ceil(high * perVoxel))];
 }

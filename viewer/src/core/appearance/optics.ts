@@ -108,7 +108,11 @@ export function firstChoice(anchors: Anchors, brightest: number): OpticsChoice {
     blend: "shaded",
     densities: { shaded: 1, composite: 1, absorption: 0.012, emission: 0.006 },
     // vessels and bone; lungs and airways; everything
-    windows: { mip: fromTo(valueAt(0.2, anchors), Math.max(brightest, anchors.bone)), minip: between(-4.9, 0.3), average: between(-1.5, 1.5) },
+    windows: {
+      mip: fromTo(valueAt(0.2, anchors), Math.max(brightest, anchors.bone)),
+      minip: between(-4.9, 0.3),
+      average: between(-1.5, 1.5),
+    },
     // of all of a body the least and the mean are those of the air between it and the table
     slabs: { mip: 0, minip: 30, average: 30 },
     isoValue: anchors.bone,

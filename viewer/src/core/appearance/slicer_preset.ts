@@ -7,7 +7,7 @@
  * `volume-property-schema-v1.0.0.json`.
  */
 import type { Curve } from "./curve";
-import { hexFromSrgb } from "./colour";
+import { hexFromSrgb } from "../base/colour";
 
 export interface SlicerPreset {
   readonly name: string;
@@ -32,7 +32,8 @@ export function readSlicerPreset(text: string): SlicerPreset {
   }
   const element = /<VolumeProperty\b[^>]*>/.exec(text)?.[0];
   if (element !== undefined) {
-    const attribute = (name: string): string => new RegExp(`\\s${name}\\s*=\\s*["']([^"']*)["']`).exec(element)?.[1] ?? "";
+    const attribute = (name: string): string =>
+      new RegExp(`\\s${name}\\s*=\\s*["']([^"']*)["']`).exec(element)?.[1] ?? "";
     return {
       name: attribute("name").slice(0, 40) || "Imported",
       curve: fromNumbers(attribute("scalarOpacity"), attribute("colorTransfer")),
@@ -40,8 +41,10 @@ export function readSlicerPreset(text: string): SlicerPreset {
   }
   const lines = text.split("\n").filter((line) => line.trim() !== "");
   if (lines.length !== 9) {
+    const got = text.trim() === "" ? "nothing" : `${String(lines.length)} lines without one`;
     throw new RangeError(
-      `expected the JSON of a .vp.json file, a <VolumeProperty …/> element or the 9 lines of a .vp file, got ${text.trim() === "" ? "nothing" : `${String(lines.length)} lines without one`}`,
+      "expected the JSON of a .vp.json file, a <VolumeProperty …/> element or the 9 lines of a .vp file, " +
+        `got ${got}`,
     );
   }
   return { name: "Imported", curve: fromNumbers(lines[6] ?? "", lines[8] ?? "") };
@@ -56,10 +59,18 @@ function fromJson(text: string): SlicerPreset {
   try {
     told = JSON.parse(text);
   } catch (error) {
-    throw new RangeError(`the text begins as JSON and is none: ${error instanceof Error ? error.message : String(error)}`, { cause: error });
+    throw new RangeError(
+      `the text begins as JSON and is none: ${error instanceof Error ? error.message : String(error)}`,
+      { cause: error },
+    );
   }
   const component = first(part(first(part(told, "volumeProperties"), "volumeProperties"), "components"), "components");
-  const rows = (name: string, what: string, numbers: (point: unknown) => readonly unknown[], columns: number): number[][] => {
+  const rows = (
+    name: string,
+    what: string,
+    numbers: (point: unknown) => readonly unknown[],
+    columns: number,
+  ): number[][] => {
     const points = part(part(component, name), "points");
     if (!Array.isArray(points) || points.length < 2) {
       throw new RangeError(`the ${what} function needs a list of at least two points as ${name}.points`);
@@ -67,7 +78,10 @@ function fromJson(text: string): SlicerPreset {
     return points.map((point, i) => {
       const row = numbers(point);
       if (row.length !== columns || !row.every((number) => typeof number === "number" && Number.isFinite(number))) {
-        throw new RangeError(`point ${String(i + 1)} of the ${what} function needs ${String(columns)} numbers, got ${JSON.stringify(point)}`);
+        throw new RangeError(
+          `point ${String(i + 1)} of the ${what} function needs ${String(columns)} numbers, ` +
+            `got ${JSON.stringify(point)}`,
+        );
       }
       return row as number[];
     });
@@ -83,7 +97,9 @@ function fromJson(text: string): SlicerPreset {
 }
 
 function part(object: unknown, name: string): unknown {
-  return typeof object === "object" && object !== null ? (object as Readonly<Record<string, unknown>>)[name] : undefined;
+  return typeof object === "object" && object !== null
+    ? (object as Readonly<Record<string, unknown>>)[name]
+    : undefined;
 }
 
 function first(list: unknown, name: string): unknown {
@@ -115,7 +131,8 @@ function rowsOf(text: string, columns: number, what: string): number[][] {
   const [count = 0, ...values] = numbers;
   if (count !== values.length || count % columns !== 0 || count < 2 * columns) {
     throw new RangeError(
-      `the ${what} function says ${String(count)} numbers and has ${String(values.length)}; it needs ${String(columns)} for each of at least two points`,
+      `the ${what} function says ${String(count)} numbers and has ${String(values.length)}; ` +
+        `it needs ${String(columns)} for each of at least two points`,
     );
   }
   return Array.from({ length: count / columns }, (_, row) => values.slice(row * columns, (row + 1) * columns));

@@ -5,7 +5,7 @@
  * written in "tissue units" u: 0 at soft tissue, 1 at bone; with CT values (40 and 250 HU)
  * fat is at -0.7, contrast-filled vessels at 0.5..1.5, dense bone above 4.
  */
-import { linearFromHex } from "./colour";
+import { linearFromHex } from "../base/colour";
 import type { ControlPoint, TransferFunction } from "./transfer_function";
 
 /** Values between which the scan is drawn. */

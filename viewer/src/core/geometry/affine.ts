@@ -36,7 +36,10 @@ export function transformPoint(map: Affine, p: Vec3): Vec3 {
 
 /** The map that first does `inner`, then `outer`. */
 export function composed(outer: Affine, inner: Affine): Affine {
-  const columns = [...([0, 1, 2] as const).map((axis) => transformVector(outer, column(inner, axis))), transformPoint(outer, column(inner, 3))];
+  const columns = [
+    ...([0, 1, 2] as const).map((axis) => transformVector(outer, column(inner, axis))),
+    transformPoint(outer, column(inner, 3)),
+  ];
   return ([0, 1, 2] as const).flatMap((row) => columns.map((end) => end[row]));
 }
 

@@ -35,12 +35,16 @@ export function sideName(letter: Letter, known: boolean): string {
 
 /** Said beside axes of the scan. */
 export const unknownOrientation =
-  "The file does not tell which sides of the body these are: x, y and z are the scan's own axes. --orientation gives it.";
+  "The file does not tell which sides of the body these are: x, y and z are the scan's own axes. --orientation " +
+  "gives it.";
 
 /** Share of a direction below which its letter is left out, about 27 degrees. */
 const smallestShare = 0.45;
 
-/** Letters toward which a unit direction points, the strongest first: "LA" is left, some anterior; axes where sides are not known. */
+/**
+ * Letters toward which a unit direction points, the strongest first: "LA" is left, some anterior; axes where sides are
+ * not known.
+ */
 export function lettersOf(direction: Vec3, known = true): string {
   return letters
     .map((letter) => ({ letter, share: dot(directions[letter], direction) }))
@@ -51,7 +55,11 @@ export function lettersOf(direction: Vec3, known = true): string {
 }
 
 /** Letters at the right, left, top and bottom edge of the picture. */
-export function edgeLetters(right: Vec3, up: Vec3, known: boolean): Record<"right" | "left" | "top" | "bottom", string> {
+export function edgeLetters(
+  right: Vec3,
+  up: Vec3,
+  known: boolean,
+): Record<"right" | "left" | "top" | "bottom", string> {
   return {
     right: lettersOf(right, known),
     left: lettersOf(scale(right, -1), known),

@@ -5,7 +5,20 @@
  * so the head stays up. All functions are pure and return a new camera.
  */
 import { directions, type Letter } from "./anatomy";
-import { add, addScaled, cross, distance, dot, isPoint, length, normalize, rotateAbout, scale, subtract, type Vec3 } from "./vector";
+import {
+  add,
+  addScaled,
+  cross,
+  distance,
+  dot,
+  isPoint,
+  length,
+  normalize,
+  rotateAbout,
+  scale,
+  subtract,
+  type Vec3,
+} from "./vector";
 
 export interface Camera {
   /** Point in the middle of the picture. */
@@ -25,7 +38,7 @@ export interface Camera {
   readonly parallel: number | null;
   /**
    * One of two eyes: it stands so far to the right [share of the distance to the target] and looks straight
-   * ahead through the same window at the target (off-axis). 0 where nothing is told.
+   * ahead through the same window at the target (off-axis). 0 where it is left out.
    */
   readonly aside?: number;
 }
@@ -35,14 +48,23 @@ export function saneCamera(given: unknown): Camera | null {
   if (typeof given !== "object" || given === null) {
     return null;
   }
-  const { target, distance: far, right, up, back, field, parallel = null } = given as Partial<Record<keyof Camera, unknown>>;
+  const {
+    target,
+    distance: far,
+    right,
+    up,
+    back,
+    field,
+    parallel = null,
+  } = given as Partial<Record<keyof Camera, unknown>>;
   const axes = [right, up, back];
   if (!isPoint(target) || !isPoint(right) || !isPoint(up) || !isPoint(back)) {
     return null;
   }
   const straight = axes.filter(isPoint).every((axis) => Math.abs(length(axis) - 1) < 1e-3);
   const square = [dot(right, up), dot(up, back), dot(back, right)].every((cosine) => Math.abs(cosine) < 1e-3);
-  const sized = typeof far === "number" && far > 0 && far < 1e6 && typeof field === "number" && field > 0 && field < Math.PI;
+  const sized =
+    typeof far === "number" && far > 0 && far < 1e6 && typeof field === "number" && field > 0 && field < Math.PI;
   if (parallel !== null && !(typeof parallel === "number" && parallel > 0 && parallel < 1e6)) {
     return null;
   }
@@ -97,7 +119,11 @@ export function firstView(extent: Extent, viewport: Viewport): Camera {
 export function lookAlong(direction: Vec3, up: Vec3, extent: Extent, viewport: Viewport): Camera {
   const back = normalize(scale(direction, -1));
   const right = normalize(cross(up, back));
-  return frame({ target: extent.centre, distance: 1, right, up: cross(back, right), back, field: fieldOfView, parallel: null }, extent, viewport);
+  return frame(
+    { target: extent.centre, distance: 1, right, up: cross(back, right), back, field: fieldOfView, parallel: null },
+    extent,
+    viewport,
+  );
 }
 
 /** Moves the camera, without turning it, so that it just shows the whole content in its middle. */
@@ -227,5 +253,12 @@ export function nearAndFar(camera: Camera, extent: Extent): { near: number; far:
 
 export function sameView(a: Camera, b: Camera): boolean {
   const same = (u: Vec3, v: Vec3): boolean => u[0] === v[0] && u[1] === v[1] && u[2] === v[2];
-  return a.distance === b.distance && a.parallel === b.parallel && a.aside === b.aside && same(a.target, b.target) && same(a.right, b.right) && same(a.up, b.up);
+  return (
+    a.distance === b.distance &&
+    a.parallel === b.parallel &&
+    a.aside === b.aside &&
+    same(a.target, b.target) &&
+    same(a.right, b.right) &&
+    same(a.up, b.up)
+  );
 }

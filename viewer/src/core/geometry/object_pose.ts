@@ -1,6 +1,6 @@
 /**
  * Where a segment stands: poses as they are sent, row-major 4×4, from the scan to the scene [mm].
- * The numbers of a pose are told about the segment's middle, so that turning does not shift it.
+ * The numbers of a pose are those about the segment's middle, so that turning does not shift it.
  */
 import { transformPoint, transformVector } from "./affine";
 import type { Pose, Segment } from "../protocol";
@@ -29,7 +29,10 @@ export function middleOf({ bounds, grid }: Segment, sceneFromGrid: readonly numb
 }
 
 /** Corners of the segment's box where the scan has it [mm]; the bits of a place say low or high. */
-export function cornersOf({ bounds, grid }: Pick<Segment, "bounds" | "grid">, sceneFromGrid: readonly number[]): readonly Vec3[] {
+export function cornersOf(
+  { bounds, grid }: Pick<Segment, "bounds" | "grid">,
+  sceneFromGrid: readonly number[],
+): readonly Vec3[] {
   if (bounds === null) {
     return [];
   }
@@ -82,7 +85,10 @@ export function poseOf({ translation, rotation }: PoseNumbers, middle: Vec3): Po
 
 /** How far two poses put the points of a box apart, at most [mm]. */
 export function apart(a: Pose, b: Pose, corners: readonly Vec3[]): number {
-  return Math.max(0, ...corners.map((corner) => Math.hypot(...subtract(transformPoint(a, corner), transformPoint(b, corner)))));
+  return Math.max(
+    0,
+    ...corners.map((corner) => Math.hypot(...subtract(transformPoint(a, corner), transformPoint(b, corner)))),
+  );
 }
 
 function columnsOf(pose: Pose): readonly Vec3[] {

@@ -19,7 +19,7 @@ export interface RawLayout {
   readonly skip: number;
 }
 
-/** Edges of a voxel [mm]; null where nobody has told. */
+/** Edges of a voxel [mm]; null where it is not known. */
 export type ToldVoxel = readonly [number | null, number | null, number | null];
 
 /** What was found where scans were looked for. */
@@ -37,7 +37,7 @@ export interface HeaderlessFiles {
 }
 
 /** What a person tells of files. */
-export interface ToldLayout {
+export interface GivenLayout {
   readonly layout: RawLayout | null;
   readonly voxel: ToldVoxel;
 }
@@ -54,14 +54,14 @@ export function layoutText({ columns, rows, slices, kind, order, skip }: RawLayo
   return `${edges.join("x")},${kind},${order},${String(skip)}`;
 }
 
-/** All three edges, where all are told and can be. */
+/** All three edges, where all are given and can be. */
 export function wholeVoxel([x, y, z]: ToldVoxel): Vec3 | null {
   return x !== null && y !== null && z !== null && Math.min(x, y, z) > 0 ? [x, y, z] : null;
 }
 
-/** What is kept of layouts that were told, the newest first. */
+/** What is kept of layouts that were given, the newest first. */
 export interface KeptLayouts {
-  readonly layouts: readonly (ToldLayout & { readonly of: string })[];
+  readonly layouts: readonly (GivenLayout & { readonly of: string })[];
 }
 
 const mostKept = 12;
@@ -71,16 +71,16 @@ function kindOf({ files, bytes, size }: HeaderlessFiles): string {
   return size === null ? `${String(bytes / files)} bytes` : `${String(size[0])} x ${String(size[1])} pixels`;
 }
 
-/** What is likely of files: what was told of such files before, else what the engine says. */
-export function likelyOf(bare: HeaderlessFiles, { layouts }: KeptLayouts): ToldLayout {
+/** What is likely of files: what was given for such files before, else what the engine says. */
+export function likelyOf(bare: HeaderlessFiles, { layouts }: KeptLayouts): GivenLayout {
   const kept = layouts.find(({ of }) => of === kindOf(bare));
   return kept === undefined || (kept.layout === null) !== (bare.layout === null)
     ? { layout: bare.layout, voxel: bare.voxel }
     : { layout: kept.layout, voxel: kept.voxel };
 }
 
-/** What is kept once a layout was told. */
-export function withLayout({ layouts }: KeptLayouts, bare: HeaderlessFiles, told: ToldLayout): KeptLayouts {
+/** What is kept once a layout was given. */
+export function withLayout({ layouts }: KeptLayouts, bare: HeaderlessFiles, told: GivenLayout): KeptLayouts {
   const of = kindOf(bare);
   return { layouts: [{ ...told, of }, ...layouts.filter((each) => each.of !== of)].slice(0, mostKept) };
 }

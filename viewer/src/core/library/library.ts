@@ -45,7 +45,7 @@ export interface About {
   readonly changed: boolean;
   readonly kept: boolean;
   readonly can_open: boolean;
-  /** What no page was told yet. */
+  /** Messages that no page has shown yet. */
   readonly told: readonly string[];
   readonly recent: readonly RecentScan[];
   readonly most_files: number;
@@ -72,7 +72,7 @@ export interface Autosave {
 }
 
 /** What the engine is busy with, and how far it is. */
-export interface Work {
+export interface JobProgress {
   readonly what: string;
   /** 0..1; null where it is not known. */
   readonly share: number | null;
@@ -135,7 +135,9 @@ export function entriesOf(scans: readonly ListedScan[]): Entry[] {
 
 /** What volumes of one series share; null of a scan that is alone. */
 function seriesOf(scan: ListedScan | undefined): string | null {
-  return scan === undefined || scan.part === "" ? null : [scan.patient, scan.study, scan.modality, wholeName(scan)].join("\n");
+  return scan === undefined || scan.part === ""
+    ? null
+    : [scan.patient, scan.study, scan.modality, wholeName(scan)].join("\n");
 }
 
 function wholeName(scan: ListedScan | undefined): string {

@@ -16,7 +16,11 @@ export interface MarkPlace {
 }
 
 /** Where points stand in the 3-D view; null for one behind the eye. */
-export function placesInView(points: readonly Vec3[], camera: Camera, viewport: Viewport): readonly (MarkPlace | null)[] {
+export function placesInView(
+  points: readonly Vec3[],
+  camera: Camera,
+  viewport: Viewport,
+): readonly (MarkPlace | null)[] {
   return points.map((point) => {
     const place = project(camera, point, viewport);
     return place === null ? null : { x: place[0], y: place[1], before: 0 };

@@ -93,7 +93,13 @@ export function formatMeasured(mark: Pick<Mark, "kind" | "points">): string {
  */
 export function marksTable(marks: readonly Mark[], known: boolean): string {
   const axes = known ? ["L", "P", "S"] : ["x", "y", "z"];
-  const head = ["name", "kind", "value", "unit", ...[1, 2, 3].flatMap((i) => axes.map((axis) => `${axis}${String(i)} (mm)`))];
+  const head = [
+    "name",
+    "kind",
+    "value",
+    "unit",
+    ...[1, 2, 3].flatMap((i) => axes.map((axis) => `${axis}${String(i)} (mm)`)),
+  ];
   const rows = marks.map((mark) => {
     const value = measured(mark);
     const number = value === null ? "" : (mark.kind === "angle" ? degrees(value) : value).toFixed(2);
@@ -120,7 +126,13 @@ function saneMark(given: unknown, id: number): readonly Mark[] {
   }
   const { kind: wanted, name, points, visible } = given as Partial<Record<keyof Mark, unknown>>;
   const kind = markKinds.find((known) => known === wanted);
-  if (kind === undefined || typeof name !== "string" || !Array.isArray(points) || points.length !== pointsOf[kind] || !points.every(isPoint)) {
+  if (
+    kind === undefined ||
+    typeof name !== "string" ||
+    !Array.isArray(points) ||
+    points.length !== pointsOf[kind] ||
+    !points.every(isPoint)
+  ) {
     return [];
   }
   return [{ id, kind, name: name.slice(0, longestName), points, visible: visible !== false }];

@@ -44,7 +44,12 @@ export const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null, clip
 const surfaceOpacity = 0.5;
 
 /** First visible point along a ray, or null where the ray sees through everything. */
-export function pickSurface(volume: ScanVolume, look: Appearance, ray: Ray, also: AlsoDrawn = nothingElse): Picked | null {
+export function pickSurface(
+  volume: ScanVolume,
+  appearance: Appearance,
+  ray: Ray,
+  also: AlsoDrawn = nothingElse,
+): Picked | null {
   const { frame } = volume;
   const origin = transformPoint(frame.gridFromScene, ray.origin);
   const direction = transformVector(frame.gridFromScene, ray.direction);
@@ -59,9 +64,9 @@ export function pickSurface(volume: ScanVolume, look: Appearance, ray: Ray, also
   const inScan = throughBox(origin, direction, frame.dimensions) ?? [0, 0];
   const [enter, leave] = [Math.max(inScan[0], kept[0]), Math.min(inScan[1], kept[1])];
   const crossings = also.crossings.filter(({ t }) => kept[0] <= t && t <= kept[1]);
-  const { optics } = look;
+  const { optics } = appearance;
   if (optics.blend === "mip") {
-    const t = largestOnRay(volume, look, also, { origin, direction, enter, leave, step });
+    const t = largestOnRay(volume, appearance, also, { origin, direction, enter, leave, step });
     return t === null ? null : picked(t, null);
   }
 
@@ -89,14 +94,14 @@ export function pickSurface(volume: ScanVolume, look: Appearance, ray: Ray, also
     }
     const grid = addScaled(origin, direction, t);
     const biased = biasedAt(volume, grid);
-    const segment = segmentAt(look, also, grid, biased);
+    const segment = segmentAt(appearance, also, grid, biased);
     if (segment?.visible === false) {
       continue;
     }
     if (optics.blend === "iso" && segment === null) {
       clarity = physical(biased, frame.rescale) >= optics.isoValue ? 0 : clarity;
     } else {
-      clarity *= segment === null ? Math.exp(-step * extinctionAt(volume, look, grid, biased)) : 0;
+      clarity *= segment === null ? Math.exp(-step * extinctionAt(volume, appearance, grid, biased)) : 0;
     }
     if (clarity <= 1 - surfaceOpacity) {
       return picked(t, segment?.id ?? null);
@@ -108,9 +113,15 @@ export function pickSurface(volume: ScanVolume, look: Appearance, ray: Ray, also
 /** Where a ray of a MIP has its value, in the grid; null where nothing of it is seen. */
 function largestOnRay(
   volume: ScanVolume,
-  look: Appearance,
+  appearance: Appearance,
   also: AlsoDrawn,
-  ray: { readonly origin: Vec3; readonly direction: Vec3; readonly enter: number; readonly leave: number; readonly step: number },
+  ray: {
+    readonly origin: Vec3;
+    readonly direction: Vec3;
+    readonly enter: number;
+    readonly leave: number;
+    readonly step: number;
+  },
 ): number | null {
   let most = 0;
   let place: number | null = null;
@@ -120,8 +131,8 @@ function largestOnRay(
     }
     const grid = addScaled(ray.origin, ray.direction, t);
     const biased = biasedAt(volume, grid);
-    const share = greyOf(physical(biased, volume.frame.rescale), look.optics.window);
-    if (share > most && segmentAt(look, also, grid, biased)?.visible !== false) {
+    const share = greyOf(physical(biased, volume.frame.rescale), appearance.optics.window);
+    if (share > most && segmentAt(appearance, also, grid, biased)?.visible !== false) {
       [most, place] = [share, t];
     }
   }
@@ -129,15 +140,22 @@ function largestOnRay(
 }
 
 /** The segment that a point belongs to, in the order of the shader: visible ranges, labels, hidden ones. */
-function segmentAt(look: Appearance, also: AlsoDrawn, grid: Vec3, biased: number): ReturnType<AlsoDrawn["labelAt"]> {
-  const range = rangeHolding(look.ranges, biased) ?? null;
+function segmentAt(
+  appearance: Appearance,
+  also: AlsoDrawn,
+  grid: Vec3,
+  biased: number,
+): ReturnType<AlsoDrawn["labelAt"]> {
+  const range = rangeHolding(appearance.ranges, biased) ?? null;
   return range?.visible === true ? range : (also.labelAt(grid) ?? range);
 }
 
-function extinctionAt(volume: ScanVolume, look: Appearance, grid: Vec3, biased: number): number {
+function extinctionAt(volume: ScanVolume, appearance: Appearance, grid: Vec3, biased: number): number {
   const value = physical(biased, volume.frame.rescale);
-  const { extinction } = sample(look.transferFunction.points, value);
-  return extinction > 0 ? extinction * edgeFactor(gradientMagnitude(volume, grid), look.edgeGradient, look.lighting.edges) : 0;
+  const { extinction } = sample(appearance.transferFunction.points, value);
+  return extinction > 0
+    ? extinction * edgeFactor(gradientMagnitude(volume, grid), appearance.edgeGradient, appearance.lighting.edges)
+    : 0;
 }
 
 /** Where a ray is inside the box from 0 to `size`; null where it passes by. */

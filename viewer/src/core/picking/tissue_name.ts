@@ -3,7 +3,10 @@
  */
 import type { Scan } from "../protocol";
 
-/** Upper ends of what CT tells apart [HU]; bone begins where the scan's own does. Kalender, "Computed Tomography" (2011). */
+/**
+ * Upper ends of what CT tells apart [HU]; bone begins where the scan's own does. Kalender, "Computed Tomography"
+ * (2011).
+ */
 const tissues = [
   { below: -900, name: "air" },
   { below: -250, name: "lung" },
@@ -12,7 +15,10 @@ const tissues = [
 ] as const;
 
 /** "fat" or "bone" of a CT in HU; of other scans only whether it is dark or bright. */
-export function tissueName(value: number, { unit, soft_tissue, bone }: Pick<Scan, "unit" | "soft_tissue" | "bone">): string {
+export function tissueName(
+  value: number,
+  { unit, soft_tissue, bone }: Pick<Scan, "unit" | "soft_tissue" | "bone">,
+): string {
   if (unit !== "HU") {
     const dark = soft_tissue - (bone - soft_tissue);
     return value >= bone ? "bright tissue" : value >= dark ? "tissue" : "dark";

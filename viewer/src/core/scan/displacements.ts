@@ -32,7 +32,9 @@ export class DisplacementsError extends Error {
 export function decodeDisplacements({ origin, step, size, moved }: Sent): Displacements | null {
   const nodes = size[0] * size[1] * size[2];
   if (moved.length !== nodes * nodeBytes) {
-    throw new DisplacementsError(`${String(moved.length)} bytes of displacements for ${size.join(" x ")} nodes, ${String(nodeBytes)} each`);
+    throw new DisplacementsError(
+      `${String(moved.length)} bytes of displacements for ${size.join(" x ")} nodes, ${String(nodeBytes)} each`,
+    );
   }
   if (nodes === 0) {
     return null;

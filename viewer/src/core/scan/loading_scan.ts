@@ -71,7 +71,10 @@ export class LoadingScan {
   }
 }
 
-/** Makes what stands in for planes on their way from a coarse scan: the last ones first, until it meets what has arrived. */
+/**
+ * Makes what stands in for planes on their way from a coarse scan: the last ones first, until it meets what has
+ * arrived.
+ */
 export class StandIn {
   private readonly between: PlaneInterpolation;
   private readonly bricks: BrickRanges;

@@ -38,7 +38,9 @@ export class PlaneInterpolation {
     step: number,
   ) {
     const along = (axis: 0 | 1 | 2): Between[] =>
-      Array.from({ length: dimensions[axis] }, (_, i) => betweenSamples((i * step) / coarse.step, coarse.dimensions[axis]));
+      Array.from({ length: dimensions[axis] }, (_, i) =>
+        betweenSamples((i * step) / coarse.step, coarse.dimensions[axis]),
+      );
     this.columns = along(0);
     this.rows = along(1);
     this.depths = along(2);
@@ -60,7 +62,12 @@ export class PlaneInterpolation {
     if (depth === undefined) {
       throw new RangeError(`plane ${String(z)} asked for; allowed: 0 to ${String(this.depths.length - 1)}`);
     }
-    const [a, b, c, d] = depth.samples.map((sample) => this.widenedPlane(sample)) as [Float32Array, Float32Array, Float32Array, Float32Array];
+    const [a, b, c, d] = depth.samples.map((sample) => this.widenedPlane(sample)) as [
+      Float32Array,
+      Float32Array,
+      Float32Array,
+      Float32Array,
+    ];
     const [wa, wb, wc, wd] = depth.weights;
     for (let i = 0; i < target.length; ++i) {
       const value = wa * (a[i] ?? 0) + wb * (b[i] ?? 0) + wc * (c[i] ?? 0) + wd * (d[i] ?? 0);
@@ -101,7 +108,8 @@ export class PlaneInterpolation {
       const [a, b, c, d] = samples.map((row) => row * columns.length) as [number, number, number, number];
       const to = y * columns.length;
       for (let x = 0; x < columns.length; ++x) {
-        plane[to + x] = wa * (lines[a + x] ?? 0) + wb * (lines[b + x] ?? 0) + wc * (lines[c + x] ?? 0) + wd * (lines[d + x] ?? 0);
+        plane[to + x] =
+          wa * (lines[a + x] ?? 0) + wb * (lines[b + x] ?? 0) + wc * (lines[c + x] ?? 0) + wd * (lines[d + x] ?? 0);
       }
     });
     return plane;

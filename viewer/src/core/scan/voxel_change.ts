@@ -50,7 +50,10 @@ export function decodeVoxels(changed: ChangedVoxels, { frame, step }: ScanVolume
   const voxels = volumeOf({ low, high });
   for (const [bytes, each] of [[stored, 2], [labels, 1]] as const) {
     const length = bytes?.length ?? voxels * each;
-    expect(length === voxels * each, `${String(length)} bytes for a box of ${String(voxels)} voxels, ${String(each)} each`);
+    expect(
+      length === voxels * each,
+      `${String(length)} bytes for a box of ${String(voxels)} voxels, ${String(each)} each`,
+    );
   }
   const held: Box = { low: mapped(low, (i) => Math.ceil(i / step)), high: mapped(high, (i) => Math.ceil(i / step)) };
   if (volumeOf(held) === 0 || (stored === null && labels === null)) {
@@ -69,7 +72,12 @@ export function decodeVoxels(changed: ChangedVoxels, { frame, step }: ScanVolume
 }
 
 /** Writes a box into an array of the whole scan. */
-export function writeBox(target: Uint16Array | Uint8Array, dimensions: Vec3, { low, high }: Box, source: ArrayLike<number>): void {
+export function writeBox(
+  target: Uint16Array | Uint8Array,
+  dimensions: Vec3,
+  { low, high }: Box,
+  source: ArrayLike<number>,
+): void {
   const width = high[0] - low[0];
   let from = 0;
   for (let z = low[2]; z < high[2]; ++z) {

@@ -5,7 +5,14 @@
 import { invertAffine, transformPoint, type Affine } from "../geometry/affine";
 import { capitalised } from "../base/format";
 import type { Mark } from "../marks/measure";
-import type { FoundRegistration, PointPair, RegistrationKind, RegistrationLevel, RegistrationMetric, RegistrationStart } from "../protocol";
+import type {
+  FoundRegistration,
+  PointPair,
+  RegistrationKind,
+  RegistrationLevel,
+  RegistrationMetric,
+  RegistrationStart,
+} from "../protocol";
 import { distance, isPoint, type Vec3 } from "../geometry/vector";
 
 interface Choice<T> {
@@ -17,11 +24,19 @@ interface Choice<T> {
 export const kinds: readonly Choice<RegistrationKind>[] = [
   { name: "rigid", label: "rigid: turn and shift", says: "The same bones at another time, or by another scanner" },
   { name: "affine", label: "affine: scale and shear too", says: "Begins rigid; for scans whose sizes differ" },
-  { name: "bspline", label: "B-spline: bent as well", says: "Begins affine; for what breathes or gives way. The scan is then laid on the first one's grid" },
+  {
+    name: "bspline",
+    label: "B-spline: bent as well",
+    says: "Begins affine; for what breathes or gives way. The scan is then laid on the first one's grid",
+  },
 ];
 
 export const metrics: readonly Choice<RegistrationMetric>[] = [
-  { name: "automatic", label: "automatic, by modality", says: "Correlation of two scans by CT, else mutual information" },
+  {
+    name: "automatic",
+    label: "automatic, by modality",
+    says: "Correlation of two scans by CT, else mutual information",
+  },
   { name: "mutual-information", label: "mutual information", says: "Any two kinds of scan, such as CT and MR" },
   { name: "correlation", label: "correlation", says: "Values of one follow those of the other" },
   { name: "mean-squares", label: "mean squares", says: "Values are the same" },
@@ -30,7 +45,11 @@ export const metrics: readonly Choice<RegistrationMetric>[] = [
 export const starts: readonly Choice<RegistrationStart>[] = [
   { name: "as-it-stands", label: "as it stands", says: "Where the second scan is seen now" },
   { name: "centre", label: "middles of both grids", says: "Middle on middle, unturned" },
-  { name: "moments", label: "middles of what is bright", says: "Where scans show different parts around the same body" },
+  {
+    name: "moments",
+    label: "middles of what is bright",
+    says: "Where scans show different parts around the same body",
+  },
   { name: "landmarks", label: "pairs of points", says: "Three or more places that are seen in both" },
 ];
 
@@ -51,7 +70,9 @@ export function seenAt(second: Vec3, secondFromFirst: Affine): Vec3 {
 /** Pairs of measured distances: each from a place in the first scan to where it is seen in the second. */
 export function pairsOfDistances(marks: readonly Mark[], secondFromFirst: Affine): readonly PointPair[] {
   return marks.flatMap(({ kind, points: [first, second] }) =>
-    kind === "distance" && first !== undefined && second !== undefined ? [[first, transformPoint(secondFromFirst, second)] as const] : [],
+    kind === "distance" && first !== undefined && second !== undefined
+      ? [[first, transformPoint(secondFromFirst, second)] as const]
+      : [],
   );
 }
 
@@ -64,8 +85,12 @@ export function sanePairs(given: unknown): readonly PointPair[] {
   }).slice(0, mostPairs);
 }
 
-/** The curve as columns for a chart: steps from 1 on, and a line of its own for every other level, so that they part. */
-export function curveColumns(curve: readonly RegistrationLevel[]): readonly [number[], (number | null)[], (number | null)[]] {
+/**
+ * The curve as columns for a chart: steps from 1 on, and a line of its own for every other level, so that they part.
+ */
+export function curveColumns(
+  curve: readonly RegistrationLevel[],
+): readonly [number[], (number | null)[], (number | null)[]] {
   const steps: number[] = [];
   const lines: [(number | null)[], (number | null)[]] = [[], []];
   curve.forEach(({ values }, level) => {
@@ -79,9 +104,17 @@ export function curveColumns(curve: readonly RegistrationLevel[]): readonly [num
 }
 
 /** What was found, in two sentences. */
-export function saidOf({ metric, before, after, overlap, moved_mean, moved_most }: FoundRegistration): readonly [string, string] {
+export function saidOf({
+  metric,
+  before,
+  after,
+  overlap,
+  moved_mean,
+  moved_most,
+}: FoundRegistration): readonly [string, string] {
   const name = metrics.find((choice) => choice.name === metric)?.label ?? metric;
-  const alike = `${capitalised(name)} ${number(before)} → ${number(after)}, less is better; ${(100 * overlap).toFixed(0)} % covered.`;
+  const change = `${capitalised(name)} ${number(before)} → ${number(after)}, less is better`;
+  const alike = `${change}; ${(100 * overlap).toFixed(0)} % covered.`;
   return [alike, `Points moved by ${moved_mean.toFixed(1)} mm, at most ${moved_most.toFixed(1)} mm.`];
 }
 

@@ -17,7 +17,7 @@ export type Fusion = (typeof fusions)[number];
 export const tints = ["warm", "cool", "grey"] as const;
 export type Tint = (typeof tints)[number];
 
-export interface SecondLook {
+export interface SecondAppearance {
   readonly inView: boolean;
   readonly inSlices: boolean;
   /** In the 3-D view. */
@@ -50,7 +50,11 @@ export function placeOf({ scan, second_from_first }: SecondScan): Affine | null 
 }
 
 /** From the grid of the first scan to shares of the second, 0..1 inside of it; column-major 4×4. */
-export function sharesFromGrid(first: ScanFrame, { dimensions, gridFromScene }: ScanFrame, secondFromFirst: Affine): number[] {
+export function sharesFromGrid(
+  first: ScanFrame,
+  { dimensions, gridFromScene }: ScanFrame,
+  secondFromFirst: Affine,
+): number[] {
   const [x, y, z] = dimensions;
   const shares: Affine = [1 / x, 0, 0, 0, 0, 1 / y, 0, 0, 0, 0, 1 / z, 0];
   return columnMajor([shares, gridFromScene, secondFromFirst, first.sceneFromGrid].reduce(composed));

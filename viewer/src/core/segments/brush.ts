@@ -44,7 +44,10 @@ export function resizedBrush(radius: number, steps: number, spacing: Vec3): numb
 }
 
 /** The values that a brush begins with: from soft tissue to bone. */
-export function firstValues({ soft_tissue, bone }: Pick<Scan, "soft_tissue" | "bone">): Pick<BrushHabits, "low" | "high"> {
+export function firstValues({
+  soft_tissue,
+  bone,
+}: Pick<Scan, "soft_tissue" | "bone">): Pick<BrushHabits, "low" | "high"> {
   return { low: Math.round(soft_tissue), high: Math.round(bone) };
 }
 

@@ -1,5 +1,5 @@
 /**
- * A line painted over the picture, to cut a segment along. Places in CSS pixels of the picture.
+ * A freehand line over the picture, to cut a segment along. Places in CSS pixels of the picture.
  */
 import { rayThrough, type Camera, type Viewport } from "../geometry/camera";
 import { addScaled, type Vec3 } from "../geometry/vector";
@@ -16,14 +16,14 @@ const tolerance = 1;
 /** Most points that the engine takes. */
 const mostPoints = 1000;
 
-/** A line as the engine is told it. */
-export interface PaintedLine {
+/** A line as it is sent to the engine. */
+export interface FreehandLine {
   readonly places: readonly Place[];
   readonly closed: boolean;
 }
 
 /** What a person has painted, without what is no line; null where it was a click. */
-export function paintedLine(painted: readonly Place[]): PaintedLine | null {
+export function freehandLine(painted: readonly Place[]): FreehandLine | null {
   const length = lengthOf(painted);
   const [first, last] = [painted[0], painted.at(-1)];
   if (first === undefined || last === undefined || length < shortest) {

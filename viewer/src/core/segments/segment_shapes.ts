@@ -23,7 +23,14 @@ export interface ShapeChoice {
   readonly withOther: boolean;
 }
 
-const lengthOf = (label: string, usual: number): Amount => ({ label, unit: "mm", usual, min: 0.1, max: 100, step: 0.5 });
+const lengthOf = (label: string, usual: number): Amount => ({
+  label,
+  unit: "mm",
+  usual,
+  min: 0.1,
+  max: 100,
+  step: 0.5,
+});
 const alone = { amount: null, withOther: false } as const;
 const withOther = { amount: null, withOther: true } as const;
 
@@ -51,7 +58,13 @@ export const shapeChoices: readonly ShapeChoice[] = [
   },
   { kind: "grow", name: "Grow", does: "Moves its border outward", amount: lengthOf("By", 2), withOther: false },
   { kind: "shrink", name: "Shrink", does: "Moves its border inward", amount: lengthOf("By", 2), withOther: false },
-  { kind: "smooth", name: "Smooth", does: "Rounds its border by a Gaussian", amount: lengthOf("Deviation", 2), withOther: false },
+  {
+    kind: "smooth",
+    name: "Smooth",
+    does: "Rounds its border by a Gaussian",
+    amount: lengthOf("Deviation", 2),
+    withOther: false,
+  },
   {
     kind: "median",
     name: "Smooth by median",
@@ -80,7 +93,13 @@ export const shapeChoices: readonly ShapeChoice[] = [
     amount: lengthOf("Ball's radius", 3),
     withOther: false,
   },
-  { kind: "hollow-inside", name: "Hollow, wall inside", does: "Keeps a wall within its border", amount: lengthOf("Wall", 3), withOther: false },
+  {
+    kind: "hollow-inside",
+    name: "Hollow, wall inside",
+    does: "Keeps a wall within its border",
+    amount: lengthOf("Wall", 3),
+    withOther: false,
+  },
   {
     kind: "hollow-outside",
     name: "Hollow, wall outside",

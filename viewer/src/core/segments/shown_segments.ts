@@ -5,7 +5,7 @@
  * range: a visible one is a solid surface in its colour, a hidden one is left out of the
  * picture. Where both claim a value, the visible one wins.
  */
-import { linearFromSrgb } from "../appearance/colour";
+import { linearFromSrgb } from "../base/colour";
 import type { Segment } from "../protocol";
 import { biasedRange, type Rescale } from "../scan/stored_values";
 import type { Vec3 } from "../geometry/vector";
@@ -26,7 +26,7 @@ export interface ShownRange {
   readonly surface?: number;
   /** Opacity of the body of its voxels that can stand for that surface; 0 where none can. */
   readonly body?: number;
-  /** Factors on ambient and specular light; 1 where nothing is told. */
+  /** Factors on ambient and specular light; 1 where none are given. */
   readonly material?: readonly [number, number];
 }
 
@@ -34,7 +34,7 @@ export interface ShownRange {
 export const insideModes = ["solid", "tinted", "plain"] as const;
 export type InsideMode = (typeof insideModes)[number];
 
-/** The mode of each segment by its id; solid where nothing is told. */
+/** The mode of each segment by its id; solid where none is chosen. */
 export type InsideModes = Readonly<Partial<Record<number, InsideMode>>>;
 
 /** Segments whose values can tell of them at once. In sync with `gl/shaders/segments.glsl`. */
@@ -80,7 +80,8 @@ export function surfaceInPlace(segment: Segment): number {
 }
 
 /**
- * Opacity of the body of a segment's voxels that can stand for its surface, which is closed then, and where they are; 0 where none can.
+ * Opacity of the body of a segment's voxels that can stand for its surface, which is closed then, and where they are; 0
+ * where none can.
  *
  * @param mode how its voxels are drawn beside the surface: as a body they let nothing through.
  */
@@ -117,7 +118,7 @@ export class LastRanges {
 
 /**
  * The segments that a threshold made, in the order of the list, as many as can be drawn from values.
- * An edited one that is hidden is none: its labels are not told.
+ * An edited one that is hidden is none: its labels are not sent.
  */
 export function shownByValue(segments: readonly Segment[]): Segment[] {
   return segments
@@ -145,8 +146,13 @@ export function shownRanges(
     const [low, high] = biasedRange(range[0], range[1], rescale);
     const { id, colour, ambient, specular } = segment;
     const label = segment.range === null ? id : 0;
-    const look = { colour: linearFromSrgb(colour), material: [ambient, specular], surface: surfaceInPlace(segment), body: bodyOpacity(segment) } as const;
-    return [{ id, low, high, ...look, visible: drawn(segment), label }];
+    const appearance = {
+      colour: linearFromSrgb(colour),
+      material: [ambient, specular],
+      surface: surfaceInPlace(segment),
+      body: bodyOpacity(segment),
+    } as const;
+    return [{ id, low, high, ...appearance, visible: drawn(segment), label }];
   });
 }
 

@@ -14,7 +14,12 @@ export const sliceNames = ["axial", "coronal", "sagittal", "oblique"] as const;
 export type SliceName = (typeof sliceNames)[number];
 
 /** Axes of the scan along which slices lie where the sides of the body are not known. */
-const along: Readonly<Record<SliceName, string>> = { axial: "x–y", coronal: "x–z", sagittal: "y–z", oblique: "oblique" };
+const along: Readonly<Record<SliceName, string>> = {
+  axial: "x–y",
+  coronal: "x–z",
+  sagittal: "y–z",
+  oblique: "oblique",
+};
 
 /** What a slice is called: by the planes of the body where its sides are known. */
 export function sliceTitle(name: SliceName, known: boolean): string {

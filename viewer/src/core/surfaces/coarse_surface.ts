@@ -1,9 +1,9 @@
 /**
  * A whole surface with few triangles over vertices of its own, for pictures that are drawn in haste.
  *
- * The mean of each cluster of vertices, whichever patches they belong to, stands for all of them, and triangles whose corners fall
- * together are left out: so patches join without borders. They are taken in one after the other, each in a short time.
- * Frame: that of the patches, the scene before the segment's pose.
+ * The mean of each cluster of vertices, whichever patches they belong to, stands for all of them, and triangles whose
+ * corners fall together are left out: so patches join without borders. They are taken in one after the other, each in a
+ * short time. Frame: that of the patches, the scene before the segment's pose.
  */
 import type { Patch } from "./surface_patches";
 import { length, scale, subtract, type Vec3 } from "../geometry/vector";
@@ -22,15 +22,19 @@ export class CoarseSurface {
   /** Edge of a cube [mm]. */
   private readonly cube: number;
   private readonly numbers = new Map<number, number>();
-  /** Of each cluster: sums of its vertices' places from the corner [mm] and of their normals, shape [cluster_count, 6]. */
+  /**
+   * Of each cluster: sums of its vertices' places from the corner [mm] and of their normals, shape [cluster_count, 6].
+   */
   private readonly sums: number[] = [];
   private readonly counts: number[] = [];
   private readonly triangles: number[] = [];
 
   constructor(patches: readonly Patch[]) {
     this.left = [...patches];
-    const low = (axis: 0 | 1 | 2): number => patches.reduce((least, { origin }) => Math.min(least, origin[axis]), Infinity);
-    const high = (axis: 0 | 1 | 2): number => patches.reduce((most, { origin, size }) => Math.max(most, origin[axis] + size[axis]), -Infinity);
+    const low = (axis: 0 | 1 | 2): number =>
+      patches.reduce((least, { origin }) => Math.min(least, origin[axis]), Infinity);
+    const high = (axis: 0 | 1 | 2): number =>
+      patches.reduce((most, { origin, size }) => Math.max(most, origin[axis] + size[axis]), -Infinity);
     this.corner = [low(0), low(1), low(2)];
     this.size = subtract([high(0), high(1), high(2)], this.corner);
     this.cube = edgesPerCube * meanEdge(patches);
@@ -63,7 +67,8 @@ export class CoarseSurface {
   get patch(): Patch {
     const { corner, counts, size, sums, triangles } = this;
     const count = counts.length;
-    const share = (cluster: number, axis: number): number => at(sums, 6 * cluster + axis) / at(counts, cluster) / Math.max(at(size, axis), 1e-9);
+    const share = (cluster: number, axis: number): number =>
+      at(sums, 6 * cluster + axis) / at(counts, cluster) / Math.max(at(size, axis), 1e-9);
     const normals = new Int8Array(4 * count);
     for (let cluster = 0; cluster < count; ++cluster) {
       const sum: Vec3 = [at(sums, 6 * cluster + 3), at(sums, 6 * cluster + 4), at(sums, 6 * cluster + 5)];

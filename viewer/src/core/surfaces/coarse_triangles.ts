@@ -1,9 +1,10 @@
 /**
- * Fewer triangles of a patch over the same vertices, for pictures that are drawn in haste while other patches of its surface are edited.
+ * Fewer triangles of a patch over the same vertices, for pictures that are drawn in haste while other patches of its
+ * surface are edited.
  *
- * Of each cluster of vertices the one nearest to their mean stands for all, and triangles whose corners fall together are left
- * out. Vertices on the patch's border stand for themselves: neighbouring patches meet there as before, whatever each of them
- * leaves out.
+ * Of each cluster of vertices the one nearest to their mean stands for all, and triangles whose corners fall together
+ * are left out. Vertices on the patch's border stand for themselves: neighbouring patches meet there as before,
+ * whatever each of them leaves out.
  */
 import type { Patch } from "./surface_patches";
 import { at, clusterName, next, pointsOf, sumOfEdges } from "./vertex_clusters";

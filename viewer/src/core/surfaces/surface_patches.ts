@@ -75,7 +75,10 @@ function decodePatch(patch: SurfacePatch, segment: number): Patch {
   const { vertices, normals, triangles, size } = patch;
   const [vertexLength, normalLength, triangleLength] = [vertices.length, normals.length, triangles.length];
   expect(size.every((edge) => edge >= 0), `its box has the edges ${size.join(", ")} mm; allowed: 0 and more`);
-  expect(vertexLength % vertexBytes === 0, `${String(vertexLength)} bytes of vertices; allowed: ${String(vertexBytes)} each`);
+  expect(
+    vertexLength % vertexBytes === 0,
+    `${String(vertexLength)} bytes of vertices; allowed: ${String(vertexBytes)} each`,
+  );
   const count = vertexLength / vertexBytes;
   expect(
     normalLength === normalBytes * count,

@@ -1,6 +1,6 @@
 /**
- * Clusters of a surface's vertices: those in a cube whose normals look toward the same side of it. By their sides the two faces of
- * a thin wall stay apart, and what is hollow does not come to the light.
+ * Clusters of a surface's vertices: those in a cube whose normals look toward the same side of it. By their sides the
+ * two faces of a thin wall stay apart, and what is hollow does not come to the light.
  * Source: Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes" (1993).
  */
 import type { Patch } from "./surface_patches";
@@ -8,7 +8,10 @@ import type { Patch } from "./surface_patches";
 /** More cubes than there are along any axis: vertices stand in 65536 places. */
 const mostAlong = 65537;
 
-/** The name of the cluster that a vertex falls into: of the cube that holds a point, as its place along each axis, and of the normal's side. */
+/**
+ * The name of the cluster that a vertex falls into: of the cube that holds a point, as its place along each axis, and
+ * of the normal's side.
+ */
 export function clusterName(cube: (axis: number) => number, normals: Int8Array, vertex: number): number {
   return 6 * ((cube(2) * mostAlong + cube(1)) * mostAlong + cube(0)) + sideOf(normals, 4 * vertex);
 }

@@ -40,14 +40,24 @@ export const calibrations: Choices<Calibration> = [
   {
     value: "wave-speed",
     name: "Waves",
-    title: "Longitudinal waves are as fast as in the material (thesis 5.14): soft tissue becomes stiffer than its E, up to some five times",
+    title:
+      "Longitudinal waves are as fast as in the material (thesis 5.14): soft tissue becomes stiffer than its E, up " +
+      "to some five times",
   },
 ];
 
 /** How particles come to rest. */
 export const motions: Choices<Motion> = [
-  { value: "scaled-time", name: "Friction", title: "Particles swing in scaled time until friction has stopped them (thesis 5.17); usual" },
-  { value: "fire", name: "FIRE", title: "Particles go downhill and are stopped where they would climb: the fast inertial relaxation engine" },
+  {
+    value: "scaled-time",
+    name: "Friction",
+    title: "Particles swing in scaled time until friction has stopped them (thesis 5.17); usual",
+  },
+  {
+    value: "fire",
+    name: "FIRE",
+    title: "Particles go downhill and are stopped where they would climb: the fast inertial relaxation engine",
+  },
 ];
 
 /** What a choice comes to among the options: null for the usual one. */
@@ -81,7 +91,10 @@ export function recalledOptions(kept: unknown, model: DeformationModel): ModelOp
     walls: model.walls && walls === true,
     prony: fades !== null && within(share, fades.shares) && within(time, fades.times) ? { share, time } : null,
     yield_strain: yields !== null && within(strain, yields) ? strain : null,
-    layers: model.layers !== null && within(layers, { least: 1, most: model.layers }) && Number.isInteger(layers) ? layers : null,
+    layers:
+      model.layers !== null && within(layers, { least: 1, most: model.layers }) && Number.isInteger(layers)
+        ? layers
+        : null,
     calibration: model.calibration ? known(calibration, calibrations) : null,
     motion: model.motion ? known(motion, motions) : null,
   };

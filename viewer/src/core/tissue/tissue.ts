@@ -14,11 +14,17 @@ export const usualModel = "lattice";
 
 /** What can be felt of soft tissue. */
 export const forceSources: readonly { readonly value: ForceSource; readonly name: string; readonly title: string }[] = [
-  { value: "matter", name: "The model's", title: "The contact force of the model through the spring to the hand (thesis 5.16); usual" },
+  {
+    value: "matter",
+    name: "The model's",
+    title: "The contact force of the model through the spring to the hand (thesis 5.16); usual",
+  },
   {
     value: "voxels",
     name: "The border's",
-    title: "Voxels are hard until the model has moved them away: the rigid border of thesis 5.23. A hand that stays feels less and less",
+    title:
+      "Voxels are hard until the model has moved them away: the rigid border of thesis 5.23. A hand that stays " +
+      "feels less and less",
   },
 ];
 
@@ -34,7 +40,13 @@ export function presetTitle({ name, needs_hounsfield }: MaterialPreset): string 
 
 /** "5.50 kPa" */
 export function formatModulus(pascal: number): string {
-  const [unit, name] = ([[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"]] as const).find(([size]) => pascal >= 0.9995 * size) ?? [1, "Pa"];
+  const [unit, name] = (
+    [
+      [1e9, "GPa"],
+      [1e6, "MPa"],
+      [1e3, "kPa"],
+    ] as const
+  ).find(([size]) => pascal >= 0.9995 * size) ?? [1, "Pa"];
   return `${(pascal / unit).toPrecision(3)} ${name}`;
 }
 
@@ -48,7 +60,11 @@ export function constantsOf({ low, high }: SegmentMaterial): Constants | null {
 export function describeMaterial({ low, high }: Pick<SegmentMaterial, "low" | "high">): string {
   return writtenConstants
     .map((constant) => {
-      const [from = "", to] = new Set([low, high].map((constants) => (constant.key === "young" ? formatModulus(constants.young) : described(constant, constants))));
+      const [from = "", to] = new Set(
+        [low, high].map((constants) =>
+          constant.key === "young" ? formatModulus(constants.young) : described(constant, constants),
+        ),
+      );
       const range = to === undefined ? from : `${from} to ${to}`;
       return describedAs[constant.key](range);
     })
@@ -116,6 +132,8 @@ export class AnswerRate {
   /** [Hz]; 0 before there are two counts. */
   get hz(): number {
     const [first, last] = [this.counts[0], this.counts.at(-1)];
-    return first === undefined || last === undefined || last.time <= first.time ? 0 : (last.answers - first.answers) / (last.time - first.time);
+    return first === undefined || last === undefined || last.time <= first.time
+      ? 0
+      : (last.answers - first.answers) / (last.time - first.time);
   }
 }

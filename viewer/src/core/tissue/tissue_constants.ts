@@ -35,7 +35,9 @@ export const writtenConstants: readonly WrittenConstant[] = [
   {
     key: "poisson",
     label: "Poisson's ν",
-    title: "Poisson's ratio: how much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes 0.25 to 0.45, and the nearest of these beyond; particles have that of their lattice",
+    title:
+      "Poisson's ratio: how much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes " +
+      "0.25 to 0.45, and the nearest of these beyond; particles have that of their lattice",
     unit: "",
     scale: 1,
     min: -0.99,
@@ -45,7 +47,9 @@ export const writtenConstants: readonly WrittenConstant[] = [
   {
     key: "density",
     label: "Density ρ",
-    title: "Mass by volume: kept with the material. No model reads it: matter is brought to rest, where mass counts for nothing",
+    title:
+      "Mass by volume: kept with the material. No model reads it: matter is brought to rest, where mass counts for " +
+      "nothing",
     unit: "g/cm³",
     scale: 1000,
     min: 0.0001,
@@ -55,7 +59,9 @@ export const writtenConstants: readonly WrittenConstant[] = [
   {
     key: "breaking_strain",
     label: "Breaks at",
-    title: "Breaking strain: how much longer than at first a bond of the lattice becomes before it breaks; without a number none does",
+    title:
+      "Breaking strain: how much longer than at first a bond of the lattice becomes before it breaks; without a " +
+      "number none does",
     unit: "%",
     scale: 0.01,
     min: 0.1,
@@ -65,7 +71,9 @@ export const writtenConstants: readonly WrittenConstant[] = [
   {
     key: "friction",
     label: "Friction",
-    title: "How much of the pressing force holds a tool back sideways, four fifths of it where the tool slides; more than 200 % counts as that. A segment's own friction, under Segments, goes before it",
+    title:
+      "How much of the pressing force holds a tool back sideways, four fifths of it where the tool slides; more " +
+      "than 200 % counts as that. A segment's own friction, under Segments, goes before it",
     unit: "%",
     scale: 0.01,
     min: 0,
@@ -75,7 +83,13 @@ export const writtenConstants: readonly WrittenConstant[] = [
 ];
 
 /** What a segment begins with that was rigid and gets constants of a person's own: as soft as muscle. */
-export const customTissue: Constants = { young: 12_000, poisson: 0.45, density: 1050, breaking_strain: null, friction: 0.2 };
+export const customTissue: Constants = {
+  young: 12_000,
+  poisson: 0.45,
+  density: 1050,
+  breaking_strain: null,
+  friction: 0.2,
+};
 
 /** The number of a constant in its unit, as text; "" where it has none. */
 export function written({ key, scale }: WrittenConstant, constants: Constants): string {
@@ -84,7 +98,11 @@ export function written({ key, scale }: WrittenConstant, constants: Constants): 
 }
 
 /** What was typed for a constant: the constants with it, or why it is refused. */
-export function typed(constant: WrittenConstant, text: string, constants: Constants): { readonly constants: Constants } | { readonly refused: string } {
+export function typed(
+  constant: WrittenConstant,
+  text: string,
+  constants: Constants,
+): { readonly constants: Constants } | { readonly refused: string } {
   const { key, label, unit, scale, min, max, none } = constant;
   const value = Number(text.trim() === "" ? NaN : text);
   if (text.trim() === "" && none !== null) {
@@ -102,7 +120,9 @@ export function typed(constant: WrittenConstant, text: string, constants: Consta
 /** "1.06 g/cm³", "0.45", "never" */
 export function described(constant: WrittenConstant, constants: Constants): string {
   const text = written(constant, constants);
-  return text === "" ? (constant.none ?? "") : `${grouped(Number(text))}${constant.unit === "" ? "" : ` ${constant.unit}`}`;
+  return text === ""
+    ? (constant.none ?? "")
+    : `${grouped(Number(text))}${constant.unit === "" ? "" : ` ${constant.unit}`}`;
 }
 
 /** With six digits at most, and no exponent. */

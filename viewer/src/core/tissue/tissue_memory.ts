@@ -4,7 +4,17 @@
  */
 import { treatments } from "./tissue_regions";
 import { recalledOptions, usualOptions } from "./model_options";
-import type { Constants, DeformationModel, ForceSource, MaterialPreset, MatterRegion, MatterState, ModelOptions, Segment, Treatment } from "../protocol";
+import type {
+  Constants,
+  DeformationModel,
+  ForceSource,
+  MaterialPreset,
+  MatterRegion,
+  MatterState,
+  ModelOptions,
+  Segment,
+  Treatment,
+} from "../protocol";
 
 /** What was chosen for one scan. */
 export interface TissueMemory {
@@ -33,7 +43,14 @@ export interface RememberedRegion {
 /** Form of what is kept; another number means that nothing kept before is read. */
 const memoryVersion = 1;
 
-export const nothingRemembered: TissueMemory = { version: memoryVersion, model: null, options: usualOptions, forceSource: "matter", materials: [], regions: [] };
+export const nothingRemembered: TissueMemory = {
+  version: memoryVersion,
+  model: null,
+  options: usualOptions,
+  forceSource: "matter",
+  materials: [],
+  regions: [],
+};
 
 type NamedSegment = Pick<Segment, "id" | "name" | "material" | "regions">;
 
@@ -43,14 +60,19 @@ export function rememberedTissue(
   { model, options, force_source }: Pick<MatterState, "model" | "options" | "force_source">,
 ): TissueMemory {
   const materials = segments.flatMap(({ name, material }): RememberedMaterial[] =>
-    material === null ? [] : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
+    material === null
+      ? []
+      : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
   );
   const regions = segments.flatMap((segment) => rememberedRegions(segment, segments));
   return { version: memoryVersion, model, options, forceSource: force_source, materials, regions };
 }
 
 /** Those of one segment; boxes of voxels are a program's, and not kept. */
-function rememberedRegions({ name, regions }: NamedSegment, segments: readonly NamedSegment[]): readonly RememberedRegion[] {
+function rememberedRegions(
+  { name, regions }: NamedSegment,
+  segments: readonly NamedSegment[],
+): readonly RememberedRegion[] {
   return regions.flatMap(({ treatment, shared_with, box }): RememberedRegion[] => {
     const other = segments.find(({ id }) => id === shared_with);
     const gone = shared_with !== null && other === undefined;
@@ -59,7 +81,11 @@ function rememberedRegions({ name, regions }: NamedSegment, segments: readonly N
 }
 
 /** Regions of a segment as they were kept, by the segments that there are now. */
-export function recalledRegions(name: string, { regions }: TissueMemory, segments: readonly NamedSegment[]): MatterRegion[] {
+export function recalledRegions(
+  name: string,
+  { regions }: TissueMemory,
+  segments: readonly NamedSegment[],
+): MatterRegion[] {
   return regions.flatMap(({ segment, treatment, sharedWith }): MatterRegion[] => {
     const other = segments.find((each) => each.name === sharedWith);
     const gone = sharedWith !== null && other === undefined;
@@ -68,7 +94,11 @@ export function recalledRegions(name: string, { regions }: TissueMemory, segment
 }
 
 /** Reads what was kept; anything may have been written there. What is not offered is left out. */
-export function recalledTissue(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): TissueMemory {
+export function recalledTissue(
+  memory: unknown,
+  presets: readonly MaterialPreset[],
+  models: readonly DeformationModel[],
+): TissueMemory {
   const { version, model, options, forceSource, materials, regions } = asMap(memory);
   if (version !== memoryVersion || !Array.isArray(materials)) {
     return nothingRemembered;
@@ -78,7 +108,9 @@ export function recalledTissue(memory: unknown, presets: readonly MaterialPreset
     const { segment, preset, constants } = asMap(each);
     const name = presets.find((offered) => offered.name === preset)?.name ?? null;
     const own = isConstants(constants) ? constants : null;
-    return typeof segment === "string" && (name !== null || own !== null) ? [{ segment, preset: name, constants: own }] : [];
+    return typeof segment === "string" && (name !== null || own !== null)
+      ? [{ segment, preset: name, constants: own }]
+      : [];
   });
   return {
     version: memoryVersion,
@@ -102,7 +134,8 @@ function isRegion(value: unknown): value is RememberedRegion {
 
 function isConstants(value: unknown): value is Constants {
   const { young, poisson, density, breaking_strain, friction } = asMap(value);
-  const within = (number: unknown, low: number, high: number): boolean => typeof number === "number" && number >= low && number <= high;
+  const within = (number: unknown, low: number, high: number): boolean =>
+    typeof number === "number" && number >= low && number <= high;
   return (
     within(young, 1, 2e12) &&
     within(poisson, -0.999, 0.4999) &&

@@ -9,12 +9,12 @@ export const treatments: readonly { readonly value: Treatment; readonly name: st
   { value: "empty", name: "Empty", title: "The model does as if it were not there" },
 ];
 
-/** How all of a segment takes part, where no part of it is told otherwise. */
+/** How all of a segment takes part, where no region says otherwise. */
 export function wholeOf(regions: readonly MatterRegion[]): Treatment {
   return regions.filter((region) => !isPart(region)).at(-1)?.treatment ?? "deformable";
 }
 
-/** What is told of parts. */
+/** What is said of regions. */
 export function partsOf(regions: readonly MatterRegion[]): readonly MatterRegion[] {
   return regions.filter(isPart);
 }
@@ -26,8 +26,12 @@ export function withWhole(regions: readonly MatterRegion[], treatment: Treatment
   return [...(treatment === "deformable" ? [] : [whole]), ...partsOf(regions)];
 }
 
-/** What is shared with another segment takes part so; null where nothing is told of it any more. */
-export function withShared(regions: readonly MatterRegion[], other: SegmentId, treatment: Treatment | null): MatterRegion[] {
+/** What is shared with another segment takes part so; null where nothing is said of it any more. */
+export function withShared(
+  regions: readonly MatterRegion[],
+  other: SegmentId,
+  treatment: Treatment | null,
+): MatterRegion[] {
   const known = regions.some(({ shared_with }) => shared_with === other);
   if (treatment === null) {
     return regions.filter(({ shared_with }) => shared_with !== other);
@@ -40,7 +44,10 @@ export function withShared(regions: readonly MatterRegion[], other: SegmentId, t
 /** "rigid, but gives way where Lesion is"; null where all of it gives way. */
 export function describeRegions(regions: readonly MatterRegion[], nameOf: (id: SegmentId) => string): string | null {
   const whole = wholeOf(regions);
-  const parts = partsOf(regions).map(({ treatment, shared_with }) => `${word(treatment)} ${shared_with === null ? "in a box" : `where ${nameOf(shared_with)} is`}`);
+  const parts = partsOf(regions).map(
+    ({ treatment, shared_with }) =>
+      `${word(treatment)} ${shared_with === null ? "in a box" : `where ${nameOf(shared_with)} is`}`,
+  );
   const all = whole === "deformable" ? [] : [word(whole)];
   return all.length + parts.length === 0 ? null : [...all, ...parts].join(", ");
 }

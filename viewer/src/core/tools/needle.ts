@@ -1,5 +1,5 @@
 /**
- * Needles: how thick they are, what each segment is to them, and how what happened is told.
+ * Needles: how thick they are, what each segment is to them, and how what happened is described.
  * Lengths [mm], forces [N].
  */
 import type { NeedleEvent, Segment, TissueName } from "../protocol";
@@ -25,7 +25,8 @@ export const gauges: readonly Gauge[] = [
 ];
 
 const soft: readonly TissueName[] = ["skin", "fat", "muscle", "liver"];
-const bones = /bone|skull|rib|spine|vertebra|pelvis|femur|sternum|tooth|teeth|jaw|mandible|cortical|metal|implant|plate/;
+const bones =
+  /bone|skull|rib|spine|vertebra|pelvis|femur|sternum|tooth|teeth|jaw|mandible|cortical|metal|implant|plate/;
 
 /** What a segment is by its name, as long as nobody has said: bone and thresholds are hard. */
 export function likelyLayer({ name, made_by: madeBy }: Pick<Segment, "name" | "made_by">): Layer {

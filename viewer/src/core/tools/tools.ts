@@ -85,8 +85,13 @@ export function fittingDepth(spacing: Vec3, wanted: number): number {
  *
  * @param touched the segment that is touched now, or was last; 0 before the first.
  */
-export function segmentsOf(kind: ToolName, works: Works, segments: readonly Segment[], touched: number): readonly number[] {
-  // the drill works on the scan's matter: what has voxels of its own has none of it
+export function segmentsOf(
+  kind: ToolName,
+  works: Works,
+  segments: readonly Segment[],
+  touched: number,
+): readonly number[] {
+  // the drill removes the scan's own voxels: a segment with a grid of its own has none of them
   const canWorkOn = (segment: Segment): boolean =>
     segment.touchable && !segment.locked && (kind !== "drill" || segment.grid === null);
   const touchable = segments.filter(canWorkOn).map((segment) => segment.id);
@@ -94,7 +99,7 @@ export function segmentsOf(kind: ToolName, works: Works, segments: readonly Segm
   if (typeof works === "number" && has(works)) {
     return [works];
   }
-  // matter knows no segments: a burr cuts all that it meets, a painter paints it
+  // voxels belong to no single segment: a burr cuts all that it meets, a painter paints it
   if (works === "touchable" || kind === "drill" || kind === "painter") {
     return touchable;
   }

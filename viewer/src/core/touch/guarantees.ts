@@ -32,9 +32,15 @@ const held: Readonly<Record<Safety["force"], { short: string; meaning: string } 
     short: "force waits",
     meaning: "The force waits until it would be small: it never begins with a blow. Move the hand out of the surface.",
   },
-  ramping: { short: "force ramps up", meaning: "The force rises to its full size within a moment, as after each start." },
+  ramping: {
+    short: "force ramps up",
+    meaning: "The force rises to its full size within a moment, as after each start.",
+  },
   easing: { short: "force eases off", meaning: "The force falls to what the motors of the device bear for long." },
-  off: { short: "force off", meaning: "No force is sent to the hand: the device, or the engine's watchdog, has stopped it." },
+  off: {
+    short: "force off",
+    meaning: "No force is sent to the hand: the device, or the engine's watchdog, has stopped it.",
+  },
 };
 
 const noForce: Readonly<Record<NonNullable<Safety["off"]>, string>> = {
@@ -60,7 +66,9 @@ export function lightOf(safety: Safety, model: Settings["model"]): Light {
     return {
       colour: "red",
       short,
-      meaning: `A guarantee of touch was broken ${times} since the start: the probe was inside of something solid, or a force was wrong. ${cause}`,
+      meaning:
+        `A guarantee of touch was broken ${times} since the start: the probe was inside of something solid, or a ` +
+        `force was wrong. ${cause}`,
       counts,
     };
   }
@@ -70,7 +78,8 @@ export function lightOf(safety: Safety, model: Settings["model"]): Light {
   }
   const meaning =
     model === "exact"
-      ? "Each tick was looked at: the probe was never inside of anything solid, no force pulled into it, none was without contact, and none that was sent was over the limit."
+      ? "Each tick was looked at: the probe was never inside of anything solid, no force pulled into it, none was " +
+        "without contact, and none that was sent was over the limit."
       : `No guarantee was broken so far. ${printedModel}`;
   return { colour: "green", short: "guarantees ok", meaning, counts };
 }

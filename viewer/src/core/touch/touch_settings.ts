@@ -4,7 +4,8 @@
  */
 import type { DeviceLimits, Feel, Segment, Settings } from "../protocol";
 
-type NumberSetting = "stiffness" | "damping" | "friction_static" | "friction_kinetic" | "probe_radius" | "force_limit" | "gain";
+type NumberSetting =
+  "stiffness" | "damping" | "friction_static" | "friction_kinetic" | "probe_radius" | "force_limit" | "gain";
 
 interface Range {
   readonly min: number;

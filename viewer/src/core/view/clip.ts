@@ -147,7 +147,10 @@ export function keptSpan(planes: readonly Plane[], { origin, direction }: Ray): 
 /** What was kept of a clip, as far as it is one of this scan. */
 export function saneClip(given: unknown, frame: ScanFrame): Clip {
   const { box, planes } = (given ?? {}) as Partial<Record<keyof Clip, unknown>>;
-  return { box: saneBox(box, frame), planes: Array.isArray(planes) ? planes.filter(isFreePlane).slice(0, mostFreePlanes) : [] };
+  return {
+    box: saneBox(box, frame),
+    planes: Array.isArray(planes) ? planes.filter(isFreePlane).slice(0, mostFreePlanes) : [],
+  };
 }
 
 function saneBox(given: unknown, frame: ScanFrame): ClipBox {

@@ -1,15 +1,15 @@
 /**
  * What pictures cost, learned from those that were drawn: a wait for each, a part per sample and a part per triangle.
  *
- * A Kalman filter whose state are the three costs, which wander, and whose measurements are times: what was expected wrongly
- * is laid to each cost by how little is known of it, and pictures of several sizes soon tell them apart.
+ * A Kalman filter whose state are the three costs, which wander, and whose measurements are times: what was expected
+ * wrongly is laid to each cost by how little is known of it, and pictures of several sizes soon tell them apart.
  * Source: Kalman, "A new approach to linear filtering and prediction problems" (1960).
  */
 
 import { add, addScaled, dot, scale, type Vec3 } from "../geometry/vector";
 
 /** What is counted of a picture; of costs, the time of each [ms]. */
-export interface Work {
+export interface Workload {
   /** How often the renderer was waited for. */
   readonly waits: number;
   /** Pixels times steps per voxel edge. */
@@ -22,7 +22,9 @@ type Triple = Vec3;
 
 /** Times of like pictures differ by this share of what is expected (standard deviation). */
 const noise = 0.1;
-/** A cost wanders from picture to picture by this share of it, or of a tenth of its first guess (standard deviation). */
+/**
+ * A cost wanders from picture to picture by this share of it, or of a tenth of its first guess (standard deviation).
+ */
 const wander = 0.05;
 
 export class CostModel {
@@ -33,19 +35,19 @@ export class CostModel {
   private covariance: readonly [Triple, Triple, Triple];
 
   /** @param guess of what is not known yet, off by as much as it is [ms each]. */
-  constructor(guess: Work) {
+  constructor(guess: Workload) {
     const [a, b, c] = (this.costs = listed(guess));
     this.least = scale(this.costs, 0.1);
     this.covariance = [[a * a, 0, 0], [0, b * b, 0], [0, 0, c * c]];
   }
 
   /** Expected time [ms]. */
-  expected(work: Partial<Work>): number {
+  expected(work: Partial<Workload>): number {
     return dot(this.costs, listed(work));
   }
 
   /** Learns that work took `milliseconds`. */
-  learn(work: Work, milliseconds: number): void {
+  learn(work: Workload, milliseconds: number): void {
     const counted = listed(work);
     const expected = dot(this.costs, counted);
     const [first, second, third] = this.covariance;
@@ -62,7 +64,7 @@ export class CostModel {
   }
 }
 
-function listed({ waits = 0, samples = 0, triangles = 0 }: Partial<Work>): Triple {
+function listed({ waits = 0, samples = 0, triangles = 0 }: Partial<Workload>): Triple {
   return [waits, samples, triangles];
 }
 

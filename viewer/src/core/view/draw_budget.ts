@@ -2,11 +2,11 @@
  * How much of the picture to draw at once, so that the page stays smooth on any renderer.
  *
  * What pictures cost is learned from those that were drawn, apart for those that move and those at rest: rays of large
- * pictures lie closer together, and are cheaper. Only whole pictures tell: of one strip there is air, of the next one a skull.
- * While the view moves, the picture is drawn as fine as the budget of one frame allows, by resolution, step
- * and detail of surfaces; at rest it is refined level by level, in strips of rows that each fit into that budget too.
+ * pictures lie closer together, and are cheaper. Only whole pictures tell: of one strip there is air, of the next one a
+ * skull. While the view moves, the picture is drawn as fine as the budget of one frame allows, by resolution, step and
+ * detail of surfaces; at rest it is refined level by level, in strips of rows that each fit into that budget too.
  */
-import { CostModel, type Work } from "./cost_model";
+import { CostModel, type Workload } from "./cost_model";
 
 /** Which triangles of surfaces are drawn. */
 export type Detail = "all" | "few";
@@ -55,8 +55,9 @@ const leastShare = 0.5;
 const margin = 0.8;
 
 /**
- * After so many pictures that were all as fine, a finer one is tried, or a coarser one where they take too long: those of one size
- * do not tell what is fixed of their costs, and with a wrong belief could remain coarser or slower than they need be.
+ * After so many pictures that were all as fine, a finer one is tried, or a coarser one where they take too long: those
+ * of one size do not tell what is fixed of their costs, and with a wrong belief could remain coarser or slower than
+ * they need be.
  */
 const firstPause = 24;
 /** Budgets that a trial is expected to take at most, or times of the pictures before it. */
@@ -81,35 +82,40 @@ export class DrawBudget {
    */
   constructor(
     public frameBudget: number,
-    guess: Work,
+    guess: Workload,
   ) {
     this.moving = new CostModel(guess);
     this.resting = new CostModel(guess);
   }
 
   /** Learns from a picture that moved. */
-  learnMoving(work: Work, milliseconds: number): void {
+  learnMoving(work: Workload, milliseconds: number): void {
     this.moving.learn(work, milliseconds);
   }
 
   /** Learns from a whole picture at rest, which was waited for with each of its strips. */
-  learnResting(work: Work, milliseconds: number): void {
+  learnResting(work: Workload, milliseconds: number): void {
     this.resting.learn(work, milliseconds);
   }
 
-  /** Whether all triangles of surfaces can be drawn within a frame, beside `samples` at their finest or beside their least share. */
+  /**
+   * Whether all triangles of surfaces can be drawn within a frame, beside `samples` at their finest or beside their
+   * least share.
+   */
   detail(samples: number, triangles: number): Detail {
-    const time = Math.max(leastShare * this.frameBudget, this.frameBudget - this.moving.expected({ waits: 1, samples }));
+    const time = Math.max(
+      leastShare * this.frameBudget,
+      this.frameBudget - this.moving.expected({ waits: 1, samples }),
+    );
     const room = this.chosen === "few" ? margin * time : time;
     this.chosen = this.moving.expected({ triangles }) <= room ? "all" : "few";
     return this.chosen;
   }
 
   /**
-   * The finest picture that is done within a frame beside so many triangles, or takes not much longer than the coarsest; of `samples`
-   * at its finest.
-   * From one to the next it becomes finer by one at most: so none is many times as slow as the one before, whatever
-   * was learned of another view.
+   * The finest picture that is done within a frame beside so many triangles, or takes not much longer than the
+   * coarsest; of `samples` at its finest. From one to the next it becomes finer by one at most: so none is many times
+   * as slow as the one before, whatever was learned of another view.
    */
   picture(samples: number, triangles = 0): MovingPicture {
     const { frameBudget, moving } = this;
@@ -133,7 +139,10 @@ export class DrawBudget {
     }
   }
 
-  /** The place to be drawn instead of what is meant, where a trial is due. Each one that leads to nothing doubles the time to the next. */
+  /**
+   * The place to be drawn instead of what is meant, where a trial is due. Each one that leads to nothing doubles the
+   * time to the next.
+   */
   private tried(place: number, times: readonly number[]): number {
     const { frameBudget } = this;
     const meant = times[place] ?? 0;

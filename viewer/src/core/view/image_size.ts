@@ -12,7 +12,7 @@ export function imageSize({ width, height }: Viewport, ratio: number, magnificat
   return { width: Math.round(width * ratio * magnification), height: Math.round(height * ratio * magnification) };
 }
 
-/** The same but for a pixel, with even edges: films have such, and pictures of which each eye has half. */
+/** The same but for a pixel, with even edges: videos have such, and pictures of which each eye has half. */
 export function evenSize({ width, height }: Viewport): Viewport {
   return { width: width - (width % 2), height: height - (height % 2) };
 }

@@ -25,7 +25,11 @@ const gap = 2;
 const viewShare = 0.6;
 
 /** The panes of a picture of this size. One slice stands beside the view, or below it where that is wider. */
-export function panesOf(layout: Layout, size: { readonly width: number; readonly height: number }, single: SliceName): Panes {
+export function panesOf(
+  layout: Layout,
+  size: { readonly width: number; readonly height: number },
+  single: SliceName,
+): Panes {
   const whole: Rect = { x: 0, y: 0, ...size };
   if (layout === "view") {
     return { view: whole, slices: [] };

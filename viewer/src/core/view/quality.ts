@@ -44,6 +44,7 @@ export function firstQuality(software: boolean): QualityChoice {
 export function saneQuality({ quality, frameBudget }: QualityChoice, first: QualityChoice): QualityChoice {
   return {
     quality: qualities.includes(quality) ? quality : first.quality,
-    frameBudget: frameBudget >= frameBudgets.least && frameBudget <= frameBudgets.most ? frameBudget : first.frameBudget,
+    frameBudget:
+      frameBudget >= frameBudgets.least && frameBudget <= frameBudgets.most ? frameBudget : first.frameBudget,
   };
 }

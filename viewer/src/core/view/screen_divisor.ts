@@ -1,6 +1,6 @@
 /**
- * By how much the screen divides its own pixels while the view moves and the CPU draws: to enlarge a coarse picture to all
- * of them took half of a frame, and browsers do it in less time.
+ * By how much the screen divides its own pixels while the view moves and the CPU draws: to enlarge a coarse picture to
+ * all of them took half of a frame, and browsers do it in less time.
  */
 
 /** Pixels of the screen that are drawn in a few milliseconds. */

@@ -33,7 +33,8 @@ export function saneStereo({ mode, separation, squeezed, swapped }: Readonly<Rec
   const { least, most } = separations;
   return {
     mode: stereoModes.find((known) => known === mode) ?? "off",
-    separation: typeof separation === "number" && separation >= least && separation <= most ? separation : firstStereo.separation,
+    separation:
+      typeof separation === "number" && separation >= least && separation <= most ? separation : firstStereo.separation,
     squeezed: squeezed === true,
     swapped: swapped === true,
   };
@@ -47,7 +48,9 @@ export interface EyePlace {
   readonly rect: Rect;
 }
 
-/** What lies over an eye's picture stands in pixels of what it sees, which may be squeezed into its part of the pane. */
+/**
+ * What lies over an eye's picture stands in pixels of what it sees, which may be squeezed into its part of the pane.
+ */
 export interface ShownEye extends Eye {
   /** Where its picture is [CSS pixels from the pane's upper left corner]. */
   readonly rect: Rect;

@@ -1,4 +1,4 @@
-/** A film of the view turning about the body's long axis. */
+/** Cameras of a turntable: the view turning about the body's long axis. */
 import { orbit, type Camera } from "../geometry/camera";
 
 export interface Turntable {

@@ -35,7 +35,9 @@ export class FullscreenPass {
     renderer.compile(this.mesh, this.camera);
     const isReady = (): boolean => {
       // disposed meanwhile, it has none
-      const { currentProgram } = renderer.properties.get(this.material) as { currentProgram?: { isReady: () => boolean } };
+      const { currentProgram } = renderer.properties.get(this.material) as {
+        currentProgram?: { isReady: () => boolean };
+      };
       return currentProgram?.isReady() ?? true;
     };
     while (!isReady()) {

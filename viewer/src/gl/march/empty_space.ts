@@ -1,6 +1,6 @@
 /**
  * Which bricks hold something drawn, and how far a ray may leap over the others: kept in step with
- * the scan's values, its labels and its look.
+ * the scan's values, its labels and its appearance.
  */
 import type * as THREE from "three";
 import { boundsOf, distanceToFilled, filledBricks, type BrickRanges } from "../../core/scan/bricks";
@@ -60,7 +60,9 @@ export class EmptySpace {
 
   /** The first and the last brick along each axis that hold something drawn; null where none does. */
   get bounds(): ReturnType<typeof boundsOf> {
-    return this.filled === null || this.bricks === null ? null : (this.found ??= boundsOf(this.filled, this.bricks.counts));
+    return this.filled === null || this.bricks === null
+      ? null
+      : (this.found ??= boundsOf(this.filled, this.bricks.counts));
   }
 
   dispose(): void {

@@ -22,7 +22,7 @@ const skyReach = 40;
 type Layers = readonly [number, number];
 
 /** What is being worked out: cells' opacity in some layers, or the light in all. */
-interface Work {
+interface LightJob {
   readonly keepsSky: boolean;
   readonly opacity: Layers;
   /** Next layer of the opacity, then of the light. */
@@ -62,7 +62,7 @@ export class LightVolume {
   private unknown: Layers | null = null;
   private keyMoved = false;
   private readonly key = new THREE.Vector3();
-  private work: Work | null = null;
+  private job: LightJob | null = null;
 
   /**
    * @param march uniforms of the ray caster, which tell what is drawn.
@@ -115,8 +115,10 @@ export class LightVolume {
   /** What is drawn has changed: everywhere, or in planes of the whole scan's grid, half open. */
   changed(planes?: Layers): void {
     if (this.grid !== null && this.frame !== null) {
-      const layers: Layers = planes === undefined ? [0, this.grid.counts[2]] : layersReached(this.frame, this.grid, ...planes);
-      this.unknown = this.unknown === null ? layers : [Math.min(this.unknown[0], layers[0]), Math.max(this.unknown[1], layers[1])];
+      const layers: Layers =
+        planes === undefined ? [0, this.grid.counts[2]] : layersReached(this.frame, this.grid, ...planes);
+      this.unknown =
+        this.unknown === null ? layers : [Math.min(this.unknown[0], layers[0]), Math.max(this.unknown[1], layers[1])];
     }
   }
 
@@ -131,15 +133,15 @@ export class LightVolume {
   /** The light on display is not that of what is drawn. */
   get pending(): boolean {
     const moved = this.keyMoved && this.uniforms.lightShare.value.y > 0;
-    return this.isUsed && (this.work !== null || this.unknown !== null || moved || this.shown === null);
+    return this.isUsed && (this.job !== null || this.unknown !== null || moved || this.shown === null);
   }
 
   /** Works out some more layers; true where another light is on display than before. */
   advance(renderer: THREE.WebGLRenderer, layers: number): boolean {
     let renewed = false;
     for (let i = 0; i < layers && this.pending; ++i) {
-      this.work ??= this.begin();
-      renewed = this.drawLayer(renderer, this.work) || renewed;
+      this.job ??= this.begin();
+      renewed = this.drawLayer(renderer, this.job) || renewed;
     }
     return renewed;
   }
@@ -175,12 +177,12 @@ export class LightVolume {
     this.opacity = null;
     this.shown = null;
     this.working = null;
-    this.work = null;
+    this.job = null;
     this.uniforms.lightTexture.value = this.blank;
   }
 
   /** What has changed until now is taken; what changes meanwhile is for the next time. */
-  private begin(): Work {
+  private begin(): LightJob {
     const opacity = this.unknown ?? [0, 0];
     const keepsSky = this.unknown === null && this.shown !== null;
     this.unknown = null;
@@ -190,31 +192,31 @@ export class LightVolume {
     return { keepsSky, opacity, next: none ? { of: "light", layer: 0 } : { of: "opacity", layer: opacity[0] } };
   }
 
-  private drawLayer(renderer: THREE.WebGLRenderer, work: Work): boolean {
+  private drawLayer(renderer: THREE.WebGLRenderer, job: LightJob): boolean {
     const { own } = this;
     const { counts } = this.grid ?? { counts: [1, 1, 1] as const };
-    const { of, layer } = work.next;
+    const { of, layer } = job.next;
     own.layer.value = layer;
     if (of === "opacity") {
       this.opacity ??= cellsOf(counts, THREE.RedFormat);
       this.opacityPass.draw(renderer, this.opacity, layer);
-      const last = layer + 1 >= work.opacity[1];
-      work.next = last ? { of: "light", layer: 0 } : { of, layer: layer + 1 };
+      const last = layer + 1 >= job.opacity[1];
+      job.next = last ? { of: "light", layer: 0 } : { of, layer: layer + 1 };
       return false;
     }
     this.working ??= cellsOf(counts, THREE.RGFormat);
     own.opacityTexture.value = this.opacity?.texture ?? null;
     own.lightBefore.value = this.shown?.texture ?? null;
-    own.keepsSky.value = work.keepsSky ? 1 : 0;
+    own.keepsSky.value = job.keepsSky ? 1 : 0;
     this.lightPass.draw(renderer, this.working, layer);
     if (layer + 1 < counts[2]) {
-      work.next = { of, layer: layer + 1 };
+      job.next = { of, layer: layer + 1 };
       return false;
     }
     [this.shown, this.working] = [this.working, this.shown];
     // the types of three know a 3-D target's texture as any
     this.uniforms.lightTexture.value = this.shown.texture as unknown as THREE.Data3DTexture;
-    this.work = null;
+    this.job = null;
     return true;
   }
 }

@@ -5,7 +5,7 @@
  */
 import * as THREE from "three";
 import { FullscreenPass, type Uniforms } from "../base/fullscreen_pass";
-import type { PictureTarget } from "../picture/picture_target";
+import type { PictureTarget } from "../base/picture_target";
 import { shaders } from "../shaders/shaders";
 
 type Defines = Readonly<Record<string, string>>;

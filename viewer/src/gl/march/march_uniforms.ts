@@ -1,5 +1,5 @@
 /**
- * What the shaders of the ray caster are told: in sync with `shaders/march/march.frag` and what it is joined from.
+ * What the shaders of the ray caster are given: in sync with `shaders/march/march.frag` and what it is joined from.
  */
 import * as THREE from "three";
 import { transformPoint } from "../../core/geometry/affine";

@@ -1,6 +1,6 @@
 /**
  * Draws the scan: holds what `shaders/march/march.frag` needs and keeps it in step with the scan,
- * its look and the camera. Frame: the grid's axes, lengths in mm.
+ * its appearance and the camera. Frame: the grid's axes, lengths in mm.
  */
 import type * as THREE from "three";
 import { column } from "../../core/geometry/affine";
@@ -27,9 +27,9 @@ import { transferTextures } from "../textures/lookup_textures";
 import { LightVolume } from "./light_volume";
 import { MarchProgram } from "./march_program";
 import { lookFrom, marchUniforms, standAt, type FieldUniform, type MarchUniforms } from "./march_uniforms";
-import type { PictureTarget } from "../picture/picture_target";
+import type { PictureTarget } from "../base/picture_target";
 import { SecondTexture, type ShownSecond } from "../textures/second_texture";
-import type { SurfaceLayers } from "../surfaces/surface_layers";
+import type { SurfaceLayers } from "../textures/surface_layers";
 
 export interface MarchQuality {
   /** Steps per smallest voxel edge. */
@@ -77,9 +77,9 @@ export class RayMarcher {
   /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
   private layers = -1;
   /** Whether tissue may be displaced from its voxels. */
-  private gives = false;
+  private deforming = false;
   private withSecond = false;
-  /** Of the look on which the light was worked out. */
+  /** Of the appearance for which the light was worked out. */
   private opacity = "";
 
   constructor(private readonly options: RayMarcherOptions = { software: true, lightCells: 64 }) {
@@ -89,7 +89,7 @@ export class RayMarcher {
   }
 
   /**
-   * Has the GPU ready, before there is a scan, a light program for what most looks show: to make the whole one
+   * Has the GPU ready, before there is a scan, a light program for what is drawn most often: to make the whole one
    * takes longer than the scan is on its way.
    *
    * @param target of the kind that pictures are drawn into.
@@ -110,7 +110,7 @@ export class RayMarcher {
     await this.program.complete(renderer, target);
   }
 
-  /** Shows another scan, or the same more finely: then the light stays until it is told that what is drawn has changed. */
+  /** Shows another scan, or the same more finely: then the light stays until what is drawn changes. */
   setField(field: FieldTexture, bricks: BrickRanges): void {
     const { frame, step } = field.volume;
     const u = this.uniforms;
@@ -139,33 +139,33 @@ export class RayMarcher {
   }
 
   /** Shows the scan in another way. */
-  setLook(look: Appearance): void {
+  setAppearance(appearance: Appearance): void {
     if (this.frame === null) {
       return;
     }
     const u = this.uniforms;
     const { rescale } = this.frame;
-    const { optics } = look;
-    this.setTransferFunction(look.transferFunction, rescale);
-    const { ambient, diffuse, specular, shininess, edges } = look.lighting;
-    u.edge.value.set(look.edgeGradient, 1 - edges);
+    const { optics } = appearance;
+    this.setTransferFunction(appearance.transferFunction, rescale);
+    const { ambient, diffuse, specular, shininess, edges } = appearance.lighting;
+    u.edge.value.set(appearance.edgeGradient, 1 - edges);
     u.material.value.set(ambient, diffuse, specular, shininess);
     u.density.value = optics.density;
     u.grey.value.set(...greyScale(optics, rescale));
     u.tissueFrom.value = greyOf(optics.tissueFrom, optics.window);
-    u.isoColour.value.set(...sample(look.transferFunction.points, optics.isoValue).colour);
+    u.isoColour.value.set(...sample(appearance.transferFunction.points, optics.isoValue).colour);
 
-    const { occlusion, shadow } = look.lighting;
+    const { occlusion, shadow } = appearance.lighting;
     const lit = this.light.isUsed;
     this.light.use(isLit(optics.blend) ? occlusion : 0, isLit(optics.blend) ? shadow : 0);
-    const ranges = look.ranges.slice(0, mostRanges);
+    const ranges = appearance.ranges.slice(0, mostRanges);
     u.rangeCount.value = ranges.length;
     ranges.forEach((range, i) => {
       u.rangeBounds.value[i]?.set(range.low, range.high, drawnAs(range), range.label);
       u.rangeColours.value[i]?.set(...range.colour);
       u.rangeMaterials.value[i]?.set(...(range.material ?? [1, 1]), range.body ?? 0);
     });
-    this.empty.setDrawn(drawnBy(look, rescale));
+    this.empty.setDrawn(drawnBy(appearance, rescale));
     this.second.setBlend(optics.blend);
     this.slab = optics.slab;
     this.setSlab();
@@ -173,7 +173,7 @@ export class RayMarcher {
       this.mode = optics.blend;
       this.compile();
     }
-    const opacity = opacityKey(look);
+    const opacity = opacityKey(appearance);
     if (opacity !== this.opacity) {
       this.opacity = opacity;
       this.light.changed();
@@ -231,9 +231,9 @@ export class RayMarcher {
    * Whether a model of deformation is at work: then shaders look for displacements, else they
    * know of none.
    */
-  setGives(gives: boolean): void {
-    if (gives !== this.gives) {
-      this.gives = gives;
+  setDeforming(deforming: boolean): void {
+    if (deforming !== this.deforming) {
+      this.deforming = deforming;
       this.compile();
     }
   }
@@ -289,11 +289,13 @@ export class RayMarcher {
     }
   }
 
-  /** Corners of a box that holds all that is drawn of the scan; scene [mm]. Null where something may be drawn anywhere. */
+  /**
+   * Corners of a box that holds all that is drawn of the scan; scene [mm]. Null where something may be drawn anywhere.
+   */
   get outline(): readonly Vec3[] | null {
-    const { empty, frame, gives, step, withSecond } = this;
+    const { empty, frame, deforming, step, withSecond } = this;
     const { bounds } = empty;
-    if (frame === null || bounds === null || gives || withSecond) {
+    if (frame === null || bounds === null || deforming || withSecond) {
       return null;
     }
     // as `standAt` places bricks; with a voxel around them, by which smooth surfaces leave theirs at most
@@ -329,7 +331,7 @@ export class RayMarcher {
     return {
       [this.format]: "",
       ...(!this.labelled ? {} : { LABELS: "" }),
-      ...(this.gives ? { DISPLACED: "" } : {}),
+      ...(this.deforming ? { DISPLACED: "" } : {}),
     };
   }
 
@@ -340,7 +342,7 @@ export class RayMarcher {
 
   /** The same for surfaces of triangles, which are lit as what this one draws. */
   get surfaceDefines(): Readonly<Record<string, string>> {
-    // as most looks have it, as long as there is none
+    // as it is most often, as long as there is none
     const lit = this.frame === null || this.light.isUsed;
     return { ...this.fieldDefines, ...(lit ? { LIGHT_VOLUME: "" } : {}) };
   }
@@ -383,12 +385,17 @@ export class RayMarcher {
 
   private get variant(): Record<string, string> {
     const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
-    return { ...this.textureDefines, ...surfaces, ...this.blendDefine, ...(this.options.software ? { CPU_DRAWS: "" } : {}) };
+    return {
+      ...this.textureDefines,
+      ...surfaces,
+      ...this.blendDefine,
+      ...(this.options.software ? { CPU_DRAWS: "" } : {}),
+    };
   }
 
-  /** A scan alone is shown by a light program too, in modes of which most looks are. */
+  /** A scan alone is shown by a light program too, in the modes that are used most. */
   private get lightVariant(): Record<string, string> | null {
-    const alone = this.layers < 0 && !this.labelled && !this.gives && !this.withSecond;
+    const alone = this.layers < 0 && !this.labelled && !this.deforming && !this.withSecond;
     const simple = alone && (this.mode === "shaded" || this.mode === "composite");
     return simple ? { [this.format]: "", LAYERS: "0", FIRST: "", ...this.blendDefine } : null;
   }

@@ -1,11 +1,14 @@
 /** Marks in the 3-D view: lines of constant width on the screen, and rings at their points. */
 import * as THREE from "three";
-import { srgbFromHex } from "../../core/appearance/colour";
+import { srgbFromHex } from "../../core/base/colour";
 import type { Vec3 } from "../../core/geometry/vector";
 import { GhostedQuads, strip } from "./ghosted_quads";
 import { shaders } from "../shaders/shaders";
 
-/** Half the width of a line, with its halo, radius of a ring, half the square it is drawn in, and how far toward the eye [CSS pixels]. */
+/**
+ * Half the width of a line, with its halo, radius of a ring, half the square it is drawn in, and how far toward the eye
+ * [CSS pixels].
+ */
 const halfLine = 0.9;
 const reach = [2.2, 6.5] as const;
 const ring = 4;

@@ -7,7 +7,7 @@
  * [CSS pixels].
  */
 import * as THREE from "three";
-import { srgbFromHex } from "../../core/appearance/colour";
+import { srgbFromHex } from "../../core/base/colour";
 import type { ModelParticles } from "../../core/tissue/particles";
 import type { PathTrail } from "../../core/touch/path_trail";
 import { addScaled, distance, length, normalize, subtract, type Vec3 } from "../../core/geometry/vector";
@@ -216,7 +216,15 @@ export class Markers {
     }
     const { probe, device, radius, show, trail, tool } = this.shown;
     const ball = around(probe, Math.max(show.ball ? radius : 0, tool?.radius ?? 0));
-    return [probe, device, this.tip, this.normalTip, ...ball, ...(show.path ? trail.points : []), ...this.parts.outline];
+    return [
+      probe,
+      device,
+      this.tip,
+      this.normalTip,
+      ...ball,
+      ...(show.path ? trail.points : []),
+      ...this.parts.outline,
+    ];
   }
 
   dispose(): void {
@@ -236,7 +244,10 @@ export class Markers {
     this.ball.ball(probe, radius);
     this.probe.paint(colour);
     // inside of its ball the middle is only marked
-    this.probe.ball(probe, ball ? Math.min(probeRadius * pixel, Math.max(2 * pixel, 0.4 * radius)) : probeRadius * pixel);
+    this.probe.ball(
+      probe,
+      ball ? Math.min(probeRadius * pixel, Math.max(2 * pixel, 0.4 * radius)) : probeRadius * pixel,
+    );
     this.device.ball(device, 4.5 * pixel);
     this.line.span(probe, device, pixel);
     this.device.group.visible = distance(probe, device) > 1.5 * pixel;
@@ -288,7 +299,19 @@ export class Markers {
 
   private get all(): readonly Marker[] {
     const { ball, toolBall, dot, plane, normalShaft, normalHead } = this;
-    return [this.probe, this.device, this.line, this.shaft, this.head, ball, toolBall, dot, plane, normalShaft, normalHead];
+    return [
+      this.probe,
+      this.device,
+      this.line,
+      this.shaft,
+      this.head,
+      ball,
+      toolBall,
+      dot,
+      plane,
+      normalShaft,
+      normalHead,
+    ];
   }
 }
 

@@ -1,6 +1,6 @@
 /** The nodes or particles of a model of deformation, coloured by strain: a disc each. */
 import * as THREE from "three";
-import { srgbFromHex } from "../../core/appearance/colour";
+import { srgbFromHex } from "../../core/base/colour";
 import type { ModelParticles } from "../../core/tissue/particles";
 import type { Vec3 } from "../../core/geometry/vector";
 import { GhostedQuads, square } from "./ghosted_quads";

@@ -30,7 +30,11 @@ export class Anaglyph {
   }
 
   /** @param corner lower left of the pane on the screen, or in what it is drawn into instead [device pixels]. */
-  draw(renderer: THREE.WebGLRenderer, corner: readonly [number, number], into: THREE.WebGLRenderTarget | null = null): void {
+  draw(
+    renderer: THREE.WebGLRenderer,
+    corner: readonly [number, number],
+    into: THREE.WebGLRenderTarget | null = null,
+  ): void {
     this.uniforms.corner.value.set(...corner);
     this.pass.draw(renderer, into);
   }

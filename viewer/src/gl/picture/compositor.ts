@@ -2,10 +2,10 @@
  * Puts the cached picture with its depth into its pane of the screen, over the background.
  */
 import * as THREE from "three";
-import { linearFromHex } from "../../core/appearance/colour";
+import { linearFromHex } from "../../core/base/colour";
 import { Upscaler, type ScreenPane } from "./upscaler";
 import { FullscreenPass } from "../base/fullscreen_pass";
-import type { PictureTarget } from "./picture_target";
+import type { PictureTarget } from "../base/picture_target";
 import { shaders } from "../shaders/shaders";
 
 /** Pictures that are so many times as coarse as their pane are put together before they are enlarged. */
@@ -72,7 +72,11 @@ export class Compositor {
     this.enlarger.dispose();
   }
 
-  private compose(renderer: THREE.WebGLRenderer, source: PictureTarget, { pane: { corner, size }, into, transparent = false }: Composition): void {
+  private compose(
+    renderer: THREE.WebGLRenderer,
+    source: PictureTarget,
+    { pane: { corner, size }, into, transparent = false }: Composition,
+  ): void {
     const u = this.uniforms;
     const { target, width, height } = source;
     u.picture.value = target.texture;

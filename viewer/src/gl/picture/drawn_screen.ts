@@ -1,6 +1,6 @@
 /**
- * What stands on the canvas: the pane of the 3-D view, and slices beside it. Where the screen keeps what was drawn, only
- * what has changed is drawn again.
+ * What stands on the canvas: the pane of the 3-D view, and slices beside it. Where the screen keeps what was drawn,
+ * only what has changed is drawn again.
  */
 import type * as THREE from "three";
 import type { Viewport } from "../../core/geometry/camera";
@@ -59,7 +59,9 @@ export class DrawnScreen {
   fit(divisor: number): void {
     const { canvas, pane, pixelRatio, renderer } = this;
     const isFew = this.keeps && this.slices.isEmpty && pane.stereo.mode === "off" && pane.isCoarse;
-    const ratio = isFew ? pixelRatio / screenDivisor(canvas.width * canvas.height * pixelRatio ** 2, divisor) : pixelRatio;
+    const ratio = isFew
+      ? pixelRatio / screenDivisor(canvas.width * canvas.height * pixelRatio ** 2, divisor)
+      : pixelRatio;
     if (ratio !== renderer.getPixelRatio()) {
       renderer.setPixelRatio(ratio);
       this.stale = true;

@@ -31,7 +31,7 @@ import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
-import { Slices, type ShownSlice, type SliceLook } from "./slices";
+import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
 import { ViewPane } from "./view_pane";
@@ -63,7 +63,7 @@ export class Picture {
   /** The GPU has the programs for a first picture, or cannot have them before it. */
   private prepared = false;
   private quality: QualityChoice;
-  private gives = false;
+  private deforming = false;
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
   private begun = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
@@ -78,7 +78,10 @@ export class Picture {
     const { support } = options;
     this.support = support;
     this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
-    this.marcher = new RayMarcher({ software: support.software, lightCells: support.software ? lightCells.software : lightCells.gpu });
+    this.marcher = new RayMarcher({
+      software: support.software,
+      lightCells: support.software ? lightCells.software : lightCells.gpu,
+    });
     this.slices = new Slices(this.marcher);
     this.renderer = new THREE.WebGLRenderer({
       canvas,
@@ -131,12 +134,17 @@ export class Picture {
 
   /** A picture of the scan, with all of the values that were given, is on the screen. */
   get hasPicture(): boolean {
-    return !this.scan.isComing && this.scan.ready && this.refiner.drawnPieces > 0;
+    return !this.scan.isLoading && this.scan.ready && this.refiner.drawnPieces > 0;
   }
 
   /** With what the picture on display was drawn, and whether it is final. */
   get shown(): Shown & { readonly finished: boolean } {
-    const whole = this.begun && !this.scan.isComing && !this.screen.stale && !this.slices.isStale && !this.marcher.second.isAwaited;
+    const whole =
+      this.begun &&
+      !this.scan.isLoading &&
+      !this.screen.stale &&
+      !this.slices.isStale &&
+      !this.marcher.second.isAwaited;
     return { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
@@ -153,7 +161,9 @@ export class Picture {
     }
   }
 
-  /** Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU. */
+  /**
+   * Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU.
+   */
   setScan(volume: ScanVolume, bricks: BrickRanges): void {
     if (volume.frame === this.scan.frame) {
       this.scan.bring(volume, bricks, volume.dimensions[2]);
@@ -180,9 +190,9 @@ export class Picture {
     }
   }
 
-  setLook(look: Appearance): void {
-    this.marcher.setLook(look);
-    this.compositor.bendsHighlights = !isGrey(look.optics.blend);
+  setAppearance(appearance: Appearance): void {
+    this.marcher.setAppearance(appearance);
+    this.compositor.bendsHighlights = !isGrey(appearance.optics.blend);
     this.refiner.restart();
   }
 
@@ -190,7 +200,9 @@ export class Picture {
   setLabels(volume: LabelVolume | null): void {
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
-    this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
+    this.marcher.setLabels(
+      volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks },
+    );
     this.slices.follow(this.scan.frame);
     this.refiner.restart();
   }
@@ -223,7 +235,7 @@ export class Picture {
     if (what.labels) {
       this.labels?.uploadBox(this.renderer, box);
     }
-    if (this.scan.isComing) {
+    if (this.scan.isLoading) {
       // it is drawn with the scan that comes
       return;
     }
@@ -239,10 +251,10 @@ export class Picture {
   }
 
   /** Whether a model of deformation is at work: only then tissue can be displaced. */
-  setGives(gives: boolean): void {
-    if (gives !== this.gives) {
-      this.gives = gives;
-      this.marcher.setGives(gives);
+  setDeforming(on: boolean): void {
+    if (on !== this.deforming) {
+      this.deforming = on;
+      this.marcher.setDeforming(on);
       this.slices.follow(this.scan.frame);
       this.refiner.restart();
     }
@@ -290,8 +302,8 @@ export class Picture {
     }
   }
 
-  setSliceLook(look: SliceLook): void {
-    this.slices.setLook(look);
+  setSliceAppearance(appearance: SliceAppearance): void {
+    this.slices.setAppearance(appearance);
   }
 
   /** One picture, or one for each eye; followed by `resize`. */
@@ -336,7 +348,8 @@ export class Picture {
   }
 
   /**
-   * Draws a view of the scan and its surfaces into a canvas, for one eye or for two; the screen stays as it is meanwhile.
+   * Draws a view of the scan and its surfaces into a canvas, for one eye or for two; the screen stays as it is
+   * meanwhile.
    *
    * @throws where there is no picture yet, a snapshot is drawn already or the wish is aborted.
    */

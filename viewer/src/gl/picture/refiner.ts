@@ -13,9 +13,9 @@ import type { RestingPicture } from "../../core/view/quality";
 import type { FieldFormat } from "../textures/field_texture";
 import type { GpuClock } from "../base/gpu_clock";
 import type { Tally } from "../surfaces/patch_mesh";
-import { PictureTarget } from "./picture_target";
+import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
-import { mostLayers } from "../surfaces/surface_layers";
+import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
 
 export interface RefinerOptions {
@@ -49,8 +49,14 @@ const movingLayers = 8;
 const movingSteps = { light: 1.5, whole: 1 } as const;
 
 /** First guesses of costs [ms each]. */
-const firstCosts = { gpu: { waits: 1, samples: 1e-5, triangles: 1e-6 }, software: { waits: 10, samples: 1e-2, triangles: 2e-4 } } as const;
-/** Time in which few triangles are made, where they are wanted: this much of a picture's, or of the budget where that is more. */
+const firstCosts = {
+  gpu: { waits: 1, samples: 1e-5, triangles: 1e-6 },
+  software: { waits: 10, samples: 1e-2, triangles: 2e-4 },
+} as const;
+/**
+ * Time in which few triangles are made, where they are wanted: this much of a picture's, or of the budget where that is
+ * more.
+ */
 const shareOfPreparing = 0.25;
 /** Longer it does not take, however long a picture took: a drag would wait [ms]. */
 const mostPreparing = 100;
@@ -133,7 +139,15 @@ export class Refiner {
 
   /** The picture is as fine as it gets. */
   get finished(): boolean {
-    return !this.stale && !this.changed && this.marcher.isWhole && !this.marcher.light.pending && this.levels.length === 0 && !this.averaging && !this.clock.busy;
+    return (
+      !this.stale &&
+      !this.changed &&
+      this.marcher.isWhole &&
+      !this.marcher.light.pending &&
+      this.levels.length === 0 &&
+      !this.averaging &&
+      !this.clock.busy
+    );
   }
 
   resize(width: number, height: number): void {
@@ -143,7 +157,7 @@ export class Refiner {
     this.restart();
   }
 
-  /** Camera, look or scan have changed. */
+  /** Camera, appearance or scan have changed. */
   restart(): void {
     this.stale = true;
     this.levels = [];
@@ -296,7 +310,10 @@ export class Refiner {
     this.chooseDetail();
     const begun = performance.now();
     const eyes = this.pictures.length;
-    const { divisor, step } = this.pace.picture(this.movingSamples, this.detail === "all" ? this.seen.all : this.seen.drawn);
+    const { divisor, step } = this.pace.picture(
+      this.movingSamples,
+      this.detail === "all" ? this.seen.all : this.seen.drawn,
+    );
     const stepsPerVoxel = step * this.movingSteps;
     const seen = { all: 0, drawn: 0 };
     for (let eye = 0; eye < eyes; ++eye) {
@@ -324,7 +341,10 @@ export class Refiner {
     this.eye = 0;
   }
 
-  /** Chooses how much of surfaces is drawn while the view moves, and makes some of the few triangles where they are wanted. */
+  /**
+   * Chooses how much of surfaces is drawn while the view moves, and makes some of the few triangles where they are
+   * wanted.
+   */
   private chooseDetail(): void {
     this.detail = this.pace.detail(this.movingSamples, this.seen.all);
     if (this.detail === "few") {
@@ -399,7 +419,13 @@ export class Refiner {
   /** Draws all of the surfaces for a picture at rest; returns their triangles. */
   private drawSurfaces(target: PictureTarget, divisor: number, shift: Shift): number {
     const { stepsPerVoxel } = this.resting;
-    const { drawn } = this.surfaces.draw(this.renderer, target, { divisor, stepsPerVoxel, shift, depth: mostLayers, detail: "all" });
+    const { drawn } = this.surfaces.draw(this.renderer, target, {
+      divisor,
+      stepsPerVoxel,
+      shift,
+      depth: mostLayers,
+      detail: "all",
+    });
     this.triangles = this.eye === 0 ? drawn : this.triangles + drawn;
     return drawn;
   }

@@ -27,7 +27,7 @@ export interface ShownSlice {
 export const slabModes = ["mean", "largest", "least"] as const;
 export type SlabMode = (typeof slabModes)[number];
 
-export interface SliceLook extends WindowLevel {
+export interface SliceAppearance extends WindowLevel {
   /** Thickness [mm]; 0 is a single plane. */
   readonly slab: number;
   readonly slabMode: SlabMode;
@@ -46,7 +46,7 @@ export class Slices {
   private readonly uniforms;
   private readonly pass: FullscreenPass;
   private shown: readonly ShownSlice[] = [];
-  private look: SliceLook | null = null;
+  private appearance: SliceAppearance | null = null;
   private segments: readonly Segment[] = [];
   private frame: ScanFrame | null = null;
   private colours: THREE.DataTexture | null = null;
@@ -113,8 +113,8 @@ export class Slices {
     return elsewhere;
   }
 
-  setLook(look: SliceLook): void {
-    this.look = look;
+  setAppearance(appearance: SliceAppearance): void {
+    this.appearance = appearance;
     this.compile();
     this.changed();
   }
@@ -138,13 +138,13 @@ export class Slices {
    * @param ratio device pixels per CSS pixel
    */
   draw(renderer: THREE.WebGLRenderer, height: number, ratio: number, all: boolean): void {
-    const { frame, look } = this;
-    if (frame === null || look === null) {
+    const { frame, appearance } = this;
+    if (frame === null || appearance === null) {
       return;
     }
     for (const slice of this.shown) {
       if (all || this.stale.has(slice.name)) {
-        this.place(slice, frame, look, height, ratio);
+        this.place(slice, frame, appearance, height, ratio);
         const { x, y, width, height: tall } = slice.rect;
         renderer.setViewport(x, height - y - tall, width, tall);
         this.pass.draw(renderer, null);
@@ -159,7 +159,13 @@ export class Slices {
   }
 
   /** Tells the shader where a slice lies. */
-  private place({ plane, rect }: ShownSlice, frame: ScanFrame, look: SliceLook, height: number, ratio: number): void {
+  private place(
+    { plane, rect }: ShownSlice,
+    frame: ScanFrame,
+    appearance: SliceAppearance,
+    height: number,
+    ratio: number,
+  ): void {
     const u = this.uniforms;
     const step = plane.pixel / ratio;
     const right = scale(plane.right, plane.pixel * (rect.width / 2));
@@ -172,16 +178,16 @@ export class Slices {
     u.outline.value = outlineWidth * ratio;
     u.pixelLength.value = step;
 
-    const samples = Math.min(mostSamples, 1 + Math.ceil(look.slab / smallestSpacing(frame)));
-    const between = samples > 1 ? look.slab / (samples - 1) : 0;
+    const samples = Math.min(mostSamples, 1 + Math.ceil(appearance.slab / smallestSpacing(frame)));
+    const between = samples > 1 ? appearance.slab / (samples - 1) : 0;
     u.slabSamples.value = samples;
     u.slabStep.value.set(...transformVector(frame.gridFromScene, scale(plane.toward, between)));
-    u.slabMode.value = slabModes.indexOf(look.slabMode);
+    u.slabMode.value = slabModes.indexOf(appearance.slabMode);
 
-    const ends = [look.level - look.window / 2, look.level + look.window / 2] as const;
+    const ends = [appearance.level - appearance.window / 2, appearance.level + appearance.window / 2] as const;
     const [black, white] = [biasedOf(ends[0], frame.rescale), biasedOf(ends[1], frame.rescale)];
     u.window.value.set(black, 1 / (white - black));
-    u.marks.value.set(look.fill, look.outline);
+    u.marks.value.set(appearance.fill, appearance.outline);
   }
 
   private applySegments(): void {
@@ -203,7 +209,10 @@ export class Slices {
   /** Leaves segments out of the shader where none is marked. */
   private compile(): void {
     const { material } = this.pass;
-    const marked = this.segments.some(drawnInSlices) && this.look !== null && this.look.fill + this.look.outline > 0;
+    const marked =
+      this.segments.some(drawnInSlices) &&
+      this.appearance !== null &&
+      this.appearance.fill + this.appearance.outline > 0;
     const second = this.marcher.second.inSlices ? { SECOND: "" } : {};
     const defines = { ...this.marcher.fieldDefines, ...second, ...(marked ? { MARKS: "" } : {}) };
     if (JSON.stringify(defines) !== JSON.stringify(material.defines)) {

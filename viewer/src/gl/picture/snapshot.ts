@@ -13,9 +13,9 @@ import { eyesOf, type Stereo } from "../../core/view/stereo";
 import { Anaglyph } from "./anaglyph";
 import type { Compositor } from "./compositor";
 import { GpuClock } from "../base/gpu_clock";
-import { PictureTarget } from "./picture_target";
+import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
-import { mostLayers } from "../surfaces/surface_layers";
+import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
 
 export interface SnapshotWish {
@@ -118,7 +118,11 @@ export class Snapshot {
       this.aim(eye);
       await this.drawTile(tile, signal);
       const into = eyes.length > 1 ? anaglyph.eyes[eye === 0 ? 0 : 1] : shown;
-      this.compositor.draw(renderer, drawn, { into, pane: { corner: [0, 0], size: [drawn.target.width, drawn.target.height] }, transparent });
+      this.compositor.draw(renderer, drawn, {
+        into,
+        pane: { corner: [0, 0], size: [drawn.target.width, drawn.target.height] },
+        transparent,
+      });
     }
     if (eyes.length > 1) {
       anaglyph.draw(renderer, [0, 0], shown);

@@ -3,9 +3,9 @@
  * for `palpate bench render`.
  */
 import * as THREE from "three";
-import { PictureTarget } from "./picture_target";
+import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
-import { mostLayers } from "../surfaces/surface_layers";
+import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
 
 export interface TimedWish {
@@ -24,7 +24,12 @@ export interface TimedPicture {
 }
 
 /** Draws what ray caster and surfaces are aimed at; without jitter. */
-export function drawTimed(renderer: THREE.WebGLRenderer, marcher: RayMarcher, surfaces: Surfaces, wish: TimedWish): TimedPicture {
+export function drawTimed(
+  renderer: THREE.WebGLRenderer,
+  marcher: RayMarcher,
+  surfaces: Surfaces,
+  wish: TimedWish,
+): TimedPicture {
   const { width, height, stepsPerVoxel } = wish;
   const drawn = new PictureTarget(true);
   drawn.resize(width, height);

@@ -4,7 +4,7 @@
  */
 import * as THREE from "three";
 import { FullscreenPass } from "../base/fullscreen_pass";
-import type { PictureTarget } from "./picture_target";
+import type { PictureTarget } from "../base/picture_target";
 import { shaders } from "../shaders/shaders";
 
 /** Where the screen shows a picture: lower left corner, and size [pixels of the screen as it is drawn]. */

@@ -12,7 +12,7 @@ import { Compositor, type Composition } from "./compositor";
 import type { ScreenPane } from "./upscaler";
 import { MarkStrokes } from "../markers/mark_strokes";
 import { markerMargin, Markers, type MarkerState } from "../markers/markers";
-import type { PictureTarget } from "./picture_target";
+import type { PictureTarget } from "../base/picture_target";
 import { ThreeCamera } from "./three_camera";
 
 /** A pixel of the coarsest picture fades this far into its background, and markers reach less far [CSS pixels]. */
@@ -81,12 +81,23 @@ export class ViewPane {
   /**
    * Draws all of it, or where the background is seen before and after only the rest.
    *
-   * @param outline points around all that is drawn of the scan [scene, mm]; null where the screen forgets, or that may be anywhere.
+   * @param outline points around all that is drawn of the scan [scene, mm]; null where the screen forgets, or that may
+   * be anywhere.
    */
   draw(outline: readonly Vec3[] | null): void {
     const { filled: before } = this;
-    const now = outline === null ? null : this.boxAround([...outline, ...this.markedPoints, ...this.markers.outline], pictureMargin);
-    this.drawPart(before === null || now === null ? null : now.clone().union(before).union(this.isCoarse ? now : this.coarse));
+    const now =
+      outline === null
+        ? null
+        : this.boxAround([...outline, ...this.markedPoints, ...this.markers.outline], pictureMargin);
+    this.drawPart(
+      before === null || now === null
+        ? null
+        : now
+            .clone()
+            .union(before)
+            .union(this.isCoarse ? now : this.coarse),
+    );
     this.filled = now;
   }
 
@@ -101,7 +112,9 @@ export class ViewPane {
   drawMarkers(keepsScreen: boolean): void {
     const before = this.marked;
     const now = this.boxAround(this.markers.outline, markerMargin);
-    this.drawPart(keepsScreen && !this.marksStale && before !== null && now !== null ? now.clone().union(before) : null);
+    this.drawPart(
+      keepsScreen && !this.marksStale && before !== null && now !== null ? now.clone().union(before) : null,
+    );
     const over = this.boxAround([...this.markedPoints, ...this.markers.outline], markerMargin);
     this.filled = over === null ? null : (this.filled?.union(over) ?? null);
   }

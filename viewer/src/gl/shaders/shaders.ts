@@ -48,7 +48,8 @@ import surfaces from "./surfaces/surfaces.glsl?raw";
 import tissue from "./march/tissue.glsl?raw";
 import transfer from "./march/transfer.glsl?raw";
 
-const precision = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
+const precision =
+  "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
 
 function joined(...parts: readonly string[]): string {
   return [precision, ...parts].join("\n");
@@ -79,7 +80,22 @@ ${iso}
 
 export const shaders = {
   fullscreen: joined(fullscreenVert),
-  march: joined(blends, displaced, field, segments, surfaces, light, lightVolume, clip, bricks, second, ray, openness, alongRays, marchFrag),
+  march: joined(
+    blends,
+    displaced,
+    field,
+    segments,
+    surfaces,
+    light,
+    lightVolume,
+    clip,
+    bricks,
+    second,
+    ray,
+    openness,
+    alongRays,
+    marchFrag,
+  ),
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
@@ -89,7 +105,10 @@ export const shaders = {
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   mark: { vertex: joined(markVert), fragment: joined(markFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
-  surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, clip, ownSegment, light, lightVolume, openness, surfaceFrag) },
+  surface: {
+    vertex: joined(displaced, surfaceVert),
+    fragment: joined(displaced, field, clip, ownSegment, light, lightVolume, openness, surfaceFrag),
+  },
   parts: { vertex: joined(partsVert), fragment: joined(partsFrag) },
   path: { vertex: joined(pathVert), fragment: joined(pathFrag) },
 };

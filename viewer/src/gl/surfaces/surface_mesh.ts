@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { columnMajor, linearColumnMajor, type Affine } from "../../core/geometry/affine";
 import { CoarseSurface } from "../../core/surfaces/coarse_surface";
-import { linearFromSrgb } from "../../core/appearance/colour";
+import { linearFromSrgb } from "../../core/base/colour";
 import type { Detail } from "../../core/view/draw_budget";
 import type { Segment } from "../../core/protocol";
 import type { ScanFrame } from "../../core/scan/scan_volume";
@@ -14,7 +14,9 @@ import type { Patch, SurfaceChange } from "../../core/surfaces/surface_patches";
 import { PatchMesh, upload, type Tally } from "./patch_mesh";
 import { shaders } from "../shaders/shaders";
 
-/** How long a patch that an edit has changed is drawn with all its triangles [ms]: what a tool does is seen as it is. */
+/**
+ * How long a patch that an edit has changed is drawn with all its triangles [ms]: what a tool does is seen as it is.
+ */
 const fineAfterEdit = 2000;
 
 /** Triangles that a surface is drawn with however little time there is: what is small is not to vanish. */
@@ -39,7 +41,7 @@ export class SurfaceMesh {
     bare: { value: 0 },
     ownRange: { value: new THREE.Vector2(1, 0) },
     ownLabel: { value: 0 },
-    gives: { value: 0 },
+    displaceable: { value: 0 },
     gridFromPosed: { value: new THREE.Matrix4() },
     posedFromGrid: { value: new THREE.Matrix4() },
     posedFromSurface: { value: new THREE.Matrix3() },
@@ -106,8 +108,13 @@ export class SurfaceMesh {
 
   /** Triangles of patches that a camera has in view. */
   trianglesIn(camera: THREE.Camera): number {
-    const view = new THREE.Frustum().setFromProjectionMatrix(camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse));
-    return [...this.meshes.values()].reduce((sum, { mesh, triangles }) => sum + (view.intersectsObject(mesh) ? triangles : 0), 0);
+    const view = new THREE.Frustum().setFromProjectionMatrix(
+      camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse),
+    );
+    return [...this.meshes.values()].reduce(
+      (sum, { mesh, triangles }) => sum + (view.intersectsObject(mesh) ? triangles : 0),
+      0,
+    );
   }
 
   /** Draws all triangles from now on, or of what is no wireframe the few that are there. */
@@ -132,9 +139,10 @@ export class SurfaceMesh {
     own.bare.value = segment.wireframe ? 1 : 0;
     this.material.wireframe = segment.wireframe;
     own.ownLabel.value = segment.range === null && segment.grid === null ? segment.id : 0;
-    const range = segment.range === null ? ([1, 0] as const) : biasedRange(segment.range[0], segment.range[1], frame.rescale);
+    const range =
+      segment.range === null ? ([1, 0] as const) : biasedRange(segment.range[0], segment.range[1], frame.rescale);
     own.ownRange.value.set(...range);
-    own.gives.value = segment.pose === null && segment.grid === null ? 1 : 0;
+    own.displaceable.value = segment.pose === null && segment.grid === null ? 1 : 0;
     this.stand(segment.pose ?? nowhere, frame);
   }
 

@@ -16,8 +16,8 @@ import type { SurfaceChange } from "../../core/surfaces/surface_patches";
 import { keyLight } from "../march/key_light";
 import type { Tally } from "./patch_mesh";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
-import type { PictureTarget } from "../picture/picture_target";
-import { layersWithin, SurfaceLayers } from "./surface_layers";
+import type { PictureTarget } from "../base/picture_target";
+import { layersWithin, SurfaceLayers } from "../textures/surface_layers";
 import { SurfaceMesh } from "./surface_mesh";
 
 export interface SurfaceDrawing {
@@ -132,12 +132,17 @@ export class Surfaces {
     upDirection.value.set(...view.up);
   }
 
-  /** Whether surfaces are drawn that may stand elsewhere than the voxels of their segments, or where nothing tells of these. */
+  /**
+   * Whether surfaces are drawn that may stand elsewhere than the voxels of their segments, or where nothing tells of
+   * these.
+   */
   get stray(): boolean {
     return this.parted.others.length > 0;
   }
 
-  /** Makes the few triangles of surfaces that have none yet and no body either, as long as `milliseconds` are not over. */
+  /**
+   * Makes the few triangles of surfaces that have none yet and no body either, as long as `milliseconds` are not over.
+   */
   prepareFew(milliseconds: number): void {
     const ends = performance.now() + milliseconds;
     for (const mesh of this.parted.others) {
@@ -148,8 +153,14 @@ export class Surfaces {
     }
   }
 
-  /** Draws all surfaces for a level of the picture and hands them to the ray caster; tells what they had of triangles. */
-  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, stepsPerVoxel, shift, depth, detail }: SurfaceDrawing): Readonly<Tally> {
+  /**
+   * Draws all surfaces for a level of the picture and hands them to the ray caster; tells what they had of triangles.
+   */
+  draw(
+    renderer: THREE.WebGLRenderer,
+    picture: PictureTarget,
+    { divisor, stepsPerVoxel, shift, depth, detail }: SurfaceDrawing,
+  ): Readonly<Tally> {
     const { bodies, others } = this.parted;
     const embodied = detail === "few" ? [...bodies.keys()] : [];
     const shown = detail === "few" ? others : [...bodies.keys(), ...others];
@@ -171,7 +182,12 @@ export class Surfaces {
     shared.sceneFromCube.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).invert();
     shared.haste.value = isInHaste(stepsPerVoxel) ? 1 : 0;
     shared.layerSize.value.set(layers.opaque.width, layers.opaque.height);
-    this.drawLayer(renderer, layers.opaque, camera, shown.filter((mesh) => !mesh.translucent));
+    this.drawLayer(
+      renderer,
+      layers.opaque,
+      camera,
+      shown.filter((mesh) => !mesh.translucent),
+    );
     shared.depthOpaque.value = layers.opaque.target.depthTexture;
     shared.peeled.value = 0;
     for (const layer of layers.translucent) {
@@ -195,7 +211,9 @@ export class Surfaces {
     return { ...this.marcher.surfaceDefines, ...(this.shared.clipCount.value > 0 ? { CLIPPED: "" } : {}) };
   }
 
-  /** The surfaces that are shown: those for which bodies of voxels can stand, with the opacity of each, and all others. */
+  /**
+   * The surfaces that are shown: those for which bodies of voxels can stand, with the opacity of each, and all others.
+   */
   private get parted(): { readonly bodies: ReadonlyMap<SurfaceMesh, number>; readonly others: readonly SurfaceMesh[] } {
     const [bodies, others] = [new Map<SurfaceMesh, number>(), [] as SurfaceMesh[]];
     const without = withoutRoom(this.segments);

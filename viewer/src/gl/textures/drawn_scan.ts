@@ -8,7 +8,7 @@ import type { Box } from "../../core/scan/voxel_change";
 import { FieldTexture, type FieldFormat } from "./field_texture";
 
 /** Values that are drawn as soon as they are on the GPU; until then some are that are coarser, or fewer. */
-interface Coming {
+interface LoadingField {
   readonly field: FieldTexture;
   readonly bricks: BrickRanges;
   /** Planes, from the first on, that have their own values. */
@@ -25,11 +25,11 @@ export interface Taken {
   readonly isWhole: boolean;
 }
 
-const isWhole = ({ field, arrived }: Coming): boolean => arrived === field.volume.dimensions[2];
+const isWhole = ({ field, arrived }: LoadingField): boolean => arrived === field.volume.dimensions[2];
 
 export class DrawnScan {
   private field: FieldTexture | null = null;
-  private coming: Coming | null = null;
+  private loading: LoadingField | null = null;
   /** Planes that are drawn with their own values; in others something stands in for them. */
   arrived = 0;
   /** There is something to draw. */
@@ -47,13 +47,13 @@ export class DrawnScan {
     return this.latest?.progress ?? 0;
   }
 
-  get isComing(): boolean {
-    return this.coming !== null;
+  get isLoading(): boolean {
+    return this.loading !== null;
   }
 
   /** What comes is all of the scan. */
   get comesWhole(): boolean {
-    return this.coming !== null && isWhole(this.coming);
+    return this.loading !== null && isWhole(this.loading);
   }
 
   /** Begins with another scan, which is drawn once its values are on the GPU. */
@@ -67,10 +67,10 @@ export class DrawnScan {
 
   /** Gives more values of the scan that is drawn; the same object has more of them in the same texture. */
   bring(volume: ScanVolume, bricks: BrickRanges, arrived: number): void {
-    const known = [this.coming?.field, this.field].find((field) => field?.volume === volume);
+    const known = [this.loading?.field, this.field].find((field) => field?.volume === volume);
     const field = known ?? new FieldTexture(volume, this.format);
     field.follow(arrived);
-    this.coming = { field, bricks, arrived };
+    this.loading = { field, bricks, arrived };
   }
 
   /** Sends values that have changed in a box. */
@@ -80,9 +80,9 @@ export class DrawnScan {
 
   /** Sends the next values; returns what is drawn instead of what was so far, or null. */
   upload(renderer: THREE.WebGLRenderer): Taken | null {
-    const { coming, field } = this;
-    if (coming !== null) {
-      return coming.field.uploadSlab(renderer) ? this.take(coming) : null;
+    const { loading, field } = this;
+    if (loading !== null) {
+      return loading.field.uploadSlab(renderer) ? this.take(loading) : null;
     }
     if (field !== null && !this.ready) {
       this.ready = field.uploadSlab(renderer);
@@ -91,27 +91,27 @@ export class DrawnScan {
   }
 
   dispose(): void {
-    if (this.coming?.field !== this.field) {
-      this.coming?.field.dispose();
+    if (this.loading?.field !== this.field) {
+      this.loading?.field.dispose();
     }
     this.field?.dispose();
-    this.coming = null;
+    this.loading = null;
   }
 
   private get latest(): FieldTexture | null {
-    return this.coming?.field ?? this.field;
+    return this.loading?.field ?? this.field;
   }
 
-  private take(coming: Coming): Taken {
-    const { field, bricks, arrived } = coming;
+  private take(loading: LoadingField): Taken {
+    const { field, bricks, arrived } = loading;
     const isNew = field !== this.field;
     if (isNew) {
       this.field?.dispose();
       this.field = field;
     }
-    this.coming = null;
+    this.loading = null;
     this.arrived = arrived;
     this.ready = true;
-    return { field, bricks, isNew, isWhole: isWhole(coming) };
+    return { field, bricks, isNew, isWhole: isWhole(loading) };
   }
 }

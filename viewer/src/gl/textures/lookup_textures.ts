@@ -3,9 +3,16 @@
  * empty space reaches, and the segments' ids with their colours.
  */
 import * as THREE from "three";
-import { linearFromSrgb } from "../../core/appearance/colour";
+import { linearFromSrgb } from "../../core/base/colour";
 import type { Segment } from "../../core/protocol";
-import { bodyOpacity, drawnFromVoxels, shownByValue, surfaceInPlace, type InsideMode, type InsideModes } from "../../core/segments/shown_segments";
+import {
+  bodyOpacity,
+  drawnFromVoxels,
+  shownByValue,
+  surfaceInPlace,
+  type InsideMode,
+  type InsideModes,
+} from "../../core/segments/shown_segments";
 import { bakeTransferFunction, integrateRow, type TransferFunction } from "../../core/appearance/transfer_function";
 import type { Vec3 } from "../../core/geometry/vector";
 
@@ -51,9 +58,10 @@ export function byteTexture(bytes: Uint8Array, dimensions: Vec3): THREE.Data3DTe
 const alphaOf: Readonly<Record<InsideMode, number>> = { solid: 1, tinted: 0.75, plain: 0 };
 
 /**
- * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.3 where its surface stands for
- * them, and up to 0.55 by how opaque that is, 0 where its values tell where it is. A second row has its factors on ambient and specular
- * light, and the opacity of the body that can stand for its surface where labels tell of that.
+ * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.3 where
+ * its surface stands for them, and up to 0.55 by how opaque that is, 0 where its values tell where it is. A second row
+ * has its factors on ambient and specular light, and the opacity of the body that can stand for its surface where
+ * labels tell of that.
  */
 export function labelColours(
   segments: readonly Segment[],

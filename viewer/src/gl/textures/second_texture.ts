@@ -8,7 +8,7 @@ import { brickEdge, distanceToFilled, filledBricks, type BrickRanges } from "../
 import { DrawnValues, type Drawn } from "../../core/appearance/drawn_values";
 import { greyOf, isGrey, seenInGrey, usesTransferFunction, type Blend } from "../../core/appearance/optics";
 import type { ScanFrame, ScanVolume } from "../../core/scan/scan_volume";
-import { fusions, sharesFromGrid, tints, type SecondLook } from "../../core/second/second_scan";
+import { fusions, sharesFromGrid, tints, type SecondAppearance } from "../../core/second/second_scan";
 import { biasedOf, physical, type Rescale } from "../../core/scan/stored_values";
 import { domainOf, sample } from "../../core/appearance/transfer_function";
 import type { WindowLevel } from "../../core/appearance/window_level";
@@ -21,7 +21,7 @@ export interface ShownSecond {
   readonly bricks: BrickRanges;
   /** Points of the first scan to the second's, patient of each [mm]. */
   readonly place: Affine;
-  readonly look: SecondLook;
+  readonly appearance: SecondAppearance;
 }
 
 export class SecondTexture {
@@ -63,12 +63,12 @@ export class SecondTexture {
       this.release();
       this.field = shown === null ? null : new FieldTexture(shown.volume, this.format);
     }
-    if (shown !== null && shown.look.transferFunction !== this.shown?.look.transferFunction) {
+    if (shown !== null && shown.appearance.transferFunction !== this.shown?.appearance.transferFunction) {
       this.setTransferFunction(shown);
     }
     this.shown = shown;
     if (shown !== null) {
-      this.setLook(shown.look, shown.volume.frame.rescale);
+      this.setAppearance(shown.appearance, shown.volume.frame.rescale);
     }
     this.fill();
   }
@@ -77,7 +77,7 @@ export class SecondTexture {
   setBlend(blend: Blend): void {
     this.mode = blend;
     if (this.shown !== null) {
-      this.setLook(this.shown.look, this.shown.volume.frame.rescale);
+      this.setAppearance(this.shown.appearance, this.shown.volume.frame.rescale);
       this.fill();
     }
   }
@@ -105,11 +105,11 @@ export class SecondTexture {
   }
 
   get inView(): boolean {
-    return this.ready && this.shown?.look.inView === true;
+    return this.ready && this.shown?.appearance.inView === true;
   }
 
   get inSlices(): boolean {
-    return this.ready && this.shown?.look.inSlices === true;
+    return this.ready && this.shown?.appearance.inSlices === true;
   }
 
   dispose(): void {
@@ -129,22 +129,22 @@ export class SecondTexture {
     this.filledBy = "";
   }
 
-  private setLook(look: SecondLook, rescale: Rescale): void {
+  private setAppearance(appearance: SecondAppearance, rescale: Rescale): void {
     const u = this.uniforms;
-    const window = windowOf(look, this.mode);
-    u.secondGrey.value.set(...greyScale(look.window, rescale));
+    const window = windowOf(appearance, this.mode);
+    u.secondGrey.value.set(...greyScale(appearance.window, rescale));
     u.secondRayGrey.value.set(...greyScale(window, rescale));
-    u.secondFusion.value = fusions.indexOf(look.fusion);
-    u.secondViewFusion.value = fusions.indexOf(look.viewFusion);
-    u.secondTint.value = tints.indexOf(look.tint);
-    u.secondOpacity.value = look.opacity;
-    u.secondSquare.value = look.square;
-    u.secondTurn.value = look.turn === "second" ? 1 : 0;
-    u.secondDensity.value = look.density;
-    u.secondEdge.value = look.edgeGradient / Math.max(Math.abs(rescale.slope), 1e-12);
-    u.secondTissueFrom.value = greyOf(look.tissueFrom, window);
-    u.secondIso.value.set(rescale.slope, physical(0, rescale) - look.isoValue);
-    u.secondIsoColour.value.set(...sample(look.transferFunction.points, look.isoValue).colour);
+    u.secondFusion.value = fusions.indexOf(appearance.fusion);
+    u.secondViewFusion.value = fusions.indexOf(appearance.viewFusion);
+    u.secondTint.value = tints.indexOf(appearance.tint);
+    u.secondOpacity.value = appearance.opacity;
+    u.secondSquare.value = appearance.square;
+    u.secondTurn.value = appearance.turn === "second" ? 1 : 0;
+    u.secondDensity.value = appearance.density;
+    u.secondEdge.value = appearance.edgeGradient / Math.max(Math.abs(rescale.slope), 1e-12);
+    u.secondTissueFrom.value = greyOf(appearance.tissueFrom, window);
+    u.secondIso.value.set(rescale.slope, physical(0, rescale) - appearance.isoValue);
+    u.secondIsoColour.value.set(...sample(appearance.transferFunction.points, appearance.isoValue).colour);
   }
 
   /** Tells the shader which bricks hold something that is drawn in this mode. */
@@ -152,27 +152,27 @@ export class SecondTexture {
     if (this.shown === null) {
       return;
     }
-    const { bricks, look, volume } = this.shown;
-    const { isoValue, transferFunction } = look;
-    const values = [this.mode, windowOf(look, this.mode), isoValue];
+    const { bricks, appearance, volume } = this.shown;
+    const { isoValue, transferFunction } = appearance;
+    const values = [this.mode, windowOf(appearance, this.mode), isoValue];
     const key = JSON.stringify(usesTransferFunction(this.mode) ? transferFunction : values);
     if (key !== this.filledBy) {
       this.filledBy = key;
-      const drawn = drawnOf(look, this.mode, volume.frame.rescale);
+      const drawn = drawnOf(appearance, this.mode, volume.frame.rescale);
       const filled = filledBricks(bricks, (from, to) => drawn.any(from, to));
       this.uniforms.secondBricks.value?.dispose();
       this.uniforms.secondBricks.value = byteTexture(distanceToFilled(filled, bricks.counts), bricks.counts);
     }
   }
 
-  private setTransferFunction({ volume, look }: ShownSecond): void {
+  private setTransferFunction({ volume, appearance }: ShownSecond): void {
     const u = this.uniforms;
     const { rescale } = volume.frame;
-    const { values, integrals } = transferTextures(look.transferFunction);
+    const { values, integrals } = transferTextures(appearance.transferFunction);
     integrals.dispose();
     u.secondTransfer.value?.dispose();
     u.secondTransfer.value = values;
-    const [low = 0, high = 1] = domainOf(look.transferFunction).map((value) => biasedOf(value, rescale));
+    const [low = 0, high = 1] = domainOf(appearance.transferFunction).map((value) => biasedOf(value, rescale));
     u.secondScale.value.set(1 / (high - low), -low / (high - low));
     const [x, y, z] = volume.dimensions;
     u.secondBrickScale.value.set(x / brickEdge, y / brickEdge, z / brickEdge);
@@ -186,16 +186,21 @@ export class SecondTexture {
 }
 
 /** The window where a ray has one value; any where it has not. */
-function windowOf({ windows }: SecondLook, blend: Blend): WindowLevel {
+function windowOf({ windows }: SecondAppearance, blend: Blend): WindowLevel {
   return isGrey(blend) ? windows[blend] : windows.mip;
 }
 
 /** Whether the 3-D view stays as it is: slices alone may show a second scan in another way, or the other of two. */
 export function sameInView(one: ShownSecond | null, other: ShownSecond | null): boolean {
   const key = (shown: ShownSecond | null): string => {
-    const { look, place } = shown ?? { look: null, place: null };
-    const slices = { inSlices: null, window: null, fusion: null, turn: look?.viewFusion === "flicker" ? look.turn : null };
-    return JSON.stringify([place, look?.inView === true ? { ...look, ...slices } : null]);
+    const { appearance, place } = shown ?? { appearance: null, place: null };
+    const slices = {
+      inSlices: null,
+      window: null,
+      fusion: null,
+      turn: appearance?.viewFusion === "flicker" ? appearance.turn : null,
+    };
+    return JSON.stringify([place, appearance?.inView === true ? { ...appearance, ...slices } : null]);
   };
   return one?.volume === other?.volume && key(one) === key(other);
 }
@@ -206,11 +211,13 @@ function greyScale(window: WindowLevel, rescale: Rescale): [number, number] {
 }
 
 /** Which of its values are drawn. */
-function drawnOf(look: SecondLook, blend: Blend, rescale: Rescale): Drawn {
+function drawnOf(appearance: SecondAppearance, blend: Blend, rescale: Rescale): Drawn {
   if (usesTransferFunction(blend)) {
-    return new DrawnValues(look.transferFunction, rescale);
+    return new DrawnValues(appearance.transferFunction, rescale);
   }
-  const { isoValue } = look;
-  const window = windowOf(look, blend);
-  return { any: (low, high) => seenInGrey({ blend, window, isoValue }, physical(low, rescale), physical(high, rescale)) };
+  const { isoValue } = appearance;
+  const window = windowOf(appearance, blend);
+  return {
+    any: (low, high) => seenInGrey({ blend, window, isoValue }, physical(low, rescale), physical(high, rescale)),
+  };
 }

@@ -4,6 +4,7 @@
  */
 import { letters, sideName } from "../../core/geometry/anatomy";
 import { presets } from "../../core/appearance/curve_presets";
+import { blendNames, qualityNames, stereoNames } from "../../core/appearance/picture_names";
 import { blends } from "../../core/appearance/optics";
 import { qualities } from "../../core/view/quality";
 import { sliceNames, sliceTitle } from "../../core/slices/slice_plane";
@@ -12,14 +13,11 @@ import { toolChoices } from "../../core/tools/tools";
 import { larger, stiffer } from "../../core/touch/touch_settings";
 import type { Vec3 } from "../../core/geometry/vector";
 import { windowPresets } from "../../core/appearance/window_level";
-import { blendNames } from "../features/appearance/blend_names";
 import { formats, type Exporter } from "../features/scan/exporter.svelte";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import { anatomy } from "../features/appearance/appearance_control.svelte";
-import { qualityNames } from "../features/view/quality_names";
 import type { Session } from "../state/session.svelte";
-import type { Stage } from "./stage.svelte";
-import { stereoNames } from "../features/view/stereo_names";
+import type { Stage } from "./stage";
 import { themes, type ThemeControl } from "../theme/theme.svelte";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 import type { UndoControl } from "./undo_control";
@@ -35,7 +33,7 @@ export interface Action {
   readonly run: () => void;
   /** For an action that lasts as long as its key is held: ends it. Such a one is in no palette. */
   readonly end?: () => void;
-  /** Whether it means something now; always where nothing is told. */
+  /** Whether it means something now; always where it is left out. */
   readonly ready?: () => boolean;
 }
 
@@ -69,7 +67,7 @@ export interface ActionTargets {
 const turnStep = (2 * Math.PI) / 180;
 
 export function actionsOf(targets: ActionTargets): readonly Action[] {
-  return [look, picture, slices, touch, tools, marks, work].flatMap((group) => group(targets));
+  return [look, picture, slices, feel, touch, tools, marks, work].flatMap((group) => group(targets));
 }
 
 function look({ session, stage }: ActionTargets): readonly Action[] {
@@ -91,7 +89,12 @@ function look({ session, stage }: ActionTargets): readonly Action[] {
       keys: ["O"],
       run: () => { stage.view.orthographic = !stage.view.orthographic; },
     },
-    { group, name: "Stereo: red–cyan, side by side, top–bottom, off", keys: ["Shift+S"], run: () => { stage.stereo.next(); } },
+    {
+      group,
+      name: "Stereo: red–cyan, side by side, top–bottom, off",
+      keys: ["Shift+S"],
+      run: () => { stage.stereo.next(); },
+    },
     ...stereoModes.map((mode) => ({
       group,
       name: `Stereo: ${stereoNames[mode].name}`,
@@ -102,13 +105,13 @@ function look({ session, stage }: ActionTargets): readonly Action[] {
       group,
       name: `Draw as ${blendNames[blend].name}`,
       keys: [],
-      run: () => { stage.looks.choose("blend", blend); },
+      run: () => { stage.appearance.choose("blend", blend); },
     }) as const),
     ...[anatomy, ...presets.map(({ name }) => name)].map((name) => ({
       group,
       name: `Transfer function ${name}`,
       keys: [],
-      run: () => { stage.looks.usePreset(name); },
+      run: () => { stage.appearance.usePreset(name); },
     }) as const),
   ];
 }
@@ -116,35 +119,71 @@ function look({ session, stage }: ActionTargets): readonly Action[] {
 /** How the picture is made, cut and kept. */
 function picture({ stage, page }: ActionTargets): readonly Action[] {
   const group = "Look";
-  const { clips, images, looks } = stage;
+  const { appearance, clips, images } = stage;
   const drawable = (): boolean => stage.view.camera !== null && images.job === null;
-  const lit = (): boolean => looks.choice?.blend === "shaded";
+  const lit = (): boolean => appearance.choice?.blend === "shaded";
   return [
     { group, name: "Import a transfer function of 3D Slicer", keys: [], run: page.preset },
     {
       group,
       name: "Lighting on, off",
       keys: [],
-      ready: () => lit() || looks.choice?.blend === "composite",
-      run: () => { looks.choose("blend", lit() ? "composite" : "shaded"); },
+      ready: () => lit() || appearance.choice?.blend === "composite",
+      run: () => {
+        appearance.choose("blend", lit() ? "composite" : "shaded");
+      },
     },
-    ...qualities.map((quality) => ({
+    ...qualities.map(
+      (quality) =>
+        ({
+          group,
+          name: `Quality: ${qualityNames[quality].name}`,
+          keys: [],
+          run: () => {
+            stage.quality.choose({ quality });
+          },
+        }) as const,
+    ),
+    {
       group,
-      name: `Quality: ${qualityNames[quality].name}`,
+      name: "Clip box on, off",
       keys: [],
-      run: () => { stage.quality.choose({ quality }); },
-    }) as const),
-    { group, name: "Clip box on, off", keys: [], run: () => { clips.switchBox(!clips.clip.box.on); } },
+      run: () => {
+        clips.switchBox(!clips.clip.box.on);
+      },
+    },
     {
       group,
       name: "Add a clip plane through the middle of the view",
       keys: [],
       ready: () => stage.view.camera !== null && !clips.full,
-      run: () => { if (stage.view.camera !== null) clips.addPlane(stage.view.camera); },
+      run: () => {
+        if (stage.view.camera !== null) clips.addPlane(stage.view.camera);
+      },
     },
-    { group, name: "Clip nothing", keys: [], ready: () => clips.cutting.length > 0, run: () => { clips.reset(); } },
-    { group, name: "Save a picture of the view", keys: [], ready: () => drawable() && images.fits(images.choice.magnification), run: () => void images.saveImage() },
-    { group, name: "Record a turntable of the view", keys: [], ready: () => drawable() && images.canAnimate, run: () => void images.saveAnimation() },
+    {
+      group,
+      name: "Clip nothing",
+      keys: [],
+      ready: () => clips.cutting.length > 0,
+      run: () => {
+        clips.reset();
+      },
+    },
+    {
+      group,
+      name: "Save a picture of the view",
+      keys: [],
+      ready: () => drawable() && images.fits(images.choice.magnification),
+      run: () => void images.saveImage(),
+    },
+    {
+      group,
+      name: "Record a turntable of the view",
+      keys: [],
+      ready: () => drawable() && images.canAnimate,
+      run: () => void images.saveAnimation(),
+    },
   ];
 }
 
@@ -173,14 +212,63 @@ function slices({ session, stage }: ActionTargets): readonly Action[] {
   ];
 }
 
-function touch({ session, stage, hand, page }: ActionTargets): readonly Action[] {
+/** What the mouse leads, and how touch feels. */
+function feel({ session, hand }: ActionTargets): readonly Action[] {
   const group = "Touch";
   const ready = (): boolean => session.settings !== null;
-  const change = (part: (settings: NonNullable<Session["settings"]>) => Parameters<Session["changeSettings"]>[0]) => (): void => {
-    if (session.settings !== null) {
-      session.changeSettings(part(session.settings));
-    }
-  };
+  const change =
+    (part: (settings: NonNullable<Session["settings"]>) => Parameters<Session["changeSettings"]>[0]) => (): void => {
+      if (session.settings !== null) {
+        session.changeSettings(part(session.settings));
+      }
+    };
+  return [
+    {
+      group,
+      name: "Touch mode: every move of the mouse moves the hand",
+      keys: ["T"],
+      run: () => { hand.touchMode = !hand.touchMode; },
+    },
+    {
+      group,
+      name: "Softer",
+      keys: ["["],
+      ready,
+      run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, -1, session.deviceLimits) })),
+    },
+    {
+      group,
+      name: "Stiffer",
+      keys: ["]"],
+      ready,
+      run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, 1, session.deviceLimits) })),
+    },
+    {
+      group,
+      name: "A smaller probe",
+      keys: ["-"],
+      ready,
+      run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, -1) })),
+    },
+    {
+      group,
+      name: "A larger probe",
+      keys: ["+", "="],
+      ready,
+      run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, 1) })),
+    },
+    {
+      group,
+      name: "Smooth surface, or the voxels' stairs",
+      keys: ["V"],
+      ready,
+      run: change(({ smoothing }) => ({ smoothing: smoothing === "off" ? "intensities" : "off" })),
+    },
+  ];
+}
+
+function touch({ session, stage, hand, page }: ActionTargets): readonly Action[] {
+  const group = "Touch";
   const turn = (direction: number) => (): void => {
     if (stage.view.camera !== null) {
       stage.objects.turn(stage.view.camera.back, direction * turnStep);
@@ -188,15 +276,25 @@ function touch({ session, stage, hand, page }: ActionTargets): readonly Action[]
   };
   const holds = (): boolean => stage.objects.holds;
   return [
-    { group, name: "Touch mode: every move of the mouse moves the hand", keys: ["T"], run: () => { hand.touchMode = !hand.touchMode; } },
-    { group, name: "Softer", keys: ["["], ready, run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, -1, session.deviceLimits) })) },
-    { group, name: "Stiffer", keys: ["]"], ready, run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, 1, session.deviceLimits) })) },
-    { group, name: "A smaller probe", keys: ["-"], ready, run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, -1) })) },
-    { group, name: "A larger probe", keys: ["+", "="], ready, run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, 1) })) },
-    { group, name: "Smooth surface, or the voxels' stairs", keys: ["V"], ready, run: change(({ smoothing }) => ({ smoothing: smoothing === "off" ? "intensities" : "off" })) },
-    { group, name: "Show or hide the contact normal", keys: ["N"], run: () => { stage.touch.change({ normal: !stage.touch.shown.normal }); } },
-    { group, name: "Show or hide the path of the probe", keys: ["P"], run: () => { stage.touch.change({ path: !stage.touch.shown.path }); } },
-    { group, name: "Held: the hand moves without the probe (clutch)", keys: ["K"], run: () => { hand.clutch(true); }, end: () => { hand.clutch(false); } },
+    {
+      group,
+      name: "Show or hide the contact normal",
+      keys: ["N"],
+      run: () => { stage.touch.change({ normal: !stage.touch.shown.normal }); },
+    },
+    {
+      group,
+      name: "Show or hide the path of the probe",
+      keys: ["P"],
+      run: () => { stage.touch.change({ path: !stage.touch.shown.path }); },
+    },
+    {
+      group,
+      name: "Held: the hand moves without the probe (clutch)",
+      keys: ["K"],
+      run: () => { hand.clutch(true); },
+      end: () => { hand.clutch(false); },
+    },
     {
       group,
       name: "Held: grab the touched segment, it follows the probe",
@@ -258,9 +356,27 @@ function marks({ session, stage }: ActionTargets): readonly Action[] {
     { group, name: "Mark a point", keys: ["B"], run: () => { stage.marks.start("point"); } },
     { group, name: "Measure a distance", keys: ["M"], run: () => { stage.marks.start("distance"); } },
     { group, name: "Measure an angle", keys: ["Shift+M"], run: () => { stage.marks.start("angle"); } },
-    { group, name: "Set a point at the probe", keys: ["J"], ready: () => session.latest !== null, run: () => { put(session.latest?.proxy); } },
-    { group, name: "Set a point at the crosshair of slices", keys: ["Shift+J"], ready: () => stage.slices.crosshair !== null, run: () => { put(stage.slices.crosshair); } },
-    { group, name: "Delete all marks", keys: [], ready: () => stage.marks.all.length > 0, run: () => { stage.marks.removeAll(); } },
+    {
+      group,
+      name: "Set a point at the probe",
+      keys: ["J"],
+      ready: () => session.latest !== null,
+      run: () => { put(session.latest?.proxy); },
+    },
+    {
+      group,
+      name: "Set a point at the crosshair of slices",
+      keys: ["Shift+J"],
+      ready: () => stage.slices.crosshair !== null,
+      run: () => { put(stage.slices.crosshair); },
+    },
+    {
+      group,
+      name: "Delete all marks",
+      keys: [],
+      ready: () => stage.marks.all.length > 0,
+      run: () => { stage.marks.removeAll(); },
+    },
   ];
 }
 
@@ -272,7 +388,13 @@ function work({ session, undo, exporter, theme, page }: ActionTargets): readonly
     { group, name: "Open another scan", keys: ["Ctrl+O"], run: page.open },
     { group, name: "Add a second scan", keys: [], run: page.second },
     { group, name: "Add segments from a file", keys: [], run: page.segments },
-    { group, name: "Add a segment by threshold", keys: [], ready: () => session.scan !== null, run: () => { session.addThreshold(); } },
+    {
+      group,
+      name: "Add a segment by threshold",
+      keys: [],
+      ready: () => session.scan !== null,
+      run: () => { session.addThreshold(); },
+    },
     ...formats.map(({ name, label }) => ({
       group,
       name: `Export: ${label}`,

@@ -8,7 +8,7 @@ import { physical } from "../../core/scan/stored_values";
 import type { ControlPoint } from "../../core/appearance/transfer_function";
 import type { Vec3 } from "../../core/geometry/vector";
 import type { TimedPicture, TimedWish } from "../../gl/picture/timed_picture";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 
 /** All that another renderer needs to draw the same. Lengths in mm, in the scene. */
 export interface BenchScene {
@@ -47,19 +47,19 @@ export function benchHooks(stage: Stage): BenchHooks {
       return stage.loader.wholePicture;
     },
     get pieces() {
-      return stage.drawn?.pieces ?? 0;
+      return stage.picture.drawn?.pieces ?? 0;
     },
     turn: (angle) => {
       stage.view.camera = stage.view.camera && orbit(stage.view.camera, angle, 0);
     },
-    draw: (wish) => stage.drawn?.drawTimed(wish) ?? null,
+    draw: (wish) => stage.picture.drawn?.drawTimed(wish) ?? null,
     scene: () => sceneOf(stage),
   };
 }
 
-function sceneOf({ view: { camera }, loader, look }: Stage): BenchScene | null {
+function sceneOf({ view: { camera }, loader, scene }: Stage): BenchScene | null {
   const held = loader.held?.volume;
-  if (camera === null || held === undefined || look === null || held.step !== 1) {
+  if (camera === null || held === undefined || scene.appearance === null || held.step !== 1) {
     return null;
   }
   const { frame, values } = held;
@@ -71,7 +71,7 @@ function sceneOf({ view: { camera }, loader, look }: Stage): BenchScene | null {
     origin: transformPoint(sceneFromGrid, [0.5, 0.5, 0.5]),
     axes,
     smallestSpacing: smallestSpacing(frame),
-    points: look.transferFunction.points,
+    points: scene.appearance.transferFunction.points,
     eye: eyeOf(camera),
     target: camera.target,
     up: camera.up,

@@ -17,7 +17,10 @@ export const gestures: Readonly<Record<Group, readonly HelpRow[]>> = {
     { keys: "Shift + arrows", does: "turn" },
     { keys: "Shift + Page Up, Page Down", does: "nearer, farther" },
     { keys: "Ctrl + arrows", does: "move the picture" },
-    { keys: "Alt + left drag", does: "window (sideways) and level (up and down) of what is seen; of an iso-surface its value" },
+    {
+      keys: "Alt + left drag",
+      does: "window (sideways) and level (up and down) of what is seen; of an iso-surface its value",
+    },
     { keys: "Click", does: "what is seen there, where, and its value; until the next click or Esc" },
   ],
   Slices: [

@@ -21,7 +21,9 @@ const moves: Readonly<Record<string, readonly [number, number, number]>> = {
 /** Speed of the hand while a key is held, and with Alt [pixels per second]. */
 const speed = 60;
 const fineSpeed = 12;
-/** Of the view: turn [rad/s], move of the picture [pixels per second], change of the distance by e each so many seconds. */
+/**
+ * Of the view: turn [rad/s], move of the picture [pixels per second], change of the distance by e each so many seconds.
+ */
 const turnSpeed = 1;
 const panSpeed = 240;
 const nearSpeed = 0.8;
@@ -66,7 +68,7 @@ export class KeyboardInput {
     };
   }
 
-  /** Keys that are let go elsewhere are not told of. */
+  /** Keys that are let go elsewhere are not reported. */
   private liftAll(): void {
     this.held.clear();
     for (const key of [...this.begun.keys()]) {

@@ -9,7 +9,7 @@ import type { ShownEye } from "../../core/view/stereo";
 import { placeOnSlice, pointOnSlice } from "../../core/slices/slice_plane";
 import { add, addScaled } from "../../core/geometry/vector";
 import type { ShownSlice } from "../../gl/picture/slices";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 
 /** What an eye sees of the 3-D view: a dragged point goes to what is seen there, else stays as far away as it was. */
 export function viewPane(stage: Stage, { camera, viewport, rect, stretch }: ShownEye): Pane {
@@ -18,7 +18,10 @@ export function viewPane(stage: Stage, { camera, viewport, rect, stretch }: Show
   return {
     name: "view",
     rect: { ...rect, x: view.x + rect.x, y: view.y + rect.y },
-    placesOf: (points) => placesInView(points, camera, viewport).map((place) => place && { ...place, x: place.x / right, y: place.y / down }),
+    placesOf: (points) =>
+      placesInView(points, camera, viewport).map(
+        (place) => place && { ...place, x: place.x / right, y: place.y / down },
+      ),
     dragTo: (point, x, y) => {
       const from = project(camera, point, viewport);
       if (from === null) {
@@ -26,7 +29,10 @@ export function viewPane(stage: Stage, { camera, viewport, rect, stretch }: Show
       }
       const to = [x * right, y * down] as const;
       const ray = rayThrough(camera, ...to, viewport);
-      return stage.picker.along(ray)?.point ?? add(point, alongView(camera, to[0] - from[0], to[1] - from[1], point, viewport));
+      return (
+        stage.picker.along(ray)?.point ??
+        add(point, alongView(camera, to[0] - from[0], to[1] - from[1], point, viewport))
+      );
     },
   };
 }
@@ -37,6 +43,7 @@ export function slicePane({ name, rect, plane }: ShownSlice): Pane {
     name,
     rect,
     placesOf: (points) => placesOnSlice(points, plane, rect),
-    dragTo: (point, x, y) => addScaled(pointOnSlice(plane, x, y, rect), plane.toward, placeOnSlice(plane, point, rect).before),
+    dragTo: (point, x, y) =>
+      addScaled(pointOnSlice(plane, x, y, rect), plane.toward, placeOnSlice(plane, point, rect).before),
   };
 }

@@ -4,7 +4,6 @@
 import { transformPoint } from "../../core/geometry/affine";
 import { pixelSizeAt, project, rayThrough, type Ray } from "../../core/geometry/camera";
 import { valueInVoxel } from "../../core/scan/field";
-import type { Appearance } from "../../core/appearance/appearance";
 import { unmoved } from "../../core/geometry/object_pose";
 import { surfaceCrossings } from "../../core/picking/pick_patches";
 import { pickScans, type PickedOfTwo } from "../../core/picking/pick_scans";
@@ -19,13 +18,13 @@ import type { Session } from "../state/session.svelte";
 import type { ShownEdits } from "../features/scan/shown_edits.svelte";
 import type { StereoControl } from "../features/view/stereo_control.svelte";
 import type { ViewControl } from "../features/view/view_control.svelte";
+import type { DrawnScene } from "./drawn_scene.svelte";
 
 /** What is drawn. */
 interface Drawn {
   readonly loader: ScanLoader;
-  readonly look: Appearance | null;
-  readonly looks: AppearanceControl;
-  readonly segments: readonly Segment[];
+  readonly scene: DrawnScene;
+  readonly appearance: AppearanceControl;
   readonly edits: ShownEdits;
   readonly clips: ClipControl;
   readonly second: SecondControl;
@@ -50,9 +49,10 @@ export class Picker {
 
   /** What a ray of the scene meets first. */
   along(ray: Ray): PickedOfTwo | null {
-    const { loader, look, looks, segments, edits, clips, second } = this.drawn;
+    const { loader, scene, appearance, edits, clips, second } = this.drawn;
+    const { appearance: drawn, segments } = scene;
     const volume = loader.held?.volume;
-    if (volume === undefined || look === null) {
+    if (volume === undefined || drawn === null) {
       return null;
     }
     const poses = this.session.latest?.poses ?? [];
@@ -66,13 +66,15 @@ export class Picker {
     const labelAt = (grid: Vec3): { readonly id: number; readonly visible: boolean } | null => {
       const label = edits.labelAt(grid, volume.step);
       const segment = segments.find(({ id, range }) => id === label && range === null);
-      const solid = segment !== undefined && (looks.inside[label] ?? "solid") === "solid";
-      return segment === undefined || (!solid && drawnFromVoxels(segment)) ? null : { id: label, visible: drawnFromVoxels(segment) };
+      const solid = segment !== undefined && (appearance.inside[label] ?? "solid") === "solid";
+      return segment === undefined || (!solid && drawnFromVoxels(segment))
+        ? null
+        : { id: label, visible: drawnFromVoxels(segment) };
     };
     // an edited threshold is where its labels are
-    const ranges = look.ranges.filter((range) => range.label === 0 && range.tinted !== true);
+    const ranges = drawn.ranges.filter((range) => range.label === 0 && range.tinted !== true);
     const also = { crossings: surfaceCrossings(surfaces, ray), labelAt, clip: clips.cutting };
-    return pickScans(volume, { ...look, ranges }, ray, also, second.shown);
+    return pickScans(volume, { ...drawn, ranges }, ray, also, second.shown);
   }
 
   /** Whether something stands before a point of the scene, seen from between the eyes. */
@@ -84,7 +86,9 @@ export class Picker {
     }
     const ray = rayThrough(camera, ...place, viewport);
     const found = this.along(ray);
-    return found !== null && dot(subtract(point, found.point), ray.direction) > lift * pixelSizeAt(camera, point, viewport);
+    return (
+      found !== null && dot(subtract(point, found.point), ray.direction) > lift * pixelSizeAt(camera, point, viewport)
+    );
   }
 
   /** Value of the scan at a point of the scene; null outside of it and before it is here. */
@@ -95,14 +99,14 @@ export class Picker {
 
   /** The segment that a voxel of the scan belongs to; one that is visible before others. */
   segmentAt(point: Vec3): Segment | null {
-    const { loader, segments, edits } = this.drawn;
+    const { loader, scene, edits } = this.drawn;
     const volume = loader.held?.volume;
     if (volume === undefined) {
       return null;
     }
     const label = edits.labelAt(transformPoint(volume.frame.gridFromScene, point), volume.step);
     const value = this.valueAt(point) ?? NaN;
-    const holding = segments.filter(
+    const holding = scene.segments.filter(
       ({ id, range, pose, grid }) =>
         pose === null && grid === null && (range === null ? id === label : range[0] <= value && value <= range[1]),
     );

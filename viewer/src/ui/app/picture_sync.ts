@@ -1,5 +1,5 @@
 /**
- * Hands slices, clip planes, marks, the second scan and how fine all is drawn to the picture as they change, and
+ * Passes slices, clip planes, marks, the second scan and how fine all is drawn to the picture as they change, and
  * knows whether it has them.
  */
 import type { Plane } from "../../core/view/clip";
@@ -7,7 +7,7 @@ import type { QualityChoice } from "../../core/view/quality";
 import type { Vec3 } from "../../core/geometry/vector";
 import type { Picture } from "../../gl/picture/picture";
 import type { ShownSecond } from "../../gl/textures/second_texture";
-import type { ShownSlice, SliceLook } from "../../gl/picture/slices";
+import type { ShownSlice, SliceAppearance } from "../../gl/picture/slices";
 import type { ClipControl } from "../features/view/clip_control.svelte";
 import type { MarkControl } from "../features/marks/mark_control.svelte";
 import type { QualityControl } from "../features/view/quality_control.svelte";
@@ -17,7 +17,8 @@ import type { SliceControl } from "../features/slices/slice_control.svelte";
 /** Between two drawings of slices where the CPU draws [ms]. */
 const slicePause = 60;
 
-interface Views {
+/** Controls whose state is passed on. */
+export interface SyncedControls {
   readonly slices: SliceControl;
   readonly quality: QualityControl;
   readonly clips: ClipControl;
@@ -30,13 +31,13 @@ export class PictureSync {
   private clip: readonly Plane[] | null = null;
   private marks: readonly (readonly Vec3[])[] | null = null;
   private slices: readonly ShownSlice[] | null = null;
-  private sliceLook: SliceLook | null = null;
+  private sliceAppearance: SliceAppearance | null = null;
   private second: ShownSecond | null = null;
   private slicesAt = 0;
 
   /** @param software whether the CPU draws. */
   constructor(
-    private readonly views: Views,
+    private readonly controls: SyncedControls,
     private readonly software: boolean,
   ) {}
 
@@ -46,21 +47,28 @@ export class PictureSync {
     this.clip = null;
     this.marks = null;
     this.slices = null;
-    this.sliceLook = null;
+    this.sliceAppearance = null;
     this.second = null;
   }
 
   /** Whether the picture has all that is to be seen. */
   get isWhole(): boolean {
-    const { clips, marks, quality, second, slices } = this.views;
-    const sliced = slices.shown === this.slices && slices.look === this.sliceLook;
-    return sliced && quality.choice === this.quality && clips.cutting === this.clip && marks.lines === this.marks && second.shown === this.second && second.progress === null;
+    const { clips, marks, quality, second, slices } = this.controls;
+    const sliced = slices.shown === this.slices && slices.appearance === this.sliceAppearance;
+    return (
+      sliced &&
+      quality.choice === this.quality &&
+      clips.cutting === this.clip &&
+      marks.lines === this.marks &&
+      second.shown === this.second &&
+      second.progress === null
+    );
   }
 
   /** @param scan whether the picture has the first scan: it tells in which form values go to the GPU. */
-  hand(picture: Picture, now: number, scan: boolean): void {
-    this.handSlices(picture, now);
-    const { clips, marks, quality, second } = this.views;
+  pass(picture: Picture, now: number, scan: boolean): void {
+    this.passSlices(picture, now);
+    const { clips, marks, quality, second } = this.controls;
     if (quality.choice !== this.quality) {
       this.quality = quality.choice;
       picture.setQuality(this.quality);
@@ -80,15 +88,15 @@ export class PictureSync {
   }
 
   /** Slices: without a graphics card less often, so that touch stays fluent. */
-  private handSlices(picture: Picture, now: number): void {
+  private passSlices(picture: Picture, now: number): void {
     if (this.software && now - this.slicesAt < slicePause) {
       return;
     }
-    const { shown, look } = this.views.slices;
+    const { shown, appearance } = this.controls.slices;
     this.slicesAt = now;
-    if (look !== this.sliceLook) {
-      this.sliceLook = look;
-      picture.setSliceLook(look);
+    if (appearance !== this.sliceAppearance) {
+      this.sliceAppearance = appearance;
+      picture.setSliceAppearance(appearance);
     }
     if (shown !== this.slices) {
       this.slices = shown;

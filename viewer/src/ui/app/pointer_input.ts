@@ -3,9 +3,10 @@
  *
  * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
  * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
- * wheel moves it in depth. Alt + left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line. With a tool chosen, the left button presses it wherever the mouse
- * moves the hand without a button. A click says what is seen there, sets a point of a mark, or grows a region; a double
- * click brings the probe to it.
+ * wheel moves it in depth. Alt + left drag changes window and level of what is seen. Where a segment is to be cut, the
+ * left button paints the line. With a tool chosen, the left button presses it wherever the mouse moves the hand without
+ * a button. A click says what is seen there, sets a point of a mark, or grows a region; a double click brings the probe
+ * to it.
  */
 import { orbit, pan, zoom } from "../../core/geometry/camera";
 import type { PickedOfTwo } from "../../core/picking/pick_scans";
@@ -13,7 +14,7 @@ import { addScaled } from "../../core/geometry/vector";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Reading } from "../features/picking/readout.svelte";
 import type { Session } from "../state/session.svelte";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 import { clickReach, wheelPixels } from "../widgets/mouse";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 
@@ -95,7 +96,10 @@ export class PointerInput {
     const x = (event.clientX - lastX) * right;
     const y = (event.clientY - lastY) * down;
     this.last = [event.clientX, event.clientY];
-    if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
+    if (
+      this.pressed !== null &&
+      Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach
+    ) {
       this.pressed = null;
     }
     const { camera, viewport } = this.stage.view;
@@ -107,7 +111,7 @@ export class PointerInput {
       return;
     }
     if (this.drag === "look") {
-      this.stage.looks.drag(x, y);
+      this.stage.appearance.drag(x, y);
       return;
     }
     const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;
@@ -146,7 +150,12 @@ export class PointerInput {
     const { camera, content } = view;
     if (event.altKey && camera !== null && objects.holds) {
       objects.turn(camera.back, turned * turnSpeed * 0.1);
-    } else if (this.drag === "hand" || this.drag === "tool" || event.shiftKey || (this.hand.touchMode && this.drag === null && !event.ctrlKey)) {
+    } else if (
+      this.drag === "hand" ||
+      this.drag === "tool" ||
+      event.shiftKey ||
+      (this.hand.touchMode && this.drag === null && !event.ctrlKey)
+    ) {
       this.hand.move(0, 0, -turned * depthSpeed);
     } else if (camera !== null && content !== null) {
       this.stage.view.camera = zoom(camera, Math.exp(turned * zoomSpeed), content);

@@ -5,7 +5,14 @@ import type { Letter } from "../../core/geometry/anatomy";
 import { pixelSizeAt, type Camera } from "../../core/geometry/camera";
 import type { Mark } from "../../core/marks/measure";
 import type { Picked } from "../../core/picking/pick_surface";
-import { decodeToPage, type Registration, type Scan, type SecondScan, type Settings, type State } from "../../core/protocol";
+import {
+  decodeToPage,
+  type Registration,
+  type Scan,
+  type SecondScan,
+  type Settings,
+  type State,
+} from "../../core/protocol";
 import type { Vec3 } from "../../core/geometry/vector";
 import { benchHooks, type BenchHooks } from "./bench_hooks";
 import type { GpuSupport } from "../../gl/base/gpu_support";
@@ -16,7 +23,7 @@ import type { ContactAudio } from "../features/touch/contact_audio.svelte";
 import type { ShownTouch } from "../../core/touch/shown_touch";
 import type { Session } from "../state/session.svelte";
 import type { EditTimes } from "../features/scan/shown_edits.svelte";
-import type { Stage } from "./stage.svelte";
+import type { Stage } from "./stage";
 
 export interface TestHooks {
   /** When the first picture stood on the screen [ms since the page was opened], or null; it may be coarse. */
@@ -29,13 +36,13 @@ export interface TestHooks {
   readonly finished: boolean;
   /** With what the picture on display was drawn; null before there is one. */
   readonly shown: Shown | null;
-  /** What is now; null before the engine has told. */
+  /** What is now; null before the engine has reported. */
   readonly state: State | null;
-  /** As the page shows them; null before the engine has told. */
+  /** As the page shows them; null before the engine has reported. */
   readonly settings: Settings | null;
   /** The settings are shown as the engine holds them, and are kept for the next visit. */
   readonly settingsHold: boolean;
-  /** Waits until the engine has done all that the page has asked for by now, and has told of it. */
+  /** Waits until the engine has done all that the page has asked for by now, and has reported it. */
   readonly allDone: () => Promise<void>;
   /** The scenario's tool that stands in place of the probe; null while the probe is shown. */
   readonly played: ShownTouch | null;
@@ -47,7 +54,7 @@ export interface TestHooks {
   readonly cross: (point: Vec3) => void;
   /** Whether contact can be heard, and how loud it is now, 0..1. */
   readonly sound: { readonly running: boolean; readonly level: number };
-  /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
+  /** From the arrival of the last edit until all of it was uploaded to the GPU [ms]; null before the first. */
   readonly lastEditMilliseconds: number | null;
   /** What each of the last edits took on its way. */
   readonly editTimes: readonly EditTimes[];
@@ -83,9 +90,9 @@ export interface TestHooks {
   /** What the browser's graphics can do. */
   readonly support: GpuSupport;
   readonly bench: BenchHooks;
-  /** The second scan, as the engine has told; null where there is none. */
+  /** The second scan, as the engine has reported it; null where there is none. */
   readonly second: SecondScan | null;
-  /** How far its registration is; null before the engine has told. */
+  /** How far its registration is; null before the engine has reported. */
   readonly registration: Registration | null;
   /** Points, distances and angles that were set. */
   readonly marks: readonly Mark[];
@@ -103,15 +110,15 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
       return stage.loader.firstPicture;
     },
     get drawnPlanes() {
-      return stage.drawn?.arrived ?? 0;
+      return stage.picture.drawn?.arrived ?? 0;
     },
     get ready() {
       return stage.loader.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;
     },
     get finished() {
-      return stage.shown?.finished ?? false;
+      return stage.picture.shown?.finished ?? false;
     },
-    get shown() { return stage.shown; },
+    get shown() { return stage.picture.shown; },
     get state() {
       return session.latest;
     },
@@ -147,18 +154,18 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get lastEdit() {
       return stage.edits.lastEdit;
     },
-    suspendDrawing: stage.suspendDrawing.bind(stage),
+    suspendDrawing: (on) => { stage.picture.suspend(on); },
     get drawingSuspended() {
-      return stage.drawingSuspended;
+      return stage.picture.suspended;
     },
-    setJitter: stage.setJitter.bind(stage),
+    setJitter: (on) => { stage.picture.setJitter(on); },
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));
     },
     get scan() {
       return session.scan;
     },
-    pixelSizeAt: (point) => (stage.view.camera === null ? NaN : pixelSizeAt(stage.view.camera, point, stage.view.viewport)),
+    pixelSizeAt: (point) => pixelSizeIn(stage.view, point),
     get middle() {
       return [stage.view.viewport.width / 2, stage.view.viewport.height / 2] as const;
     },
@@ -175,12 +182,12 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     hand: (point) => { hand.goTo(point); },
     setView: (direction) => { stage.view.lookFrom(direction); },
     pick: (x, y) => stage.picker.at(x, y),
-    support: stage.support,
+    support: stage.picture.support,
     bench: benchHooks(stage),
     get second() {
-      return stage.second.told;
+      return stage.second.reported;
     },
-    get registration() { return stage.registration.told; },
+    get registration() { return stage.registration.reported; },
     get marks() {
       return stage.marks.all;
     },
@@ -194,7 +201,12 @@ async function allDone(session: Session): Promise<void> {
   // what waits for an answer, such as undo, may ask for more
   do {
     await new Promise<void>((resolve) => {
-      session.whenTold(resolve);
+      session.whenAnswered(resolve);
     });
   } while (!session.isSettled);
+}
+
+/** Millimetres of a pixel at a point of the scene; NaN before there is a view. */
+function pixelSizeIn({ camera, viewport }: Stage["view"], point: Vec3): number {
+  return camera === null ? NaN : pixelSizeAt(camera, point, viewport);
 }

@@ -7,7 +7,7 @@ import type { PageSteps } from "../state/page_steps.svelte";
 import type { Session } from "../state/session.svelte";
 
 export class UndoControl {
-  /** What was asked for, in turn: which step is the newest is known once the engine has told of all before. */
+  /** What was asked for, in turn: which step is the newest is known once the engine has reported all before. */
   private waiting: readonly (() => void)[] = [];
 
   constructor(

@@ -10,7 +10,7 @@ export class EngineSteps {
   /** How many were made, less those that were taken back. */
   count = $state.raw(0);
 
-  /** How many were made when the engine last told of it, and in which greeting that was. */
+  /** How many were made when the engine last reported, and in which greeting that was. */
   private made = 0;
   private greetings = 0;
 
@@ -40,7 +40,7 @@ export class EngineSteps {
     this.session.send({ type: "redo" });
   }
 
-  /** The newest state; what shows it is told at the pace that can be read. */
+  /** The newest state; what shows it changes at the pace that can be read. */
   private get latest(): State | null {
     return this.session.live && this.session.latest;
   }

@@ -9,7 +9,7 @@ import { deepEqual } from "../../core/base/deep_equal";
 export interface StepOwner<T> {
   /** Has one hold in place of the other: what a step has changed, and nothing else. */
   hold(value: T, instead: T): void;
-  /** Whether anything of it still holds, for what others may change; all does where nothing is told. */
+  /** Whether anything of it still holds, for what others may change; all does where this is left out. */
   stands?(value: T): boolean;
 }
 
@@ -60,7 +60,8 @@ export class PageSteps {
   /** A change is one step; those of one name in one gesture are one together. */
   add<T>(owner: StepOwner<T>, change: Change<T>, inGesture = false): void {
     const last = this.past.at(-1);
-    const joins = inGesture && this.goesOn && last?.owner === owner && last.name === change.name && last.at === this.engineSteps();
+    const joins =
+      inGesture && this.goesOn && last?.owner === owner && last.name === change.name && last.at === this.engineSteps();
     const step = { ...change, before: joins ? last.before : change.before, owner, at: this.engineSteps() };
     const rest = joins ? this.past.slice(0, -1) : this.past;
     this.past = deepEqual(step.before, step.after) ? rest : [...rest, step].slice(-mostSteps);

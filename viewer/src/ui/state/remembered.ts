@@ -25,7 +25,7 @@ export function remember(name: string, value: object): void {
 /** Beside what is remembered of a scan: how the picture is divided. */
 const layout = "slices";
 
-/** All that is remembered of a scan's look, by name without the scan's. */
+/** All that is remembered of a scan's appearance, by name without the scan's. */
 export function keptOf(scanName: string): Record<string, unknown> {
   const kept: Record<string, unknown> = { [layout]: recall(layout, {}) };
   try {

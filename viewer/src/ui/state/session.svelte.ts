@@ -68,7 +68,7 @@ export class Session {
   recorded = $state.raw<number | null>(null);
   /** The gap that is watched; null before it was measured. */
   gap = $state.raw<Gap | null>(null);
-  /** What a painted line would part; null before the engine has told. */
+  /** What a freehand line would part; null before the engine has reported it. */
   cutPreview = $state.raw<CutPreview | null>(null);
   /** What happened to the needle since it was taken in the hand. */
   needleEvents = $state.raw<readonly NeedleEvent[]>([]);
@@ -86,7 +86,7 @@ export class Session {
   latest: State | null = null;
   /** Nodes or particles of the model of deformation, where they are shown; for the picture. */
   parts: ModelParticles | null = null;
-  /** How often an engine has greeted this page: each time it must be told the view again. */
+  /** How often an engine has greeted this page: each time it must be sent the view again. */
   greetings = 0;
   readonly history = new ForceHistory(plottedSeconds, plottedSamples);
 
@@ -99,7 +99,7 @@ export class Session {
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
 
-  /** The settings as the engine has told them last. */
+  /** The settings as the engine has reported them last. */
   private answered: Settings | null = null;
   /** The fence behind the last change of settings. */
   private settingsFence = 0;
@@ -107,7 +107,7 @@ export class Session {
   private fences = 0;
   private passed = 0;
   private waiters: readonly { readonly fence: number; readonly passed: (tick: number) => void }[] = [];
-  /** Commands that were sent, and how many of them the engine has told a state after. */
+  /** Commands that were sent, and how many of them the engine has reported a state after. */
   private commands = 0;
   private toldCommands = 0;
   private changedAt = -Infinity;
@@ -144,12 +144,12 @@ export class Session {
     return () => (this.listeners = this.listeners.filter((other) => other !== listener));
   }
 
-  /** Calls back with what is told of a second scan. */
+  /** Calls back with what is reported of a second scan. */
   onSecond(listener: (second: SecondScan) => void): void {
     this.secondListeners = [...this.secondListeners, listener];
   }
 
-  /** Calls back with what is told of the second scan's registration. */
+  /** Calls back with what is reported of the second scan's registration. */
   onRegistration(listener: (registration: Registration) => void): void {
     this.registrationListeners = [...this.registrationListeners, listener];
   }
@@ -188,10 +188,10 @@ export class Session {
   }
 
   /**
-   * Calls back once the engine has done all that was sent until now, and has told a state in which
+   * Calls back once the engine has done all that was sent until now, and has reported a state in which
    * touch follows it; or once another engine greets.
    */
-  whenTold(told: () => void): void {
+  whenAnswered(told: () => void): void {
     const { commands } = this;
     const passed = (tick: number): void => {
       const stop = this.onState((state) => {
@@ -205,17 +205,17 @@ export class Session {
     this.waiters = [...this.waiters, { fence: this.fence(), passed }];
   }
 
-  /** Whether the engine has told a state after all commands that were sent. */
+  /** Whether the engine has reported a state after all commands that were sent. */
   get isSettled(): boolean {
     return this.toldCommands === this.commands;
   }
 
-  /** Calls back as `whenTold` does; at once where nothing is left to be told. */
+  /** Calls back as `whenAnswered` does; at once where nothing is left to be reported. */
   whenSettled(settled: () => void): void {
     if (this.isSettled) {
       settled();
     } else {
-      this.whenTold(settled);
+      this.whenAnswered(settled);
     }
   }
 
@@ -328,7 +328,8 @@ export class Session {
   private greet(hello: Hello): void {
     if (hello.protocol !== PROTOCOL_VERSION) {
       const theirs = String(hello.protocol);
-      this.mismatch = `The engine speaks version ${theirs} of the protocol, this page version ${String(PROTOCOL_VERSION)}.`;
+      const own = String(PROTOCOL_VERSION);
+      this.mismatch = `The engine speaks version ${theirs} of the protocol, this page version ${own}.`;
       return;
     }
     // the same scan after a lost connection needs no second download
@@ -353,7 +354,7 @@ export class Session {
     this.recallSettings(hello);
   }
 
-  /** Applies what was set at the last visit, unless the engine was already told otherwise. */
+  /** Applies what was set at the last visit, unless the engine was already asked for others. */
   private recallSettings({ settings, defaults, device }: Hello): void {
     const wanted = recalled(recall(memoryOf(device), {}), defaults);
     if (sameSettings(settings, defaults) && !sameSettings(wanted, defaults)) {
@@ -361,7 +362,7 @@ export class Session {
     }
   }
 
-  /** Asks to be told when all is done that was sent before; gives the number of the answer. */
+  /** Asks for an answer once all is done that was sent before; gives the number of the answer. */
   private fence(): number {
     this.fences += 1;
     this.send({ type: "fence", number: this.fences });

@@ -2,7 +2,10 @@
 import type uPlot from "uplot";
 import { theme } from "./theme.svelte";
 
-/** Draws a chart again as soon as the theme is another: by the next frame its colours are there. To be called while a component is made. */
+/**
+ * Draws a chart again as soon as the theme is another: by the next frame its colours are there. To be called while a
+ * component is made.
+ */
 export function followTheme(plot: () => uPlot | null): void {
   $effect(() => {
     void theme.light;

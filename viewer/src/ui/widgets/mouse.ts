@@ -9,6 +9,7 @@ export const clickReach = 4;
 export function wheelPixels(event: WheelEvent): number {
   // with Shift held some browsers turn the wheel into a sideways one
   const delta = event.deltaY === 0 ? event.deltaX : event.deltaY;
-  const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 400 : 1;
+  const unit =
+    event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 400 : 1;
   return Math.max(-400, Math.min(400, delta * unit));
 }

@@ -19,7 +19,10 @@ export function swatchOf({ opacities, colours }: Curve): string {
 
 function opacityAt(points: Curve["opacities"], value: number): number {
   const next = points.findIndex((point) => point.value >= value);
-  const [a, b] = [points[next === -1 ? points.length - 1 : Math.max(0, next - 1)], points[next === -1 ? points.length - 1 : next]];
+  const [a, b] = [
+    points[next === -1 ? points.length - 1 : Math.max(0, next - 1)],
+    points[next === -1 ? points.length - 1 : next],
+  ];
   if (a === undefined || b === undefined || a.value === b.value) {
     return b?.opacity ?? 0;
   }

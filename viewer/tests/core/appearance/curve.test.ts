@@ -51,8 +51,22 @@ test("shift and scale move all of a curve about its middle", () => {
 
 test("what was kept is taken for a curve only where it is one", () => {
   expect(isCurve(JSON.parse(JSON.stringify(curve)))).toBe(true);
-  const broken = [null, 3, {}, { ...curve, colours: [] }, { ...curve, opacities: [{ value: 1, opacity: 2 }, { value: 2, opacity: 0 }] }];
-  expect([...broken, { ...curve, colours: [{ value: 0, colour: "red" }, curve.colours[1]] }].filter(isCurve)).toEqual([]);
+  const broken = [
+    null,
+    3,
+    {},
+    { ...curve, colours: [] },
+    {
+      ...curve,
+      opacities: [
+        { value: 1, opacity: 2 },
+        { value: 2, opacity: 0 },
+      ],
+    },
+  ];
+  expect([...broken, { ...curve, colours: [{ value: 0, colour: "red" }, curve.colours[1]] }].filter(isCurve)).toEqual(
+    [],
+  );
 });
 
 test("points stay between their neighbours, and two are always left", () => {
@@ -66,7 +80,12 @@ test("points stay between their neighbours, and two are always left", () => {
 });
 
 test("running integrals end at the mean of a row", () => {
-  const row = bakeTransferFunction({ points: [{ value: 0, colour: [1, 0.5, 0], extinction: 0 }, { value: 10, colour: [1, 0.5, 0], extinction: 4 }] });
+  const row = bakeTransferFunction({
+    points: [
+      { value: 0, colour: [1, 0.5, 0], extinction: 0 },
+      { value: 10, colour: [1, 0.5, 0], extinction: 4 },
+    ],
+  });
   const last = [...integrateRow(row).slice(-4)];
   [2, 1, 0, 2].forEach((value, i) => {
     expect(last[i]).toBeCloseTo(value, 4);
@@ -78,7 +97,9 @@ test("every preset is a curve with a swatch, in HU as written, elsewhere where s
   for (const preset of presets) {
     const made = curveOfPreset(preset, hu, 0, 1000);
     expect(transferFunctionOfCurve(made).points.length).toBeGreaterThan(5);
-    expect(made.opacities.every(({ value }, i) => i === 0 || value > (made.opacities[i - 1]?.value ?? value))).toBe(true);
+    expect(made.opacities.every(({ value }, i) => i === 0 || value > (made.opacities[i - 1]?.value ?? value))).toBe(
+      true,
+    );
     expect(swatchOf(made)).toMatch(/^linear-gradient\(to right, #[0-9a-f]{8} /);
   }
   const bone = presets.find(({ name }) => name === "CT-Bone");
@@ -87,14 +108,21 @@ test("every preset is a curve with a swatch, in HU as written, elsewhere where s
 });
 
 const element =
-  '<VolumeProperty id="v1" name="Knee" interpolation="1" scalarOpacity="6 -100 0 50 0.25 400 1" gradientOpacity="4 0 1 255 1" colorTransfer="8 -100 0 0 0 400 1 0.5 0" />';
+  '<VolumeProperty id="v1" name="Knee" interpolation="1" scalarOpacity="6 -100 0 50 0.25 400 1" ' +
+  'gradientOpacity="4 0 1 255 1" colorTransfer="8 -100 0 0 0 400 1 0.5 0" />';
 
 const component = {
-  rgbTransferFunction: { type: "colorTransferFunction", points: [{ x: -100, color: [0, 0, 0], midpoint: 0.5, sharpness: 0 }, { x: 400, color: [1, 0.5, 0] }] },
+  rgbTransferFunction: {
+    type: "colorTransferFunction",
+    points: [{ x: -100, color: [0, 0, 0], midpoint: 0.5, sharpness: 0 }, { x: 400, color: [1, 0.5, 0] }],
+  },
   scalarOpacity: { type: "piecewiseLinearFunction", points: [{ x: -100, y: 0 }, { x: 50, y: 0.25 }, { x: 400, y: 1 }] },
 };
-const schema = "https://raw.githubusercontent.com/Slicer/Slicer/main/Modules/Loadable/VolumeRendering/Resources/Schema/volume-property-schema-v1.0.0.json#";
-const jsonOf = (told: object): string => JSON.stringify({ "@schema": schema, volumeProperties: [{ components: [told] }] });
+const schema =
+  "https://raw.githubusercontent.com/Slicer/Slicer/main/Modules/Loadable/VolumeRendering/Resources/Schema/" +
+  "volume-property-schema-v1.0.0.json#";
+const jsonOf = (told: object): string =>
+  JSON.stringify({ "@schema": schema, volumeProperties: [{ components: [told] }] });
 
 test("a volume property of Slicer is read from JSON, from its element and from a .vp file", () => {
   const expected: Curve = {
@@ -120,9 +148,18 @@ test.each([
   ['{"volumeProperties"', /begins as JSON and is none/],
   ['{"volumeProperties": []}', /list "volumeProperties" that is not empty/],
   ['{"volumeProperties": [{}]}', /list "components" that is not empty/],
-  [jsonOf({ ...component, scalarOpacity: { points: [{ x: 1, y: 1 }] } }), /at least two points as scalarOpacity.points/],
-  [jsonOf({ ...component, rgbTransferFunction: { points: [{ x: 1, color: [1, 1] }, {}] } }), /point 1 of the colour transfer function needs 4 numbers/],
-  [jsonOf({ ...component, scalarOpacity: { points: [{ x: 1, y: 2 }, { x: 2, y: 1 }] } }), /opacity goes from 0 to 1, got 2/],
+  [
+    jsonOf({ ...component, scalarOpacity: { points: [{ x: 1, y: 1 }] } }),
+    /at least two points as scalarOpacity.points/,
+  ],
+  [
+    jsonOf({ ...component, rgbTransferFunction: { points: [{ x: 1, color: [1, 1] }, {}] } }),
+    /point 1 of the colour transfer function needs 4 numbers/,
+  ],
+  [
+    jsonOf({ ...component, scalarOpacity: { points: [{ x: 1, y: 2 }, { x: 2, y: 1 }] } }),
+    /opacity goes from 0 to 1, got 2/,
+  ],
   ["x".repeat(200_001), /at most 200000 characters/],
 ])("what is no preset is refused with the reason: %.60s", (text, reason) => {
   expect(() => readSlicerPreset(text)).toThrow(reason);

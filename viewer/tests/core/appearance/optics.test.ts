@@ -10,9 +10,15 @@ const anchors = { softTissue: 40, bone: 250 };
 const rescale = { slope: 1, intercept: 0 };
 const clear = { value: 0, colour: [1, 1, 1], extinction: 0 } as const;
 
-function lookOf(optics: Partial<Optics>): Appearance {
+function appearanceOf(optics: Partial<Optics>): Appearance {
   const transferFunction = { points: [clear, { ...clear, value: 100 }] };
-  return { transferFunction, ranges: [], edgeGradient: 40, lighting: firstLighting, optics: { ...shadedOptics, ...optics } };
+  return {
+    transferFunction,
+    ranges: [],
+    edgeGradient: 40,
+    lighting: firstLighting,
+    optics: { ...shadedOptics, ...optics },
+  };
 }
 
 test("each mode keeps its own window, slab and density", () => {
@@ -27,15 +33,21 @@ test("each mode keeps its own window, slab and density", () => {
 test("in a MIP values above black are drawn, of an iso-surface those that it encloses, else all", () => {
   const window = { window: 400, level: 40 };
   const any = (optics: Partial<Optics>, low: number, high: number): boolean =>
-    drawnBy(lookOf({ window, ...optics }), rescale).any(32768 + low, 32768 + high);
+    drawnBy(appearanceOf({ window, ...optics }), rescale).any(32768 + low, 32768 + high);
   expect([any({ blend: "mip" }, -900, -161), any({ blend: "mip" }, -900, -159)]).toEqual([false, true]);
-  expect([any({ blend: "iso", isoValue: 300 }, 0, 299), any({ blend: "iso", isoValue: 300 }, 301, 900)]).toEqual([false, true]);
+  expect([any({ blend: "iso", isoValue: 300 }, 0, 299), any({ blend: "iso", isoValue: 300 }, 301, 900)]).toEqual([
+    false,
+    true,
+  ]);
   expect([any({ blend: "minip" }, 900, 901), any({ blend: "average" }, -1000, -999)]).toEqual([true, true]);
-  expect(drawnBy(lookOf({}), rescale)).toBeInstanceOf(DrawnValues);
+  expect(drawnBy(appearanceOf({}), rescale)).toBeInstanceOf(DrawnValues);
 });
 
 test("a falling rescale is drawn by its physical values", () => {
-  const falling = drawnBy(lookOf({ blend: "mip", window: { window: 400, level: 40 } }), { slope: -1, intercept: 0 });
+  const falling = drawnBy(appearanceOf({ blend: "mip", window: { window: 400, level: 40 } }), {
+    slope: -1,
+    intercept: 0,
+  });
   expect([falling.any(32768 + 200, 32768 + 900), falling.any(32768 - 900, 32768 + 900)]).toEqual([false, true]);
 });
 
@@ -50,7 +62,7 @@ test("a MIP is picked where its value is, an iso-surface where it begins", () =>
   const brightness = [0, 100, 300, 800, 300, 100, 0, 0];
   const volume = volumeOf(scanOf([8, 8, 8], [1, 1, 1]), ([, y]) => brightness[Math.floor(y)] ?? 0);
   const ray = { origin: [4, -10, 4], direction: [0, 1, 0] } as const;
-  const at = (optics: Partial<Optics>): number | undefined => pickSurface(volume, lookOf(optics), ray)?.point[1];
+  const at = (optics: Partial<Optics>): number | undefined => pickSurface(volume, appearanceOf(optics), ray)?.point[1];
   expect(at({ blend: "mip", window: { window: 1000, level: 500 } })).toBeCloseTo(3.5, 0);
   expect(at({ blend: "iso", isoValue: 200 })).toBeCloseTo(2, 0);
   expect(at({ blend: "mip", window: { window: 100, level: 5000 } })).toBeUndefined();

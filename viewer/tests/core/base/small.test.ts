@@ -1,7 +1,15 @@
 import { expect, test } from "vitest";
 import { contentHull } from "../../../src/core/scan/content_hull";
 import { firstView, extentOf } from "../../../src/core/geometry/camera";
-import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSeconds, formatSpacing, formatValue } from "../../../src/core/base/format";
+import {
+  formatBytes,
+  formatCount,
+  formatMillilitres,
+  formatPoint,
+  formatSeconds,
+  formatSpacing,
+  formatValue,
+} from "../../../src/core/base/format";
 import { farthestAhead, moveInDepth, moveInView } from "../../../src/core/touch/hand";
 import { histogramPath, shareWithin } from "../../../src/core/scan/histogram";
 import { scaleBar } from "../../../src/core/view/scale_bar";

@@ -1,5 +1,11 @@
 import { expect, test } from "vitest";
-import { affineFromRows, invertAffine, linearColumnMajor, transformPoint, transformVector } from "../../../src/core/geometry/affine";
+import {
+  affineFromRows,
+  invertAffine,
+  linearColumnMajor,
+  transformPoint,
+  transformVector,
+} from "../../../src/core/geometry/affine";
 import { distance } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 
@@ -14,7 +20,11 @@ test("the inverse of a frame takes every point back", () => {
   for (let i = 0; i < 200; ++i) {
     const map = randomFrame(random);
     const point = random.vector(500);
-    const [a, b, c] = [transformVector(map, [1, 0, 0]), transformVector(map, [0, 1, 0]), transformVector(map, [0, 0, 1])];
+    const [a, b, c] = [
+      transformVector(map, [1, 0, 0]),
+      transformVector(map, [0, 1, 0]),
+      transformVector(map, [0, 0, 1]),
+    ];
     const determinant =
       a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
     if (Math.abs(determinant) < 0.5) {

@@ -144,7 +144,12 @@ test("zooming stops at sensible distances", () => {
 });
 
 function randomOrthographic(random: Random): Camera {
-  return pan(inProjection(randomView(random), true, extent), random.between(-80, 80), random.between(-80, 80), viewport);
+  return pan(
+    inProjection(randomView(random), true, extent),
+    random.between(-80, 80),
+    random.between(-80, 80),
+    viewport,
+  );
 }
 
 test("orthographic: all rays are parallel, and those through the picture of a point pass through it", () => {
@@ -192,7 +197,9 @@ test("orthographic: framing shows all of the content, and near and far hold it",
   for (let i = 0; i < 50; ++i) {
     const camera = frame(randomOrthographic(random), extent, viewport);
     const places = extent.outline.map((point) => project(camera, point, viewport) ?? [NaN, NaN]);
-    const shares = places.map(([x, y]) => Math.max(Math.abs(2 * x / viewport.width - 1), Math.abs(2 * y / viewport.height - 1)));
+    const shares = places.map(([x, y]) =>
+      Math.max(Math.abs((2 * x) / viewport.width - 1), Math.abs((2 * y) / viewport.height - 1)),
+    );
     expect(Math.max(...shares)).toBeCloseTo(0.9, 8);
     const { near, far } = nearAndFar(camera, extent);
     for (const point of extent.outline) {

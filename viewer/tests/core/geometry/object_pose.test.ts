@@ -1,6 +1,16 @@
 import { expect, test } from "vitest";
 import { transformPoint } from "../../../src/core/geometry/affine";
-import { apart, boxEdges, cornersOf, middleOf, numbersOf, poseOf, shifted, turned, unmoved } from "../../../src/core/geometry/object_pose";
+import {
+  apart,
+  boxEdges,
+  cornersOf,
+  middleOf,
+  numbersOf,
+  poseOf,
+  shifted,
+  turned,
+  unmoved,
+} from "../../../src/core/geometry/object_pose";
 import type { Vec3 } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 import { segment } from "../../support/volumes";
@@ -22,7 +32,11 @@ test("the middle and the corners of a segment are those of its box in the scan",
 test("turning about the middle leaves it where it is, and numbers come back as they were given", () => {
   const random = new Random(11);
   for (let round = 0; round < 200; ++round) {
-    const some = (size: number): Vec3 => [random.between(-size, size), random.between(-size, size), random.between(-size, size)];
+    const some = (size: number): Vec3 => [
+      random.between(-size, size),
+      random.between(-size, size),
+      random.between(-size, size),
+    ];
     // beyond ±90° about P the same turn has other numbers too
     const [l, p, s] = some(1);
     const numbers = { translation: some(100), rotation: [179 * l, 89 * p, 179 * s] as const };

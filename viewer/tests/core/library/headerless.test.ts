@@ -1,9 +1,24 @@
 /** What a person tells of files without a layout: its words for the engine, and what is kept of it. */
 import { expect, test } from "vitest";
-import { layoutText, likelyOf, wholeVoxel, withLayout, type HeaderlessFiles, type RawLayout } from "../../../src/core/library/headerless";
+import {
+  layoutText,
+  likelyOf,
+  wholeVoxel,
+  withLayout,
+  type HeaderlessFiles,
+  type RawLayout,
+} from "../../../src/core/library/headerless";
 
 const layout: RawLayout = { columns: 256, rows: 128, slices: null, kind: "int16", order: "big", skip: 0 };
-const raw: HeaderlessFiles = { find: 1, name: "head", files: 113, bytes: 113 * 65536, layout, size: null, voxel: [null, null, null] };
+const raw: HeaderlessFiles = {
+  find: 1,
+  name: "head",
+  files: 113,
+  bytes: 113 * 65536,
+  layout,
+  size: null,
+  voxel: [null, null, null],
+};
 const pictures: HeaderlessFiles = { ...raw, layout: null, size: [256, 128, 113], voxel: [0.5, 0.5, null] };
 
 test("a layout is told as the command line takes it", () => {

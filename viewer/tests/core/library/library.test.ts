@@ -1,9 +1,37 @@
 /** Lists of scans: lines that come in pieces, what needs no choice, what is too much to take. */
 import { expect, test } from "vitest";
-import { bytesOf, entriesOf, isSingle, Lines, refusalOf, type About, type ListedScan } from "../../../src/core/library/library";
+import {
+  bytesOf,
+  entriesOf,
+  isSingle,
+  Lines,
+  refusalOf,
+  type About,
+  type ListedScan,
+} from "../../../src/core/library/library";
 
-const scan: ListedScan = { patient: "", study: "", name: "thin", part: "", modality: "CT", size: [4, 3, 5], spacing: [1, 1, 2], refused: null, labels: null };
-const about: About = { scan: null, coming: null, changed: false, kept: true, can_open: true, told: [], recent: [], most_files: 2, most_bytes: 10 };
+const scan: ListedScan = {
+  patient: "",
+  study: "",
+  name: "thin",
+  part: "",
+  modality: "CT",
+  size: [4, 3, 5],
+  spacing: [1, 1, 2],
+  refused: null,
+  labels: null,
+};
+const about: About = {
+  scan: null,
+  coming: null,
+  changed: false,
+  kept: true,
+  can_open: true,
+  told: [],
+  recent: [],
+  most_files: 2,
+  most_bytes: 10,
+};
 
 test("lines are whole however they come", () => {
   const lines = new Lines();
@@ -38,7 +66,11 @@ test("too many files, too many bytes and none are refused before they are brough
 
 test("many volumes of one series are one entry, few are not", () => {
   const volumes = (name: string, count: number): ListedScan[] =>
-    Array.from({ length: count }, (_, i) => ({ ...scan, name: `${name}, direction ${String(i)}`, part: `direction ${String(i)}` }));
+    Array.from({ length: count }, (_, i) => ({
+      ...scan,
+      name: `${name}, direction ${String(i)}`,
+      part: `direction ${String(i)}`,
+    }));
   const listed = [scan, ...volumes("DTI", 64), scan, ...volumes("DTI", 4), ...volumes("other", 5)];
   const entries = entriesOf(listed);
   expect(entries.map(({ first, scans }) => [first, scans.length])).toEqual([

@@ -22,16 +22,19 @@ test("a distance is that of its ends in mm", () => {
   expect(measured({ kind: "distance", points: [[1, 2, 3]] })).toBeNull();
 });
 
-test.each([0, 1e-3, 0.6, Math.PI / 2, 2.8, Math.PI])("an angle of %d is found at its vertex, however long its sides are", (angle) => {
-  const vertex: Vec3 = [30, -20, 5];
-  const side: Vec3 = [1, 2, -2];
-  // at right angles to the side
-  const axis: Vec3 = [2 / Math.sqrt(5), -1 / Math.sqrt(5), 0];
-  const [a, b] = [addScaled(vertex, side, 4), addScaled(vertex, rotateAbout(side, axis, angle), 0.7)];
-  // an arc cosine near 1 loses half of the digits
-  expect(angleAt(vertex, a, b)).toBeCloseTo(angle, 6);
-  expect(measured({ kind: "angle", points: [b, vertex, a] })).toBeCloseTo(angle, 6);
-});
+test.each([0, 1e-3, 0.6, Math.PI / 2, 2.8, Math.PI])(
+  "an angle of %d is found at its vertex, however long its sides are",
+  (angle) => {
+    const vertex: Vec3 = [30, -20, 5];
+    const side: Vec3 = [1, 2, -2];
+    // at right angles to the side
+    const axis: Vec3 = [2 / Math.sqrt(5), -1 / Math.sqrt(5), 0];
+    const [a, b] = [addScaled(vertex, side, 4), addScaled(vertex, rotateAbout(side, axis, angle), 0.7)];
+    // an arc cosine near 1 loses half of the digits
+    expect(angleAt(vertex, a, b)).toBeCloseTo(angle, 6);
+    expect(measured({ kind: "angle", points: [b, vertex, a] })).toBeCloseTo(angle, 6);
+  },
+);
 
 test("an angle whose side has no length is 0, not NaN", () => {
   expect(formatMeasured({ kind: "angle", points: [[1, 1, 1], [1, 1, 1], [2, 2, 2]] })).toBe("0.0°");
@@ -48,7 +51,11 @@ test("marks are named by their kind, in the numbers that are free, and can be ch
   expect(marks.map(formatMeasured)).toEqual(["5.0 mm", "90.0°", "2.0 mm"]);
   marks = changedMark(marks, 1, { name: "  width  " });
   marks = changedMark(marks, 3, { name: " ", visible: false });
-  expect(marks.map(({ name, visible }) => [name, visible])).toEqual([["width", true], ["Angle 1", true], ["Distance 2", false]]);
+  expect(marks.map(({ name, visible }) => [name, visible])).toEqual([
+    ["width", true],
+    ["Angle 1", true],
+    ["Distance 2", false],
+  ]);
   expect(withMark(withoutMark(marks, 1), "distance", [[0, 0, 0], [1, 0, 0]]).at(-1)?.name).toBe("Distance 1");
 });
 

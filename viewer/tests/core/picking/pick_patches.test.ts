@@ -36,7 +36,9 @@ test("a ray through a moved surface crosses it where it stands, in front and beh
     expect(crossings[0]?.id).toBe(3);
     // where the scan has it there is nothing any more
     if (distance(middle, centre) > 3 * radius) {
-      expect(surfaceCrossings([ball(3, pose)], { origin: addScaled(centre, direction, 2 * radius), direction: [0, 0, 0] })).toEqual([]);
+      expect(
+        surfaceCrossings([ball(3, pose)], { origin: addScaled(centre, direction, 2 * radius), direction: [0, 0, 0] }),
+      ).toEqual([]);
     }
   }
 });
@@ -54,7 +56,7 @@ test("a triangle is met from both sides, and not beside it, behind the eye, or a
 // a slab of bone in air behind y = 0, a surface before it, in it, and beside the scan
 const scan = scanOf([48, 48, 24], [1, 1, 2], [10, -30, 500]);
 const volume = volumeOf(scan, ([, y]) => (y > 30 ? 1000 : -1000));
-const look = {
+const appearance = {
   transferFunction: transferFunctionOf(defaultSoftTissueAndBone({ softTissue: 40, bone: 250 })),
   ranges: shownRanges([segment], scan),
   edgeGradient: 40,
@@ -62,9 +64,17 @@ const look = {
   optics: shadedOptics,
 };
 
-function pick(surfaces: readonly DrawnSurface[], from: Vec3, direction: Vec3 = [0, 1, 0]): ReturnType<typeof pickSurface> {
+function pick(
+  surfaces: readonly DrawnSurface[],
+  from: Vec3,
+  direction: Vec3 = [0, 1, 0],
+): ReturnType<typeof pickSurface> {
   const ray = { origin: from, direction };
-  return pickSurface(volume, look, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt: () => null, clip: [] });
+  return pickSurface(volume, appearance, ray, {
+    crossings: surfaceCrossings(surfaces, ray),
+    labelAt: () => null,
+    clip: [],
+  });
 }
 
 test("whatever is seen first is picked: a surface before the scan, the scan before a surface", () => {
@@ -91,8 +101,8 @@ test("a surface beside the scan is picked too, and one that is more clear than o
 test("a labelled segment is picked by its labels, a hidden one is seen through", () => {
   const ray = { origin: [34, -100, 524] as Vec3, direction: [0, 1, 0] as Vec3 };
   const labelAt = (visible: boolean) => ([, y]: Vec3) => (y > 10 && y < 20 ? { id: 7, visible } : null);
-  const picked = pickSurface(volume, look, ray, { crossings: [], labelAt: labelAt(true), clip: [] });
+  const picked = pickSurface(volume, appearance, ray, { crossings: [], labelAt: labelAt(true), clip: [] });
   expect(picked?.segment).toBe(7);
   expect(Math.abs((picked?.point[1] ?? 0) - -20)).toBeLessThan(1);
-  expect(pickSurface(volume, look, ray, { crossings: [], labelAt: labelAt(false), clip: [] })?.segment).toBe(1);
+  expect(pickSurface(volume, appearance, ray, { crossings: [], labelAt: labelAt(false), clip: [] })?.segment).toBe(1);
 });

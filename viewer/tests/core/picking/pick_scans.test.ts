@@ -3,7 +3,7 @@ import { firstLighting, type Appearance } from "../../../src/core/appearance/app
 import { shadedOptics } from "../../../src/core/appearance/optics";
 import { pickScans, type DrawnSecond } from "../../../src/core/picking/pick_scans";
 import { nothingElse } from "../../../src/core/picking/pick_surface";
-import type { SecondLook } from "../../../src/core/second/second_scan";
+import type { SecondAppearance } from "../../../src/core/second/second_scan";
 import { tissueName } from "../../../src/core/picking/tissue_name";
 import type { TransferFunction } from "../../../src/core/appearance/transfer_function";
 import type { Vec3 } from "../../../src/core/geometry/vector";
@@ -20,9 +20,15 @@ const bone: TransferFunction = {
     { value: 900, colour: [1, 1, 1], extinction: 5 },
   ],
 };
-const look: Appearance = { transferFunction: bone, ranges: [], edgeGradient: 40, lighting: { ...firstLighting, edges: 0 }, optics: shadedOptics };
+const appearance: Appearance = {
+  transferFunction: bone,
+  ranges: [],
+  edgeGradient: 40,
+  lighting: { ...firstLighting, edges: 0 },
+  optics: shadedOptics,
+};
 const grey = { window: 400, level: 40 };
-const beside: SecondLook = {
+const beside: SecondAppearance = {
   inView: true,
   inSlices: true,
   viewFusion: "blend",
@@ -42,9 +48,19 @@ const beside: SecondLook = {
 /** Laid 10 mm towards +y: its bone begins at y = 14 of the first. */
 const place = [1, 0, 0, 0, 0, 1, 0, -10, 0, 0, 1, 0];
 
-function pick(part: Partial<SecondLook>, at: Vec3 = [15, -50, 15], optics: Partial<Appearance["optics"]> = {}): readonly [string, number, number] | null {
-  const drawn: DrawnSecond = { volume: second, place, look: { ...beside, ...part } };
-  const picked = pickScans(first, { ...look, optics: { ...look.optics, ...optics } }, { origin: at, direction: [0, 1, 0] }, nothingElse, drawn);
+function pick(
+  part: Partial<SecondAppearance>,
+  at: Vec3 = [15, -50, 15],
+  optics: Partial<Appearance["optics"]> = {},
+): readonly [string, number, number] | null {
+  const drawn: DrawnSecond = { volume: second, place, appearance: { ...beside, ...part } };
+  const picked = pickScans(
+    first,
+    { ...appearance, optics: { ...appearance.optics, ...optics } },
+    { origin: at, direction: [0, 1, 0] },
+    nothingElse,
+    drawn,
+  );
   return picked && [picked.scan, picked.point[1], picked.value];
 }
 
@@ -81,7 +97,15 @@ test("in a checkerboard the scan is picked whose cell is met", () => {
 
 test("values of a CT have the names of tissues, those of others tell what is bright", () => {
   const ct = { unit: "HU", soft_tissue: 40, bone: 250 };
-  expect([-1000, -800, -100, 0, 60, 250, 1200].map((value) => tissueName(value, ct))).toEqual(["air", "lung", "fat", "fluid", "soft tissue", "bone", "bone"]);
+  expect([-1000, -800, -100, 0, 60, 250, 1200].map((value) => tissueName(value, ct))).toEqual([
+    "air",
+    "lung",
+    "fat",
+    "fluid",
+    "soft tissue",
+    "bone",
+    "bone",
+  ]);
   const mr = { unit: "", soft_tissue: 100, bone: 160 };
   expect([10, 100, 200].map((value) => tissueName(value, mr))).toEqual(["dark", "tissue", "bright tissue"]);
 });

@@ -17,7 +17,7 @@ const volume = volumeOf(scan, ([x, y, z]) => {
   return Math.min(1000, Math.max(-1000, -1000 * (distance(point, centre) - radius)));
 });
 
-function look(visible: boolean): Appearance {
+function appearance(visible: boolean): Appearance {
   return {
     transferFunction: transferFunctionOf({ ...defaultSoftTissueAndBone({ softTissue: 40, bone: 250 }), softTissue: 0 }),
     ranges: shownRanges([{ ...segment, visible }], scan),
@@ -32,7 +32,7 @@ test("a visible segment is met where its surface is, from every side", () => {
   for (let i = 0; i < 100; ++i) {
     const direction = normalize(random.vector(1));
     const origin: Vec3 = [centre[0] - 60 * direction[0], centre[1] - 60 * direction[1], centre[2] - 60 * direction[2]];
-    const picked = pickSurface(volume, look(true), { origin, direction });
+    const picked = pickSurface(volume, appearance(true), { origin, direction });
     expect(picked?.segment).toBe(1);
     // trilinear interpolation over slices of 2 mm moves the surface by up to half a slice
     expect(Math.abs(distance(picked?.point ?? origin, centre) - radius)).toBeLessThan(1);
@@ -42,13 +42,13 @@ test("a visible segment is met where its surface is, from every side", () => {
 
 test("a hidden segment is seen through, and so is air", () => {
   const ray = { origin: subtract(centre, [0, 100, 0]), direction: [0, 1, 0] as const };
-  expect(pickSurface(volume, look(false), ray)).toBeNull();
-  expect(pickSurface(volume, look(true), { ...ray, direction: normalize([1, 1, 0]) })).toBeNull();
+  expect(pickSurface(volume, appearance(false), ray)).toBeNull();
+  expect(pickSurface(volume, appearance(true), { ...ray, direction: normalize([1, 1, 0]) })).toBeNull();
 });
 
 test("without a segment, bone is met by its opacity", () => {
   const ray = { origin: subtract(centre, [0, 100, 0]), direction: [0, 1, 0] as const };
-  const picked = pickSurface(volume, { ...look(true), ranges: [] }, ray);
+  const picked = pickSurface(volume, { ...appearance(true), ranges: [] }, ray);
   expect(picked?.segment).toBeNull();
   // opacity 0.5 is reached within the blurred edge
   expect(Math.abs(distance(picked?.point ?? ray.origin, centre) - radius)).toBeLessThan(1.5);

@@ -40,7 +40,9 @@ test("between them they follow a straight slope without facets, in any order of 
     for (let y = 3; y <= 9; ++y) {
       for (let x = 3; x <= 15; ++x) {
         // floats of 24 bits, and rounding to a whole number
-        expect(Math.abs(at(z < 8 ? before : behind, [x, y, z < 8 ? z - 3 : z - 8]) - slope([x, y, z]))).toBeLessThanOrEqual(1);
+        expect(
+          Math.abs(at(z < 8 ? before : behind, [x, y, z < 8 ? z - 3 : z - 8]) - slope([x, y, z])),
+        ).toBeLessThanOrEqual(1);
       }
     }
   }

@@ -1,7 +1,14 @@
 /** Pairs of points in two scans, and what is said of a registration. */
 import { expect, test } from "vitest";
 import { affineFromRows } from "../../../src/core/geometry/affine";
-import { apart, curveColumns, pairsOfDistances, saidOf, sanePairs, seenAt } from "../../../src/core/second/registration";
+import {
+  apart,
+  curveColumns,
+  pairsOfDistances,
+  saidOf,
+  sanePairs,
+  seenAt,
+} from "../../../src/core/second/registration";
 
 /** Turned by 90 degrees about z and shifted. */
 const place = affineFromRows([0, -1, 0, 5, 1, 0, 0, -2, 0, 0, 1, 7, 0, 0, 0, 1]);
@@ -38,6 +45,17 @@ test("levels of a curve are lines of their own", () => {
 });
 
 test("what was found is said with units", () => {
-  const found = { kind: "rigid", metric: "correlation", before: -0.41234, after: -0.98765, overlap: 0.934, moved_mean: 34.86, moved_most: 51.04 } as const;
-  expect(saidOf(found)).toEqual(["Correlation −0.412 → −0.988, less is better; 93 % covered.", "Points moved by 34.9 mm, at most 51.0 mm."]);
+  const found = {
+    kind: "rigid",
+    metric: "correlation",
+    before: -0.41234,
+    after: -0.98765,
+    overlap: 0.934,
+    moved_mean: 34.86,
+    moved_most: 51.04,
+  } as const;
+  expect(saidOf(found)).toEqual([
+    "Correlation −0.412 → −0.988, less is better; 93 % covered.",
+    "Points moved by 34.9 mm, at most 51.0 mm.",
+  ]);
 });

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { lookFrom, project } from "../../../src/core/geometry/camera";
-import { continued, paintedLine, simplified, underLine, type Place } from "../../../src/core/segments/cut_line";
+import { continued, freehandLine, simplified, underLine, type Place } from "../../../src/core/segments/cut_line";
 import { dot, subtract } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 
@@ -11,10 +11,10 @@ const arc = (from: number, to: number, steps = 80): Place[] =>
   });
 
 test("a click is no line, and what is painted keeps its ends", () => {
-  expect(paintedLine([])).toBeNull();
-  expect(paintedLine([[10, 10]])).toBeNull();
-  expect(paintedLine([[10, 10], [13, 14]])).toBeNull();
-  const line = paintedLine(arc(0, 2));
+  expect(freehandLine([])).toBeNull();
+  expect(freehandLine([[10, 10]])).toBeNull();
+  expect(freehandLine([[10, 10], [13, 14]])).toBeNull();
+  const line = freehandLine(arc(0, 2));
   expect(line?.closed).toBe(false);
   expect(line?.places[0]).toEqual([300, 150]);
   expect(line?.places.at(-1)).toEqual(arc(0, 2).at(-1));
@@ -23,8 +23,8 @@ test("a click is no line, and what is painted keeps its ends", () => {
 });
 
 test("a line whose ends come near one another is closed, a short one there and back is not", () => {
-  expect(paintedLine(arc(0, 6.2))?.closed).toBe(true);
-  expect(paintedLine([[10, 10], [40, 10], [12, 12]])?.closed).toBe(false);
+  expect(freehandLine(arc(0, 6.2))?.closed).toBe(true);
+  expect(freehandLine([[10, 10], [40, 10], [12, 12]])?.closed).toBe(false);
 });
 
 test("no point that is left out was farther from the line than allowed", () => {
@@ -36,7 +36,10 @@ test("no point that is left out was farther from the line than allowed", () => {
       const near = kept.slice(1).some((to, i) => {
         const from = kept[i] ?? to;
         const share = Math.min(1, Math.max(0, along(place, from, to)));
-        return Math.hypot(place[0] - from[0] - share * (to[0] - from[0]), place[1] - from[1] - share * (to[1] - from[1])) <= 4 + 1e-9;
+        return (
+          Math.hypot(place[0] - from[0] - share * (to[0] - from[0]), place[1] - from[1] - share * (to[1] - from[1])) <=
+          4 + 1e-9
+        );
       });
       expect(near).toBe(true);
     }
@@ -51,7 +54,7 @@ function along(place: Place, from: Place, to: Place): number {
 test("a line of very many points is told in as many as the engine takes", () => {
   const random = new Random(8);
   const scribble: Place[] = Array.from({ length: 5000 }, () => [random.between(0, 900), random.between(0, 600)]);
-  expect(paintedLine(scribble)?.places.length).toBeLessThanOrEqual(1000);
+  expect(freehandLine(scribble)?.places.length).toBeLessThanOrEqual(1000);
 });
 
 test("an open line goes on straight at both ends", () => {

@@ -5,7 +5,11 @@ const scan = { bone: 300, soft_tissue: 50, range: [-200, 2000] as const };
 
 test("the first segment is bone, the next one all from skin upward, within the scan's values", () => {
   expect(newThreshold(scan, [])).toEqual({ name: "Bone", low: 300, high: 2000 });
-  expect(newThreshold({ ...scan, range: [-1000, 2000] }, [{ range: [300, 900] }])).toEqual({ name: "Skin", low: -300, high: 2000 });
+  expect(newThreshold({ ...scan, range: [-1000, 2000] }, [{ range: [300, 900] }])).toEqual({
+    name: "Skin",
+    low: -300,
+    high: 2000,
+  });
   expect(newThreshold(scan, [{ range: [300, 2000] }]).low).toBe(-200);
   expect(newThreshold(scan, [{ range: null }, { range: [299, 2000] }]).name).toBe("Bone");
 });

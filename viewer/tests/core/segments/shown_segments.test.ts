@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { linearFromSrgb } from "../../../src/core/appearance/colour";
+import { linearFromSrgb } from "../../../src/core/base/colour";
 import { drawnBy } from "../../../src/core/appearance/drawn_values";
 import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
 import { shadedOptics } from "../../../src/core/appearance/optics";
@@ -75,7 +75,11 @@ test("while a range is dragged the voxels of the new range are drawn, not the ol
 });
 
 test("thresholds for which the picture has no room are told; those that were edited have labels and need none", () => {
-  const many = Array.from({ length: mostRanges + 2 }, (_, id): Segment => ({ ...segment, id: id + 1, range: [id, id] }));
+  const many = Array.from({ length: mostRanges + 2 }, (_, id): Segment => ({
+    ...segment,
+    id: id + 1,
+    range: [id, id],
+  }));
   expect(withoutRoom(many.slice(0, mostRanges))).toEqual([]);
   expect(withoutRoom(many)).toEqual(many.slice(-2));
   const edited = many.map((one, place) => (place > mostRanges ? { ...one, range: null, made_by: one.range } : one));
@@ -88,7 +92,14 @@ test("a body stands for a surface that is closed and where its voxels are, as op
   const moved = [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0];
   expect([bodyOpacity(surface), bodyOpacity({ ...surface, opacity: 0.9 })]).toEqual([1, 0.9]);
   expect([bodyOpacity(both), bodyOpacity(both, "tinted"), bodyOpacity(both, "plain")]).toEqual([1, 0.3, 0]);
-  const others: readonly Partial<Segment>[] = [{ opacity: 0 }, { wireframe: true }, { pose: moved }, { grid: moved }, { visible: false }, { shown_as: "volume" }];
+  const others: readonly Partial<Segment>[] = [
+    { opacity: 0 },
+    { wireframe: true },
+    { pose: moved },
+    { grid: moved },
+    { visible: false },
+    { shown_as: "volume" },
+  ];
   expect(others.map((other) => bodyOpacity({ ...surface, ...other }))).toEqual(others.map(() => 0));
 });
 
@@ -101,7 +112,7 @@ test("what is told of a range inside of the volume has the body that stands for 
 });
 
 test("bricks of what a body can stand for are never empty, so that it can come and go with each picture", () => {
-  const look: Appearance = {
+  const appearance: Appearance = {
     transferFunction: { points: [{ value: 0, colour: [1, 1, 1], extinction: 0 }] },
     ranges: shownRanges([{ ...segment, range: [500, 600], shown_as: "surface" }], rescale),
     edgeGradient: 40,
@@ -109,8 +120,10 @@ test("bricks of what a body can stand for are never empty, so that it can come a
     optics: shadedOptics,
   };
   const [bone, air] = [32768 + 550, 32768 - 900];
-  expect(drawnBy(look, rescale).any(bone, bone)).toBe(true);
-  expect(drawnBy(look, rescale).any(air, air)).toBe(false);
+  expect(drawnBy(appearance, rescale).any(bone, bone)).toBe(true);
+  expect(drawnBy(appearance, rescale).any(air, air)).toBe(false);
   // there voxels of segments are values like others
-  expect(drawnBy({ ...look, optics: { ...shadedOptics, blend: "emission" } }, rescale).any(bone, bone)).toBe(false);
+  expect(drawnBy({ ...appearance, optics: { ...shadedOptics, blend: "emission" } }, rescale).any(bone, bone)).toBe(
+    false,
+  );
 });

@@ -16,7 +16,13 @@ import { cross, dot, normalize, type Vec3 } from "../../../src/core/geometry/vec
 
 const upright: readonly [Vec3, Vec3, Vec3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const camera: Camera = {
-  target: [0, 0, 0], distance: 100, right: [0.6, 0.8, 0], up: [0, 0, 1], back: [0.8, -0.6, 0], field: 0.4, parallel: null,
+  target: [0, 0, 0],
+  distance: 100,
+  right: [0.6, 0.8, 0],
+  up: [0, 0, 1],
+  back: [0.8, -0.6, 0],
+  field: 0.4,
+  parallel: null,
 };
 const viewport = { width: 400, height: 300 };
 const cube: Vec3[] = [[0, 0, 0], [200, 0, 0], [0, 100, 0], [0, 0, 50], [200, 100, 50]];

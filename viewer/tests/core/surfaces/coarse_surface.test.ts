@@ -38,7 +38,9 @@ describe("a ball of four patches", () => {
 
   test("stands where it stood, no deeper than its facets are long", () => {
     const random = new Random(6);
-    const triangles = listed(few.triangles).map((triangle) => triangle.map((vertex) => place(few, vertex)) as [Vec3, Vec3, Vec3]);
+    const triangles = listed(few.triangles).map(
+      (triangle) => triangle.map((vertex) => place(few, vertex)) as [Vec3, Vec3, Vec3],
+    );
     // a cube's edge is 6 mean edges of 0.6 mm; a facet as long as the diagonal of two cubes, 12.5 mm, lies 1 mm inside
     const deepest = radius - Math.sqrt(radius ** 2 - (12.5 / 2) ** 2);
     for (let trial = 0; trial < 500; ++trial) {
@@ -54,7 +56,11 @@ describe("a ball of four patches", () => {
 
   test("has normals of length one that point out of it", () => {
     for (let vertex = 0; vertex < few.vertices.length / 3; ++vertex) {
-      const normal: Vec3 = [few.normals[4 * vertex] ?? 0, few.normals[4 * vertex + 1] ?? 0, few.normals[4 * vertex + 2] ?? 0];
+      const normal: Vec3 = [
+        few.normals[4 * vertex] ?? 0,
+        few.normals[4 * vertex + 1] ?? 0,
+        few.normals[4 * vertex + 2] ?? 0,
+      ];
       // bytes cut off less than one along each axis
       expect(length(normal)).toBeGreaterThan(127 - 2);
       expect(dot(normalize(normal), normalize(subtract(place(few, vertex), centre)))).toBeGreaterThan(Math.cos(0.03));
@@ -66,7 +72,9 @@ test("the two faces of a thin wall stay apart", () => {
   const wall = thinWall();
   const few = coarse([wall]);
   const heights = listed(few.triangles).map((triangle) => triangle.map((vertex) => place(few, vertex)[2]));
-  expect(heights.every((three) => three.every((height) => height === three[0] && (height === 0 || height === 1)))).toBe(true);
+  expect(heights.every((three) => three.every((height) => height === three[0] && (height === 0 || height === 1)))).toBe(
+    true,
+  );
   expect(new Set(heights.flat()).size).toBe(2);
   expect(few.triangles.length).toBeLessThan(wall.triangles.length / 12);
 });

@@ -35,7 +35,9 @@ describe.each(ball.map((patch) => [patch.key, patch] as const))("patch %s of a b
 test("a ball stays closed, and its facets lie no deeper than their length allows", () => {
   const random = new Random(5);
   const triangles = ball.flatMap((patch) =>
-    listed(coarseTriangles(patch)).map((triangle) => triangle.map((vertex) => place(patch, vertex)) as [Vec3, Vec3, Vec3]),
+    listed(coarseTriangles(patch)).map(
+      (triangle) => triangle.map((vertex) => place(patch, vertex)) as [Vec3, Vec3, Vec3],
+    ),
   );
   // a cube's edge is 5 mean edges of 0.6 mm; a facet as long as the diagonal of two cubes, 10.4 mm, lies 0.7 mm inside
   const deepest = radius - Math.sqrt(radius ** 2 - (10.4 / 2) ** 2);
@@ -51,7 +53,9 @@ test("a ball stays closed, and its facets lie no deeper than their length allows
 
 test("the two faces of a thin wall stay apart", () => {
   const patch = thinWall();
-  const faces = listed(coarseTriangles(patch)).map((triangle) => new Set(triangle.map((vertex) => (vertex < faceVertices ? "low" : "high"))));
+  const faces = listed(coarseTriangles(patch)).map(
+    (triangle) => new Set(triangle.map((vertex) => (vertex < faceVertices ? "low" : "high"))),
+  );
   expect(faces.every((face) => face.size === 1)).toBe(true);
   const count = (face: "low" | "high"): number => faces.filter((one) => one.has(face)).length;
   expect(count("low")).toBe(count("high"));
@@ -66,5 +70,7 @@ test("a patch without triangles has none left, and one of a single triangle keep
   expect([...coarseTriangles(decoded(corners, up, []))]).toEqual([]);
   expect([...coarseTriangles(decoded(corners, up, [0, 1, 2]))]).toEqual([0, 1, 2]);
   // all in one place
-  expect([...coarseTriangles(decoded([corners[0] ?? [0, 0, 0], [0, 0, 0], [0, 0, 0]], up, [0, 1, 2]))]).toEqual([0, 1, 2]);
+  expect([...coarseTriangles(decoded([corners[0] ?? [0, 0, 0], [0, 0, 0], [0, 0, 0]], up, [0, 1, 2]))]).toEqual([
+    0, 1, 2,
+  ]);
 });

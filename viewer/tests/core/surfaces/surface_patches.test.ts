@@ -32,7 +32,12 @@ test("bytes that begin anywhere in a message are read the same", () => {
     memory.set(bytes, 1);
     return memory.subarray(1);
   };
-  const odd = { ...good, vertices: moved(good.vertices), normals: moved(good.normals), triangles: moved(good.triangles) };
+  const odd = {
+    ...good,
+    vertices: moved(good.vertices),
+    normals: moved(good.normals),
+    triangles: moved(good.triangles),
+  };
   expect(decode(odd)).toEqual(decode(good));
 });
 

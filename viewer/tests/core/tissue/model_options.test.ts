@@ -1,5 +1,14 @@
 import { expect, test } from "vitest";
-import { areUsual, calibrations, fadingBy, formatShare, motions, recalledOptions, unlessUsual, usualOptions } from "../../../src/core/tissue/model_options";
+import {
+  areUsual,
+  calibrations,
+  fadingBy,
+  formatShare,
+  motions,
+  recalledOptions,
+  unlessUsual,
+  usualOptions,
+} from "../../../src/core/tissue/model_options";
 import type { DeformationModel } from "../../../src/core/protocol";
 
 test("what is as usual is told from what is chosen", () => {
@@ -52,7 +61,9 @@ test("layers, calibration and motion come back where a model offers them", () =>
   // kept by a version before, or by nobody that knows them
   expect(recalledOptions({}, cuboid)).toEqual(usualOptions);
   const damaged = [{ layers: 9 }, { layers: 2.5 }, { layers: "3" }, { calibration: "cheese" }, { motion: 1 }];
-  expect(damaged.map((kept) => recalledOptions(kept, { ...cuboid, motion: true }))).toEqual(damaged.map(() => usualOptions));
+  expect(damaged.map((kept) => recalledOptions(kept, { ...cuboid, motion: true }))).toEqual(
+    damaged.map(() => usualOptions),
+  );
 });
 
 test("shares are written in percent", () => {

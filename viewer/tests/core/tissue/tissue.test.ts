@@ -21,22 +21,45 @@ const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_st
 const hard: Constants = { ...soft, young: 21e9, poisson: 0.32 };
 const presets: readonly MaterialPreset[] = [
   { name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft },
-  { name: "thesis-bone", source: "thesis", needs_hounsfield: true, low: { ...hard, young: 5e9, poisson: 0.3 }, high: hard },
+  {
+    name: "thesis-bone",
+    source: "thesis",
+    needs_hounsfield: true,
+    low: { ...hard, young: 5e9, poisson: 0.3 },
+    high: hard,
+  },
 ];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false },
-  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null, calibration: true, motion: false },
+  {
+    ...{ name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null },
+    ...{ walls: false, fades, yields, layers: null, calibration: false, motion: false },
+  },
+  {
+    ...{ name: "global-lj", title: "Particles", bonded: false, boxes: null },
+    ...{ binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null },
+    ...{ calibration: true, motion: false },
+  },
 ];
 
 test("moduli are written with three digits and the unit that fits", () => {
-  expect([500, 999.6, 5500, 4.2e5, 18.6e9].map(formatModulus)).toEqual(["500 Pa", "1.00 kPa", "5.50 kPa", "420 kPa", "18.6 GPa"]);
+  expect([500, 999.6, 5500, 4.2e5, 18.6e9].map(formatModulus)).toEqual([
+    "500 Pa",
+    "1.00 kPa",
+    "5.50 kPa",
+    "420 kPa",
+    "18.6 GPa",
+  ]);
 });
 
 test("a material that follows HU is told from one end to the other and has no constants to change", () => {
   const [liver, bone] = presets.map((preset) => ({ ...preset, preset: preset.name }));
   expect(liver && describeMaterial(liver)).toBe("5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %, friction 20 %");
-  expect(bone && describeMaterial(bone)).toBe("5.00 GPa to 21.0 GPa, ν 0.3 to 0.32, 1.06 g/cm³, breaks at 34 %, friction 20 %");
-  expect(describeMaterial({ low: { ...soft, breaking_strain: null }, high: { ...soft, breaking_strain: null } })).toContain("never breaks");
+  expect(bone && describeMaterial(bone)).toBe(
+    "5.00 GPa to 21.0 GPa, ν 0.3 to 0.32, 1.06 g/cm³, breaks at 34 %, friction 20 %",
+  );
+  expect(
+    describeMaterial({ low: { ...soft, breaking_strain: null }, high: { ...soft, breaking_strain: null } }),
+  ).toContain("never breaks");
   expect(presets.map(presetTitle)).toEqual(["Liver", "Thesis bone (by HU)"]);
   expect(liver && constantsOf(liver)).toEqual(soft);
   expect(bone && constantsOf(bone)).toBeNull();
@@ -52,7 +75,12 @@ test("a segment's name suggests a tissue only where it is offered", () => {
 
 test("the edge of a box is odd and within what the model can have", () => {
   const [lattice, whole] = models;
-  expect([edgeOf(lattice, null), edgeOf(lattice, 31), edgeOf(whole, 31), edgeOf(undefined, 31)]).toEqual([21, 31, null, null]);
+  expect([edgeOf(lattice, null), edgeOf(lattice, 31), edgeOf(whole, 31), edgeOf(undefined, 31)]).toEqual([
+    21,
+    31,
+    null,
+    null,
+  ]);
   expect([1, 20, 22.4, 99].map((edge) => lattice?.boxes && oddEdge(edge, lattice.boxes))).toEqual([9, 21, 23, 41]);
 });
 
@@ -77,7 +105,9 @@ test("displacements whose bytes do not fit are refused, and none is none", () =>
   const sent: Displaced = { origin: [0, 0, 0], step: [1, 1, 2], size: [2, 1, 1], moved };
   expect([...(decodeDisplacements(sent)?.moved ?? [])]).toEqual([0x3c00, 0, 0, 0, 0, 0, 0, 0]);
   expect(decodeDisplacements({ ...sent, size: [0, 0, 0], moved: new Uint8Array(0) })).toBeNull();
-  expect(() => decodeDisplacements({ ...sent, moved: new Uint8Array(15) })).toThrow("15 bytes of displacements for 2 x 1 x 1 nodes, 8 each");
+  expect(() => decodeDisplacements({ ...sent, moved: new Uint8Array(15) })).toThrow(
+    "15 bytes of displacements for 2 x 1 x 1 nodes, 8 each",
+  );
   expect(() => decodeDisplacements({ ...sent, step: [1, 0, 1] })).toThrow("1, 0, 1 voxels apart");
 });
 

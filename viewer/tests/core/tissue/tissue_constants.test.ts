@@ -14,10 +14,18 @@ function of(key: keyof Constants): (typeof writtenConstants)[number] {
 test("each constant is written in its unit, and read back as it was", () => {
   const fields = writtenConstants.map((each) => written(each, liver));
   expect(fields).toEqual(["5.5", "0.45", "1.06", "34", "20"]);
-  expect(writtenConstants.map((each) => described(each, bone))).toEqual(["18\u2009600\u2009000 kPa", "0.3", "1.9 g/cm³", "never", "30 %"]);
+  expect(writtenConstants.map((each) => described(each, bone))).toEqual([
+    "18\u2009600\u2009000 kPa",
+    "0.3",
+    "1.9 g/cm³",
+    "never",
+    "30 %",
+  ]);
   for (const constants of [liver, bone, customTissue]) {
     for (const each of writtenConstants) {
-      expect(typed(each, written(each, constants), customTissue)).toEqual({ constants: { ...customTissue, [each.key]: constants[each.key] } });
+      expect(typed(each, written(each, constants), customTissue)).toEqual({
+        constants: { ...customTissue, [each.key]: constants[each.key] },
+      });
     }
   }
 });
@@ -37,7 +45,13 @@ test("without a breaking strain no bond breaks", () => {
 });
 
 test("what may be typed the engine takes", () => {
-  const engine = { young: [1, 2e12], poisson: [-0.999999, 0.499999], density: [0.1, 23_000], breaking_strain: [1e-9, 1e6], friction: [0, 10] };
+  const engine = {
+    young: [1, 2e12],
+    poisson: [-0.999999, 0.499999],
+    density: [0.1, 23_000],
+    breaking_strain: [1e-9, 1e6],
+    friction: [0, 10],
+  };
   for (const { key, scale, min, max } of writtenConstants) {
     const [low = NaN, high = NaN] = engine[key];
     expect([min * scale >= low * (1 - 1e-9), max * scale <= high * (1 + 1e-9)], key).toEqual([true, true]);

@@ -1,5 +1,10 @@
 import { expect, test } from "vitest";
-import { nothingRemembered, recalledTissue, recalledRegions, rememberedTissue } from "../../../src/core/tissue/tissue_memory";
+import {
+  nothingRemembered,
+  recalledTissue,
+  recalledRegions,
+  rememberedTissue,
+} from "../../../src/core/tissue/tissue_memory";
 import { usualOptions } from "../../../src/core/tissue/model_options";
 import type { Constants, DeformationModel, MaterialPreset, MatterRegion, Segment } from "../../../src/core/protocol";
 
@@ -7,10 +12,19 @@ const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most:
 const yields = { least: 0.005, most: 0.5 };
 
 const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
-const presets: readonly MaterialPreset[] = [{ name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft }];
+const presets: readonly MaterialPreset[] = [
+  { name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft },
+];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false },
-  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null, calibration: true, motion: false },
+  {
+    ...{ name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null },
+    ...{ walls: false, fades, yields, layers: null, calibration: false, motion: false },
+  },
+  {
+    ...{ name: "global-lj", title: "Particles", bonded: false, boxes: null },
+    ...{ binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null },
+    ...{ calibration: true, motion: false },
+  },
 ];
 
 test("what was chosen comes back, by the names of segments", () => {
@@ -21,7 +35,9 @@ test("what was chosen comes back, by the names of segments", () => {
     { id: 2, name: "lump", material: { preset: null, low: own, high: own }, regions: [] },
     { id: 3, name: "bone", material: null, regions: [] },
   ];
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedTissue(segments, { model: "lattice", options, force_source: "voxels" })));
+  const kept: unknown = JSON.parse(
+    JSON.stringify(rememberedTissue(segments, { model: "lattice", options, force_source: "voxels" })),
+  );
   expect(recalledTissue(kept, presets, models)).toEqual({
     version: 1,
     model: "lattice",
@@ -47,15 +63,26 @@ test.each([
 
 test("of a memory only what is offered and can be is recalled", () => {
   const constants = { ...soft, poisson: 0.6 };
-  const materials = [{ segment: "a", preset: "cheese" }, { segment: "b", constants }, 3, { segment: "c", preset: "liver" }];
+  const materials = [
+    { segment: "a", preset: "cheese" },
+    { segment: "b", constants },
+    3,
+    { segment: "c", preset: "liver" },
+  ];
   expect(recalledTissue({ version: 1, model: "jelly", options: usualOptions, materials }, presets, models)).toEqual({
     ...nothingRemembered,
     materials: [{ segment: "c", preset: "liver", constants: null }],
   });
-  const recalled = (model: string, options: unknown): unknown => recalledTissue({ version: 1, model, options, materials }, presets, models).options;
-  expect(recalled("lattice", { edge: 20, binding: 0.5, walls: true, prony: { share: 2, time: 1 }, yield_strain: 0.9 })).toEqual(usualOptions);
+  const recalled = (model: string, options: unknown): unknown =>
+    recalledTissue({ version: 1, model, options, materials }, presets, models).options;
+  expect(
+    recalled("lattice", { edge: 20, binding: 0.5, walls: true, prony: { share: 2, time: 1 }, yield_strain: 0.9 }),
+  ).toEqual(usualOptions);
   expect(recalled("lattice", { edge: 11, prony: null })).toEqual({ ...usualOptions, edge: 11 });
-  expect(recalled("global-lj", { edge: 11, binding: 0.5, prony: { share: 0.5, time: 1 }, yield_strain: 0.1 })).toEqual({ ...usualOptions, binding: 0.5 });
+  expect(recalled("global-lj", { edge: 11, binding: 0.5, prony: { share: 0.5, time: 1 }, yield_strain: 0.1 })).toEqual({
+    ...usualOptions,
+    binding: 0.5,
+  });
   expect(recalled("global-lj", "all")).toEqual(usualOptions);
 });
 
@@ -66,8 +93,20 @@ test("regions come back where the segments are that mark them, in their order", 
     { treatment: "empty", shared_with: null, box: [[0, 0, 0], [4, 4, 4]] },
     { treatment: "empty", shared_with: 9, box: null },
   ];
-  const named = (id: number, name: string, its: readonly MatterRegion[] = []): Pick<Segment, "id" | "name" | "material" | "regions"> => ({ id, name, material: null, regions: its });
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedTissue([named(1, "liver", regions), named(3, "lesion")], { model: null, options: usualOptions, force_source: "matter" })));
+  const named = (
+    id: number,
+    name: string,
+    its: readonly MatterRegion[] = [],
+  ): Pick<Segment, "id" | "name" | "material" | "regions"> => ({ id, name, material: null, regions: its });
+  const kept: unknown = JSON.parse(
+    JSON.stringify(
+      rememberedTissue([named(1, "liver", regions), named(3, "lesion")], {
+        model: null,
+        options: usualOptions,
+        force_source: "matter",
+      }),
+    ),
+  );
   const memory = recalledTissue(kept, presets, models);
   expect(memory.regions).toHaveLength(2);
   // under other numbers at the next visit
@@ -78,6 +117,10 @@ test("regions come back where the segments are that mark them, in their order", 
   ]);
   expect(recalledRegions("liver", memory, now.slice(1))).toHaveLength(1);
   expect(recalledRegions("lesion", memory, now)).toEqual([]);
-  const damaged = { version: 1, materials: [], regions: [{ segment: "liver", treatment: "soft", sharedWith: null }, 3, { segment: 2 }] };
+  const damaged = {
+    version: 1,
+    materials: [],
+    regions: [{ segment: "liver", treatment: "soft", sharedWith: null }, 3, { segment: 2 }],
+  };
   expect(recalledTissue(damaged, presets, models).regions).toEqual([]);
 });

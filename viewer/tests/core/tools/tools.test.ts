@@ -3,7 +3,16 @@ import { withDrill } from "../../../src/core/touch/contact_sound";
 import { formatMoment } from "../../../src/core/base/format";
 import type { Segment } from "../../../src/core/protocol";
 import { LastRanges } from "../../../src/core/segments/shown_segments";
-import { depthRange, fittingDepth, fittingRadius, formatLoad, formatRemoved, loadShare, radiusRange, segmentsOf } from "../../../src/core/tools/tools";
+import {
+  depthRange,
+  fittingDepth,
+  fittingRadius,
+  formatLoad,
+  formatRemoved,
+  loadShare,
+  radiusRange,
+  segmentsOf,
+} from "../../../src/core/tools/tools";
 
 function segment(id: number, touchable = true, range: Segment["range"] = null): Segment {
   return {
@@ -59,7 +68,7 @@ test("a drill cuts all that it meets, and any tool the segment that was chosen f
   expect(segmentsOf("eraser", 7, all, 5)).toEqual([5]);
 });
 
-test("what has voxels of its own has none of the matter that a drill takes, and can be erased", () => {
+test("a segment with a grid of its own has none of the voxels that a drill removes, and can be erased", () => {
   const plate: Segment = { ...segment(8), grid: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] };
   expect(segmentsOf("drill", "touched", [...all, plate], 8)).toEqual([2, 5]);
   expect(segmentsOf("eraser", "touched", [...all, plate], 8)).toEqual([8]);

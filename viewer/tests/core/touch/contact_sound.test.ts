@@ -4,7 +4,14 @@ import type { Vec3 } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 
 const up: Vec3 = [0, 0, 1];
-const free: Heard = { time: 0, device: [0, 0, 5], proxy: [0, 0, 5], normal: [0, 0, 0], force: [0, 0, 0], contact: false };
+const free: Heard = {
+  time: 0,
+  device: [0, 0, 5],
+  proxy: [0, 0, 5],
+  normal: [0, 0, 0],
+  force: [0, 0, 0],
+  contact: false,
+};
 const frame = 1 / 60;
 
 /** The sound when a hand falls at a speed [mm/s] onto z = 0. */
@@ -52,7 +59,9 @@ test("contact that only flickers strikes once", () => {
   for (let i = 0; i < 40; ++i) {
     const contact = i >= 10 && i % 2 === 0;
     const device: Vec3 = [0, 0, 5 - 0.5 * i];
-    strikes += sound.next({ ...free, time: i * frame, device, normal: contact ? up : [0, 0, 0], contact }, 1).strike ? 1 : 0;
+    strikes += sound.next({ ...free, time: i * frame, device, normal: contact ? up : [0, 0, 0], contact }, 1).strike
+      ? 1
+      : 0;
   }
   expect(strikes).toBe(1);
 });
@@ -85,10 +94,21 @@ test("after a pause, or in a new session, nothing is heard of the jump", () => {
 test("whatever arrives, gains and frequencies stay within what ears and filters take", () => {
   const random = new Random(71);
   const sound = new ContactSound();
-  const point = (size: number): Vec3 => [random.between(-size, size), random.between(-size, size), random.between(-size, size)];
+  const point = (size: number): Vec3 => [
+    random.between(-size, size),
+    random.between(-size, size),
+    random.between(-size, size),
+  ];
   for (let i = 0; i < 2000; ++i) {
     const contact = random.between(0, 1) > 0.4;
-    const state: Heard = { time: i * frame, device: point(1e6), proxy: point(1e6), normal: contact ? up : [0, 0, 0], force: point(50), contact };
+    const state: Heard = {
+      time: i * frame,
+      device: point(1e6),
+      proxy: point(1e6),
+      normal: contact ? up : [0, 0, 0],
+      force: point(50),
+      contact,
+    };
     const { strike, scrape } = sound.next(state, 10 ** random.between(-3, 2));
     for (const { gain, frequency } of strike === null ? [scrape] : [scrape, strike]) {
       expect(gain).toBeGreaterThanOrEqual(0);

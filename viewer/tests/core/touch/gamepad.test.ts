@@ -71,7 +71,10 @@ test("whatever the force does, both motors stay within 0 and 1", () => {
   const random = new Random(83);
   let before: Felt | null = null;
   for (let i = 0; i < 1000; ++i) {
-    const now: Felt = { force: [random.between(-99, 99), random.between(-99, 99), NaN * Number(i % 50 === 0)], contact: i % 3 > 0 };
+    const now: Felt = {
+      force: [random.between(-99, 99), random.between(-99, 99), NaN * Number(i % 50 === 0)],
+      contact: i % 3 > 0,
+    };
     const { strong, weak } = rumbleOf(before, now, 4);
     for (const motor of [strong, weak]) {
       expect(motor).toBeGreaterThanOrEqual(0);

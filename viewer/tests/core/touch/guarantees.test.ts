@@ -19,12 +19,15 @@ test.each([
   expect(light.meaning).toContain("inside");
 });
 
-test.each(["waiting", "ramping", "easing", "off"] as const)("a force that is %s makes it amber and says why", (force) => {
-  const light = lightOf({ ...safety, force }, "exact");
-  expect(light.colour).toBe("amber");
-  expect(light.short).toContain("force");
-  expect(light.meaning.length).toBeGreaterThan(20);
-});
+test.each(["waiting", "ramping", "easing", "off"] as const)(
+  "a force that is %s makes it amber and says why",
+  (force) => {
+    const light = lightOf({ ...safety, force }, "exact");
+    expect(light.colour).toBe("amber");
+    expect(light.short).toContain("force");
+    expect(light.meaning.length).toBeGreaterThan(20);
+  },
+);
 
 test.each([
   ["servo-late", "late"],

@@ -50,7 +50,10 @@ test("faces are named by the directions of the body that they look toward, each 
 
 test("a box keeps the points inside of its corners and no others", () => {
   for (const one of [frame, turnedFrame()]) {
-    const box = facesOf(one).reduce((before, face, i) => withCut(before, one, face, 2 + i), { ...nothingClipped.box, on: true });
+    const box = facesOf(one).reduce((before, face, i) => withCut(before, one, face, 2 + i), {
+      ...nothingClipped.box,
+      on: true,
+    });
     const planes = planesOf({ box, planes: [] }, one);
     expect(planes).toHaveLength(6);
     const kept = (point: Vec3): boolean => planes.every(({ normal, offset }) => dot(normal, point) <= offset + 1e-9);
@@ -76,7 +79,10 @@ test("faces never pass one another: a voxel is left", () => {
 test("a ray is kept where all of its points are behind all planes", () => {
   const random = new Random(5);
   for (let i = 0; i < 200; ++i) {
-    const planes: Plane[] = Array.from({ length: 4 }, () => ({ normal: normalize(random.vector(1)), offset: random.between(-5, 20) }));
+    const planes: Plane[] = Array.from({ length: 4 }, () => ({
+      normal: normalize(random.vector(1)),
+      offset: random.between(-5, 20),
+    }));
     const ray = { origin: random.vector(30), direction: normalize(random.vector(1)) };
     const [enter, leave] = keptSpan(planes, ray);
     for (let t = 0; t < 60; t += 0.37) {
@@ -103,7 +109,13 @@ test("a clip that was kept comes back, and what is none becomes one", () => {
     planes: [{ normal: [0, 1, 0], offset: 12, on: false }],
   };
   expect(saneClip(JSON.parse(JSON.stringify(clip)), frame)).toEqual(clip);
-  const broken = [null, 3, {}, { box: { on: true, low: [1, 2], high: "x" } }, { planes: [{ normal: [0, 2, 0], offset: 1, on: true }, 5] }];
+  const broken = [
+    null,
+    3,
+    {},
+    { box: { on: true, low: [1, 2], high: "x" } },
+    { planes: [{ normal: [0, 2, 0], offset: 1, on: true }, 5] },
+  ];
   for (const given of broken) {
     expect(saneClip(given, frame)).toEqual(nothingClipped);
   }
@@ -127,8 +139,13 @@ test("a handle that is dragged follows the mouse on the screen, or goes in depth
 
 test("what is cut away cannot be picked, the cut face can", () => {
   const volume = volumeOf(scanOf([40, 40, 40], [1, 1, 1]), () => 100);
-  const look = {
-    transferFunction: { points: [{ value: -500, colour: [1, 1, 1] as const, extinction: 50 }, { value: 500, colour: [1, 1, 1] as const, extinction: 50 }] },
+  const appearance = {
+    transferFunction: {
+      points: [
+        { value: -500, colour: [1, 1, 1] as const, extinction: 50 },
+        { value: 500, colour: [1, 1, 1] as const, extinction: 50 },
+      ],
+    },
     ranges: [],
     edgeGradient: 40,
     lighting: { ...firstLighting, edges: 0 },
@@ -136,7 +153,8 @@ test("what is cut away cannot be picked, the cut face can", () => {
   };
   const ray = { origin: [20, -50, 20] as const, direction: [0, 1, 0] as const };
   const crossings = [{ t: 55, id: 7, opacity: 1 }];
-  const pick = (clip: readonly Plane[]): ReturnType<typeof pickSurface> => pickSurface(volume, look, ray, { crossings, labelAt: () => null, clip });
+  const pick = (clip: readonly Plane[]): ReturnType<typeof pickSurface> =>
+    pickSurface(volume, appearance, ray, { crossings, labelAt: () => null, clip });
   const front: Plane = { normal: [0, -1, 0], offset: -15 };
   expect(pick([])?.point[1]).toBeLessThan(1);
   expect(pick([front])?.segment).toBeNull();

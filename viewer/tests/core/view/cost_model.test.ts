@@ -1,21 +1,21 @@
 import { describe, expect, test } from "vitest";
-import { CostModel, type Work } from "../../../src/core/view/cost_model";
+import { CostModel, type Workload } from "../../../src/core/view/cost_model";
 import { Random } from "../../support/random";
 
-const guess: Work = { waits: 3, samples: 1e-2, triangles: 2e-4 };
+const guess: Workload = { waits: 3, samples: 1e-2, triangles: 2e-4 };
 /** Of a renderer on two cores, about [ms each]. */
-const real: Work = { waits: 8, samples: 4e-3, triangles: 1e-4 };
+const real: Workload = { waits: 8, samples: 4e-3, triangles: 1e-4 };
 
-function timeOf({ waits, samples, triangles }: Work, costs = real): number {
+function timeOf({ waits, samples, triangles }: Workload, costs = real): number {
   return waits * costs.waits + samples * costs.samples + triangles * costs.triangles;
 }
 
 /** Pictures of several sizes, with all triangles, with few and without any. */
-const pictures: readonly Work[] = [1000, 4000, 12_000].flatMap((samples) =>
+const pictures: readonly Workload[] = [1000, 4000, 12_000].flatMap((samples) =>
   [0, 100_000, 500_000].map((triangles) => ({ waits: 1, samples, triangles })),
 );
 
-function learned(times: (picture: Work) => number): CostModel {
+function learned(times: (picture: Workload) => number): CostModel {
   const model = new CostModel(guess);
   for (let turn = 0; turn < 10; ++turn) {
     for (const picture of pictures) {
@@ -48,14 +48,17 @@ describe("pictures of several sizes", () => {
   });
 });
 
-test.each([0.2, 5])("pictures of one size that take %d times as long as before are expected so after twenty", (factor) => {
-  const model = learned(timeOf);
-  const picture: Work = { waits: 1, samples: 2000, triangles: 100_000 };
-  for (let i = 0; i < 20; ++i) {
-    model.learn(picture, factor * timeOf(picture));
-  }
-  expect(model.expected(picture) / (factor * timeOf(picture))).toBeCloseTo(1, 1);
-});
+test.each([0.2, 5])(
+  "pictures of one size that take %d times as long as before are expected so after twenty",
+  (factor) => {
+    const model = learned(timeOf);
+    const picture: Workload = { waits: 1, samples: 2000, triangles: 100_000 };
+    for (let i = 0; i < 20; ++i) {
+      model.learn(picture, factor * timeOf(picture));
+    }
+    expect(model.expected(picture) / (factor * timeOf(picture))).toBeCloseTo(1, 1);
+  },
+);
 
 test("no cost falls below zero, and one that fell there comes back", () => {
   const model = learned(timeOf);

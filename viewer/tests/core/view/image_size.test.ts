@@ -20,7 +20,9 @@ test("tiles cover a picture once and do not leave it", () => {
 
 test("a picture is as large as the screen's pixels times its magnification, up to what a canvas holds", () => {
   expect(imageSize({ width: 801, height: 600 }, 1.5, 2)).toEqual({ width: 2403, height: 1800 });
-  expect(magnifications.every((factor) => fitsIntoCanvas(imageSize({ width: 1100, height: 700 }, 1, factor)))).toBe(true);
+  expect(magnifications.every((factor) => fitsIntoCanvas(imageSize({ width: 1100, height: 700 }, 1, factor)))).toBe(
+    true,
+  );
   expect(fitsIntoCanvas({ width: mostEdge + 1, height: 10 })).toBe(false);
   expect(fitsIntoCanvas({ width: 15000, height: 15000 })).toBe(false);
 });

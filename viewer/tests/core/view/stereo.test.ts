@@ -1,7 +1,23 @@
 /** Two eyes before one window: parallax as geometry has it, and which eye is pointed with. */
 import { expect, test } from "vitest";
-import { eyeOf, extentOf, firstView, inProjection, project, rayThrough, type Camera } from "../../../src/core/geometry/camera";
-import { eyeCamera, eyesOf, firstStereo, pointedEye, saneStereo, viewportOf, type Stereo } from "../../../src/core/view/stereo";
+import {
+  eyeOf,
+  extentOf,
+  firstView,
+  inProjection,
+  project,
+  rayThrough,
+  type Camera,
+} from "../../../src/core/geometry/camera";
+import {
+  eyeCamera,
+  eyesOf,
+  firstStereo,
+  pointedEye,
+  saneStereo,
+  viewportOf,
+  type Stereo,
+} from "../../../src/core/view/stereo";
 import { addScaled, cross, distance, dot, length, subtract, type Vec3 } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 
@@ -19,7 +35,10 @@ function beside(x: number, y: number, before: number): Vec3 {
   );
 }
 
-/** How much farther right the right eye's picture of a point is than the left one's, and how much lower [mm at the target]. */
+/**
+ * How much farther right the right eye's picture of a point is than the left one's, and how much lower [mm at the
+ * target].
+ */
 function parallax(middle: Camera, point: Vec3): readonly [number, number] {
   const places = [-1, 1].map((side) => project(eyeCamera(middle, (side * separation) / 2), point, viewport));
   const [[leftX = NaN, leftY = NaN] = [], [rightX = NaN, rightY = NaN] = []] = places.map((place) => place ?? []);
@@ -69,11 +88,18 @@ test("a ray through where a point is seen meets the point, for each eye and both
 
 test("pictures fill their parts of the pane and none of the other's", () => {
   const pane = { width: 801, height: 601 };
-  const rects = (stereo: Partial<Stereo>): readonly object[] => eyesOf({ ...firstStereo, ...stereo }, pane).map(({ rect }) => rect);
+  const rects = (stereo: Partial<Stereo>): readonly object[] =>
+    eyesOf({ ...firstStereo, ...stereo }, pane).map(({ rect }) => rect);
   expect(rects({ mode: "off" })).toEqual([{ x: 0, y: 0, ...pane }]);
   expect(rects({ mode: "anaglyph" })).toEqual([{ x: 0, y: 0, ...pane }, { x: 0, y: 0, ...pane }]);
-  expect(rects({ mode: "side" })).toEqual([{ x: 0, y: 0, width: 400, height: 601 }, { x: 401, y: 0, width: 400, height: 601 }]);
-  expect(rects({ mode: "stacked" })).toEqual([{ x: 0, y: 0, width: 801, height: 300 }, { x: 0, y: 301, width: 801, height: 300 }]);
+  expect(rects({ mode: "side" })).toEqual([
+    { x: 0, y: 0, width: 400, height: 601 },
+    { x: 401, y: 0, width: 400, height: 601 },
+  ]);
+  expect(rects({ mode: "stacked" })).toEqual([
+    { x: 0, y: 0, width: 801, height: 300 },
+    { x: 0, y: 301, width: 801, height: 300 },
+  ]);
   expect(viewportOf({ ...firstStereo, mode: "side" }, pane)).toEqual({ width: 400, height: 601 });
   expect(viewportOf({ ...firstStereo, mode: "side", squeezed: true }, pane)).toEqual(pane);
 });
@@ -82,7 +108,9 @@ test("the eye that is pointed with is that of the picture under the mouse; of a 
   const aside = (stereo: Partial<Stereo>, x: number, y: number): number =>
     Math.sign(pointedEye({ ...firstStereo, ...stereo }, viewport, x, y).aside);
   expect([aside({ mode: "side" }, 10, 10), aside({ mode: "side" }, 790, 10)]).toEqual([-1, 1]);
-  expect([aside({ mode: "side", swapped: true }, 10, 10), aside({ mode: "side", swapped: true }, 790, 10)]).toEqual([1, -1]);
+  expect([aside({ mode: "side", swapped: true }, 10, 10), aside({ mode: "side", swapped: true }, 790, 10)]).toEqual([
+    1, -1,
+  ]);
   expect([aside({ mode: "stacked" }, 790, 10), aside({ mode: "stacked" }, 10, 590)]).toEqual([-1, 1]);
   expect([aside({ mode: "anaglyph" }, 10, 10), aside({ mode: "off" }, 790, 590)]).toEqual([0, 0]);
 });

@@ -11,7 +11,16 @@ afterEach(() => {
 });
 
 // what actions do is their targets' business: the table only names them
-const actions = actionsOf({ session: {}, stage: {}, hand: {}, tool: {}, undo: {}, exporter: {}, theme: {}, page: {} } as unknown as ActionTargets);
+const actions = actionsOf({
+  session: {},
+  stage: {},
+  hand: {},
+  tool: {},
+  undo: {},
+  exporter: {},
+  theme: {},
+  page: {},
+} as unknown as ActionTargets);
 
 test("no two actions have the same name or key", () => {
   const names = actions.map(({ group, name }) => `${group} ${name}`);
@@ -72,7 +81,7 @@ test("a key does its action, and is the browser's where it means nothing", () =>
   expect(done).toEqual(["sound", "sound", "save", "seal", "cut"]);
 });
 
-test("what lasts as long as a key is held ends with it, once, also where Shift comes between or the page is left", () => {
+test("what lasts while a key is held ends with it, once, also where Shift comes between or the page is left", () => {
   const { send, done, stop } = keyboard();
   send("keyup", "g");
   send("keydown", "g");

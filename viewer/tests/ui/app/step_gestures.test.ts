@@ -17,7 +17,9 @@ test.each([
   ["a control that is moved by neither", [1, 2, "change", 3, "change"], 2],
 ] as const)("%s", (_, events, count) => {
   const listeners: Record<string, (event: object) => void> = {};
-  vi.stubGlobal("window", { addEventListener: (type: string, listener: (event: object) => void) => (listeners[type] = listener) });
+  vi.stubGlobal("window", {
+    addEventListener: (type: string, listener: (event: object) => void) => (listeners[type] = listener),
+  });
   const steps = new PageSteps(() => 0);
   const value = new PageState(0, steps, () => undefined);
   followGestures(steps);

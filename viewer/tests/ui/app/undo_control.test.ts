@@ -120,7 +120,10 @@ const order: readonly (readonly [string, string])[] = [
   ["red", ""],
 ];
 
-test.each([["as each is done", true], ["before the engine has answered", false]])("steps come back in their order: %s", (_, answers) => {
+test.each([
+  ["as each is done", true],
+  ["before the engine has answered", false],
+])("steps come back in their order: %s", (_, answers) => {
   const bench = mixed();
   const seen = [bench.now];
   for (let i = 1; i < order.length; i += 1) {

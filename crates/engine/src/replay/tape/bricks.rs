@@ -7,14 +7,12 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::Shares;
+use palpate_volume::occupancy_fractions::OccupancyFractions;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::{PartSwap, TapePart};
 use crate::replay::mask_runs::mask_of;
-use crate::touch::occupancy_change::FractionSwap;
-use crate::touch::part::{MovedPart, Part};
-use crate::touch::scan_values::{ScanValues, Threshold};
+use crate::touch::{FractionSwap, MovedPart, Part, ScanValues, Threshold};
 
 /// Puts bricks in the place of those that are there.
 pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
@@ -30,7 +28,7 @@ pub fn put_fractions(parts: &mut [Part], swaps: &[FractionSwap]) {
     for (id, swap) in swaps {
         if let Ok(place) = place_of(parts, *id) {
             let part = &mut parts[place];
-            let unknown = || Arc::new(Shares::unknown(part.bits.dimensions()));
+            let unknown = || Arc::new(OccupancyFractions::unknown(part.bits.dimensions()));
             let fractions = part.fractions.get_or_insert_with(unknown);
             Arc::make_mut(fractions).swap(&mut swap.clone());
         }

@@ -2,23 +2,20 @@
 
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::grid::Grid;
-use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::occupancy_fractions::FractionBrick;
 use rtrb::Consumer;
 
 use super::bricks::{changed_bricks, changed_fractions, put, put_fractions};
 use super::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart};
-use crate::servo::channels::{ServoCommand, Snapshot};
-use crate::servo::servo_state::ServoState;
-use crate::touch::occupancy_change::FractionSwap;
-use crate::touch::part::Part;
-use crate::touch::scan_values::ScanValues;
+use crate::servo::{ServoCommand, ServoState, Snapshot};
+use crate::touch::{FractionSwap, Part, ScanValues};
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;
 
 /// A swap with a brick of its own, whose counters fill a cache line.
 const SWAP_BYTES: usize = size_of::<PartSwap>() + 2 * size_of::<BitBrick>();
-const SHARE_BYTES: usize = size_of::<FractionSwap>() + size_of::<ShareBrick>();
+const SHARE_BYTES: usize = size_of::<FractionSwap>() + size_of::<FractionBrick>();
 
 /// Keeps a tape; shared by the simulation, which sends, and whoever wants the recording.
 #[derive(Debug)]

@@ -47,7 +47,7 @@ pub(super) fn edit_bytes(action: Action, delta: &Delta, scan: &Intensities) -> V
         }
     }
 
-    let mut bytes = vec![number_of(action), u8::from(delta.kind == EditKind::Matter)];
+    let mut bytes = vec![number_of(action), u8::from(delta.kind == EditKind::Voxel)];
     bytes.extend(before.finalize().to_le_bytes());
     bytes.extend(body);
     bytes
@@ -58,7 +58,7 @@ pub(super) fn edit_of(bytes: &[u8], voxels: &Voxels) -> Result<Entry, Wrong> {
     let action = reader.action()?;
     let kind = match reader.byte()? {
         0 => EditKind::Label,
-        1 => EditKind::Matter,
+        1 => EditKind::Voxel,
         _ => return Err("neither a label nor a matter edit"),
     };
     let checksum = reader.number()?;

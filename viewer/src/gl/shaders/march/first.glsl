@@ -1,6 +1,6 @@
-// Tissue and solid segments as they are seen first, until the program that shows all of it is made (gl/march/march_program.ts):
-// the same models and the same light with less refinement, and without shade. Opacity is told by the values of
-// samples, and a solid segment begins where the value between two samples becomes its own.
+// Tissue and solid segments as they are seen first, until the program that shows all of it is made
+// (gl/march/march_program.ts): the same models and the same light with less refinement, and without shade. Opacity is
+// told by the values of samples, and a solid segment begins where the value between two samples becomes its own.
 
 Seen seenAlong(Ray ray, inout Layers layers) {
   Seen seen = Seen(vec3(0.0), 1.0, -1.0);
@@ -45,7 +45,9 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       float opacity = solid ? 1.0 : 1.0 - exp(-extinction * stepLength);
 #if BLEND == SHADED
       vec2 factors = segmentMaterial(segment);
-      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0), factors) : litTissue(own, normal, toEye, boundary, vec2(1.0), factors);
+      vec3 colour = solid
+        ? litSurface(own, normal, toEye, 1.0, vec2(1.0), factors)
+        : litTissue(own, normal, toEye, boundary, vec2(1.0), factors);
 #else
       vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0), segmentMaterial(segment)) : own;
 #endif

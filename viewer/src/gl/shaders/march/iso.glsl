@@ -95,7 +95,8 @@ void passSecond(Ray ray, Meeting surface, float t, inout Layers layers, inout Se
   vec3 normal = facing(surface.cut ? surface.face : secondGradient(grid), toEye, toEye);
   // in cells of its own it hides nothing of the first
   float opacity = secondViewFusion == 0 ? secondOpacity : 1.0;
-  seen.light += seen.clarity * opacity * litSurface(secondIsoColour, normal, toEye, 1.0, lightOnSecond(grid, normal), vec2(1.0));
+  vec2 light = lightOnSecond(grid, normal);
+  seen.light += seen.clarity * opacity * litSurface(secondIsoColour, normal, toEye, 1.0, light, vec2(1.0));
   seen.clarity *= 1.0 - opacity;
   seen.depth = seen.depth < 0.0 && seen.clarity < 0.5 ? surface.at : seen.depth;
 }
@@ -168,7 +169,9 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     vec3 toEye = -ray.direction;
     if (segment == isoSegment) {
       vec3 normal = cut ? ray.face : facing(gradientAt(grid), toEye, toEye);
-      seen.light += seen.clarity * litSurface(isoColour, normal, toEye, nearOpenness(grid, normal, segment), lightAt(grid, normal), vec2(1.0));
+      float open = nearOpenness(grid, normal, segment);
+      vec2 light = lightAt(grid, normal);
+      seen.light += seen.clarity * litSurface(isoColour, normal, toEye, open, light, vec2(1.0));
     } else {
       seen.light += seen.clarity * lightOfSegment(ray, grid, segment, cut);
     }

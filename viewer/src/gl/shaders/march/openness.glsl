@@ -10,7 +10,8 @@ float openness(vec3 grid, vec3 normal, int segment) {
   vec3 other = cross(normal, side);
   float covered = 0.0;
   for (int cone = 0; cone < 5; ++cone) {
-    vec2 tilt = cone == 0 ? vec2(0.0) : vec2(cone == 1 ? 1.0 : cone == 2 ? -1.0 : 0.0, cone == 3 ? 1.0 : cone == 4 ? -1.0 : 0.0);
+    vec2 aside = vec2(cone == 1 ? 1.0 : cone == 2 ? -1.0 : 0.0, cone == 3 ? 1.0 : cone == 4 ? -1.0 : 0.0);
+    vec2 tilt = cone == 0 ? vec2(0.0) : aside;
     vec3 direction = normalize(normal + 1.1 * (tilt.x * side + tilt.y * other)) / spacing;
     float hit = 0.0;
     float away = 2.2;

@@ -62,7 +62,9 @@ int takeCrossed(inout uvec2 crossed, Shells before, Shells now) {
 
 // Lets the light of bodies in that a ray leaves or comes into between two samples, up to where it is in `now`, or that
 // are cut open where it begins; true where there are any.
-bool passShells(Ray ray, vec2 interval, Shells now, bool cut, inout Shells shells, inout Layers layers, inout Seen seen) {
+bool passShells(
+  Ray ray, vec2 interval, Shells now, bool cut, inout Shells shells, inout Layers layers, inout Seen seen
+) {
   if (shells.left == 0 || shells == now) {
     return false;
   }

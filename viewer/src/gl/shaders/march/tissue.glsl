@@ -22,7 +22,8 @@ vec4 litFirst(vec3 grid, vec3 toEye, vec4 tissue, int segment) {
   tissue.a *= mix(edge.y, 1.0, boundary);
 #if BLEND == SHADED
   vec3 normal = facing(gradient, toEye, toEye);
-  tissue.rgb = litTissue(tissue.rgb, normal, toEye, boundary, lightAt(grid, normal * boundary), segmentMaterial(segment));
+  vec2 light = lightAt(grid, normal * boundary);
+  tissue.rgb = litTissue(tissue.rgb, normal, toEye, boundary, light, segmentMaterial(segment));
 #endif
 #endif
   return tissue;

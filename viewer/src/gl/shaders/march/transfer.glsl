@@ -29,8 +29,8 @@ vec4 integralTo(float place) {
   return integral + min(place, 0.0) * transferEnds[0] + max(place - 1.0, 0.0) * transferEnds[1];
 }
 
-// Mean of the transfer function over all values between two: colour, and extinction [1/mm]. Over less than two texels of
-// the row a difference of sums would be mostly their rounding.
+// Mean of the transfer function over all values between two: colour, and extinction [1/mm]. Over less than two texels
+// of the row a difference of sums would be mostly their rounding.
 vec4 tissueBetween(float front, float back) {
   float texel = 1.0 / float(textureSize(integralTexture, 0).x);
   float middle = 0.5 * (front + back) * transferScale.x + transferScale.y;

@@ -1,4 +1,5 @@
-// A picture that is put together already (sRGB), enlarged to its pane, with the depth of the cached picture that it is of.
+// A picture that is put together already (sRGB), enlarged to its pane, with the depth of the cached picture that it is
+// of.
 
 layout(location = 0) out vec4 screen;
 

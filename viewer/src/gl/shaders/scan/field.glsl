@@ -1,6 +1,6 @@
-// The scan as a continuous field, with its tissue where it stands (displacements.glsl). Values are biased stored values, 0..65535
-// (core/scan/stored_values.ts); positions are grid coordinates of the whole scan.
-// The same on the CPU: core/scan/field.ts.
+// The scan as a continuous field, with its tissue where it stands (displacements.glsl). Values are biased stored
+// values, 0..65535 (core/scan/stored_values.ts); positions are grid coordinates of the whole scan. The same on the CPU:
+// core/scan/field.ts.
 
 uniform sampler3D fieldTexture;
 // voxels of the whole scan

@@ -95,7 +95,8 @@ vec3 segmentColour(int segment) {
   return rangeColours[segment - 1];
 }
 
-// Factors of a segment on ambient and specular light, and the opacity of its body; what is in none has its light as it is.
+// Factors of a segment on ambient and specular light, and the opacity of its body; what is in none has its light as it
+// is.
 vec3 toldOf(int segment) {
   if (segment <= 0) {
     return vec3(1.0, 1.0, 0.0);

@@ -73,7 +73,11 @@ bool entersKept(out Cap cap) {
 }
 
 bool findCap(out Cap cap) {
-  if (bare > 0.5 || !entersKept(cap) || !insideSegment((gridFromPosed * vec4(cap.place - 0.01 * cap.normal, 1.0)).xyz, 0)) {
+  if (bare > 0.5 || !entersKept(cap)) {
+    return false;
+  }
+  vec3 behind = (gridFromPosed * vec4(cap.place - 0.01 * cap.normal, 1.0)).xyz;
+  if (!insideSegment(behind, 0)) {
     return false;
   }
   vec4 projected = projectionMatrix * viewMatrix * vec4(cap.place, 1.0);

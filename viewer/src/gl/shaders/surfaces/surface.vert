@@ -14,7 +14,7 @@ uniform mat3 gridAxesFromSurface;
 
 #ifdef DISPLACED
 // 1 where its segment stands where the scan has it, so that a model may have displaced its tissue
-uniform float gives;
+uniform float displaceable;
 #endif
 
 out vec3 posed;
@@ -43,7 +43,7 @@ void main() {
   posedNormal = posedFromSurface * normal;
   gridNormal = gridAxesFromSurface * normal;
 #ifdef DISPLACED
-  if (gives > 0.5 && isDisplaced(grid)) {
+  if (displaceable > 0.5 && isDisplaced(grid)) {
     mat3 surfaceFromGridAxes = transpose(gridAxesFromSurface);
     vec3 moved = displacementAt(grid);
     gridNormal = turned(gridNormal);

@@ -1,5 +1,5 @@
 // Surfaces of triangles in the way of a ray: one opaque picture with its depth, and LAYERS
-// pictures of translucent ones, near to far. Keep in sync with `gl/surfaces/surface_layers.ts`.
+// pictures of translucent ones, near to far. Keep in sync with `gl/textures/surface_layers.ts`.
 
 // near and far plane [mm]
 uniform vec2 nearFar;

@@ -2,12 +2,30 @@
  * How the scan is shown in the 3-D view: what a person has chosen of it, remembered for each scan. Every change is a
  * step of undo, a whole drag too.
  */
-import { defaultSoftTissueAndBone, transferFunctionOf, type Anchors, type SoftTissueAndBone } from "../../../core/appearance/soft_tissue_and_bone";
-import { curveOfFunction, isCurve, placedCurve, transferFunctionOfCurve, type Curve } from "../../../core/appearance/curve";
+import {
+  defaultSoftTissueAndBone,
+  transferFunctionOf,
+  type Anchors,
+  type SoftTissueAndBone,
+} from "../../../core/appearance/soft_tissue_and_bone";
+import {
+  curveOfFunction,
+  isCurve,
+  placedCurve,
+  transferFunctionOfCurve,
+  type Curve,
+} from "../../../core/appearance/curve";
 import { curveOfPreset, presets } from "../../../core/appearance/curve_presets";
 import { valueAbove } from "../../../core/scan/histogram";
 import { firstLighting, type Lighting, type Appearance } from "../../../core/appearance/appearance";
-import { blends, firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../../../core/appearance/optics";
+import {
+  blends,
+  firstChoice,
+  isGrey,
+  opticsOf,
+  usesTransferFunction,
+  type OpticsChoice,
+} from "../../../core/appearance/optics";
 import type { Scan } from "../../../core/protocol";
 import type { InsideMode, InsideModes } from "../../../core/segments/shown_segments";
 import { readSlicerPreset } from "../../../core/appearance/slicer_preset";
@@ -45,7 +63,7 @@ export const mostStretch = 5;
 const ownMark = " *";
 
 /** All that is chosen, each part under the name that it is remembered by. */
-interface ChosenLook {
+interface ChosenAppearance {
   readonly appearance: SoftTissueAndBone;
   readonly optics: OpticsChoice;
   readonly curve: CurveChoice;
@@ -63,18 +81,18 @@ const opticsNames: Readonly<Record<keyof OpticsChoice, string>> = {
 };
 
 export class AppearanceControl {
-  private readonly state: PageState<ChosenLook | null>;
+  private readonly state: PageState<ChosenAppearance | null>;
   private anchors = $state.raw<Anchors>({ softTissue: 0, bone: 1 });
   private brightest = 1;
   private lowest = 0;
   private scanName = "";
 
   constructor(steps: PageSteps) {
-    this.state = new PageState<ChosenLook | null>(null, steps, this.keep.bind(this));
+    this.state = new PageState<ChosenAppearance | null>(null, steps, this.keep.bind(this));
   }
 
   // derived, so that a change of one part is none of the others
-  readonly appearance = $derived.by((): SoftTissueAndBone | null => this.state.now?.appearance ?? null);
+  readonly softTissueAndBone = $derived.by((): SoftTissueAndBone | null => this.state.now?.appearance ?? null);
   readonly choice = $derived.by((): OpticsChoice | null => this.state.now?.optics ?? null);
   /** The transfer function by points. */
   readonly curveChoice = $derived.by((): CurveChoice => this.state.now?.curve ?? firstCurve);
@@ -109,18 +127,20 @@ export class AppearanceControl {
 
   /** Points that say what the sliders make. */
   readonly shownCurve = $derived.by((): Curve | null => {
-    const { appearance, curve } = this;
-    return curve ?? (appearance === null ? null : curveOfFunction(transferFunctionOf(appearance)));
+    const { softTissueAndBone, curve } = this;
+    return curve ?? (softTissueAndBone === null ? null : curveOfFunction(transferFunctionOf(softTissueAndBone)));
   });
 
-  /** All of the look but the segments; null before there is a scan. */
+  /** All of the appearance but the segments; null before there is a scan. */
   readonly parts = $derived.by((): Omit<Appearance, "ranges"> | null => {
-    const { appearance, choice, anchors } = this;
-    return appearance === null || choice === null
+    const { softTissueAndBone, choice, anchors } = this;
+    return softTissueAndBone === null || choice === null
       ? null
       : {
-          transferFunction: this.curve === null ? transferFunctionOf(appearance) : transferFunctionOfCurve(this.curve),
-          edgeGradient: edgeShare * Math.abs(this.curve === null ? appearance.window : anchors.bone - anchors.softTissue),
+          transferFunction:
+            this.curve === null ? transferFunctionOf(softTissueAndBone) : transferFunctionOfCurve(this.curve),
+          edgeGradient:
+            edgeShare * Math.abs(this.curve === null ? softTissueAndBone.window : anchors.bone - anchors.softTissue),
           lighting: this.lighting,
           optics: opticsOf(choice, anchors),
         };
@@ -134,8 +154,8 @@ export class AppearanceControl {
 
   /** Sliders of tissue, or a drag in the picture. */
   change(part: Partial<SoftTissueAndBone>): void {
-    if (this.appearance !== null) {
-      this.set("tissue", { appearance: { ...this.appearance, ...part } }, true);
+    if (this.softTissueAndBone !== null) {
+      this.set("tissue", { appearance: { ...this.softTissueAndBone, ...part } }, true);
     }
   }
 
@@ -173,7 +193,7 @@ export class AppearanceControl {
     if (preset !== undefined) {
       return curveOfPreset(preset, this.anchors, this.lowest, this.brightest);
     }
-    return this.appearance === null ? null : curveOfFunction(transferFunctionOf(this.appearance));
+    return this.softTissueAndBone === null ? null : curveOfFunction(transferFunctionOf(this.softTissueAndBone));
   }
 
   /** Another way to draw; all of it but the mode has sliders. */
@@ -212,8 +232,8 @@ export class AppearanceControl {
 
   /** A drag in the 3-D view [pixels]: to the right wider, upward brighter, as in slices. */
   drag(right: number, down: number): void {
-    const { appearance, choice, window } = this;
-    if (choice === null || appearance === null) {
+    const { softTissueAndBone, choice, window } = this;
+    if (choice === null || softTissueAndBone === null) {
       return;
     }
     if (window !== null) {
@@ -224,13 +244,13 @@ export class AppearanceControl {
       const stretched = Math.min(mostStretch, Math.max(1 / mostStretch, stretch * Math.exp(right / 300)));
       this.draw({ shift: shift + down * perPixel, stretch: stretched }, true);
     } else if (usesTransferFunction(choice.blend)) {
-      this.change(draggedWindow(appearance, right, down));
+      this.change(draggedWindow(softTissueAndBone, right, down));
     } else {
       this.choose("isoValue", choice.isoValue + (down * (this.anchors.bone - this.anchors.softTissue)) / 100);
     }
   }
 
-  private set(name: string, part: Partial<ChosenLook>, dragging = false): void {
+  private set(name: string, part: Partial<ChosenAppearance>, dragging = false): void {
     const { now } = this.state;
     if (now !== null) {
       this.state.change(name, { ...now, ...part }, dragging);
@@ -238,8 +258,8 @@ export class AppearanceControl {
   }
 
   /** Remembers what is another than before. */
-  private keep(look: ChosenLook | null, before: ChosenLook | null): void {
-    for (const [name, part] of Object.entries(look ?? {}) as [keyof ChosenLook, object][]) {
+  private keep(appearance: ChosenAppearance | null, before: ChosenAppearance | null): void {
+    for (const [name, part] of Object.entries(appearance ?? {}) as [keyof ChosenAppearance, object][]) {
       if (part !== before?.[name]) {
         remember(`${name}.${this.scanName}`, part);
       }

@@ -1,7 +1,24 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
-import { layoutText, wholeVoxel, type HeaderlessFiles, type LaidOut, type ToldLayout } from "../../../core/library/headerless";
+import {
+  layoutText,
+  wholeVoxel,
+  type HeaderlessFiles,
+  type LaidOut,
+  type GivenLayout,
+} from "../../../core/library/headerless";
 import { capitalised, formatBytes, formatCount } from "../../../core/base/format";
-import { isSingle, refusalOf, type About, type Autosave, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan, type Work } from "../../../core/library/library";
+import {
+  isSingle,
+  refusalOf,
+  type About,
+  type Autosave,
+  type FoundLabels,
+  type GivenFile,
+  type JobLine,
+  type ListedScan,
+  type RecentScan,
+  type JobProgress,
+} from "../../../core/library/library";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../../../core/library/reconstruction";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../../../live/library_requests";
@@ -22,7 +39,7 @@ export class Library {
   segments = $state.raw(false);
   /** Whether segments may lie on another grid than the scan. */
   resample = $state.raw(false);
-  work = $state.raw<Work | null>(null);
+  work = $state.raw<JobProgress | null>(null);
   failure = $state.raw<string | null>(null);
   /** What is kept of the scene that failed to open. */
   autosave = $state.raw<Autosave | null>(null);
@@ -32,7 +49,7 @@ export class Library {
 
   /** Found in the place of scans: a scan can be made of them. */
   projections = $state.raw<Projections | null>(null);
-  /** Found in the place of scans: files whose layout is to be told. */
+  /** Found in the place of scans: files whose layout is to be given. */
   bare = $state.raw<HeaderlessFiles | null>(null);
   /** Found in the place of scans: segments. */
   labels = $state.raw<FoundLabels | null>(null);
@@ -40,9 +57,9 @@ export class Library {
   projected = $state.raw(false);
 
   /** How far the engine is with the scan that it was started with; null once that is there. */
-  coming = $state.raw<Work | null>(null);
+  reading = $state.raw<JobProgress | null>(null);
   /** Why that cannot be shown. */
-  notComing = $state.raw<string | null>(null);
+  readingFailure = $state.raw<string | null>(null);
 
   /** Whether a scan is being opened: another one cannot be chosen meanwhile. */
   opening = $state.raw(false);
@@ -77,21 +94,21 @@ export class Library {
     if (name === null) {
       return;
     }
-    this.coming = { what: `Reading ${name}`, share: null };
+    this.reading = { what: `Reading ${name}`, share: null };
     try {
       await work("coming", {}, { token: this.token, signal: new AbortController().signal }, (line) => {
         if (line.kind === "progress" && line.what !== "") {
-          this.coming = { what: sentence(line.what), share: line.share };
+          this.reading = { what: sentence(line.what), share: line.share };
         }
       });
     } catch (error) {
-      // an engine that is gone is told of by the connection
+      // the connection reports an engine that is gone
       if (!(error instanceof TypeError)) {
-        this.notComing = sentence(error instanceof Error ? error.message : String(error));
+        this.readingFailure = sentence(error instanceof Error ? error.message : String(error));
       }
     }
     await this.look();
-    this.coming = null;
+    this.reading = null;
   }
 
   /** Asks what is open. */
@@ -120,8 +137,8 @@ export class Library {
     this.shown = false;
   }
 
-  /** Sentences that no page was told, once. */
-  takeTold(): readonly string[] {
+  /** Messages that no page has shown yet, once. */
+  takeMessages(): readonly string[] {
     const told = this.about?.told ?? [];
     if (this.about) {
       this.about = { ...this.about, told: [] };
@@ -166,7 +183,8 @@ export class Library {
         throw new Error(refused);
       }
       const size = given.reduce((sum, { file }) => sum + file.size, 0);
-      const what = `Copying ${given.length === 1 ? "one file" : `${formatCount(given.length)} files`}, ${formatBytes(size)}`;
+      const counted = given.length === 1 ? "one file" : `${formatCount(given.length)} files`;
+      const what = `Copying ${counted}, ${formatBytes(size)}`;
       this.work = { what, share: 0 };
       const upload = await bring(given, { token: this.token, signal }, (bytes) => {
         this.work = { what, share: size === 0 ? null : bytes / size };
@@ -199,8 +217,11 @@ export class Library {
   }
 
   /** The scan that files would give by a layout. Throws why they would give none. */
-  async layoutOf(find: number, { layout, voxel }: ToldLayout): Promise<LaidOut> {
-    return askLayout({ find, raw: layout === null ? null : layoutText(layout), voxel_size: wholeVoxel(voxel) }, this.token);
+  async layoutOf(find: number, { layout, voxel }: GivenLayout): Promise<LaidOut> {
+    return askLayout(
+      { find, raw: layout === null ? null : layoutText(layout), voxel_size: wholeVoxel(voxel) },
+      this.token,
+    );
   }
 
   /** Opens files by the layout that a person tells. */
@@ -235,7 +256,11 @@ export class Library {
   }
 
   /** Lists the scans of a place, or adds its segments to the open scan. */
-  private async find(place: object, signal: AbortSignal, taken_as = this.projected ? "projections" : "anything"): Promise<void> {
+  private async find(
+    place: object,
+    signal: AbortSignal,
+    taken_as = this.projected ? "projections" : "anything",
+  ): Promise<void> {
     if (this.segments) {
       await this.addSegments(place, signal);
       return;

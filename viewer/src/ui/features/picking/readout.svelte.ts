@@ -59,7 +59,13 @@ export function valueText(value: number | null, unit: string): string {
 }
 
 /** What stands at a point as a line of text. @param rows names and values, first of what is seen. */
-export function readingText(rows: readonly { readonly name: string; readonly text: string }[], point: Vec3, known: boolean): string {
+export function readingText(
+  rows: readonly { readonly name: string; readonly text: string }[],
+  point: Vec3,
+  known: boolean,
+): string {
   const parts = rows.flatMap(({ name, text }) => [name, text]);
-  return [...parts, `${known ? "LPS" : "x y z (orientation unknown)"} ${formatPoint(point)} mm`].filter((part) => part !== "").join(", ");
+  return [...parts, `${known ? "LPS" : "x y z (orientation unknown)"} ${formatPoint(point)} mm`]
+    .filter((part) => part !== "")
+    .join(", ");
 }

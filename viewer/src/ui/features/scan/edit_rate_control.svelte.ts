@@ -13,7 +13,7 @@ export class EditRateControl {
   private readonly pace = new EditRate();
   private lastEdit = 0;
   private editedAt: number | null = null;
-  /** To which engine the pace was told. */
+  /** The engine that the pace was sent to. */
   private told = { every: 1, greeting: 0 };
 
   constructor(private readonly session: Session) {
@@ -42,7 +42,7 @@ export class EditRateControl {
       this.every = every;
     }
     const { greetings } = this.session;
-    // an engine follows every edit until it is told otherwise
+    // an engine follows every edit until it is asked otherwise
     const before = this.told.greeting === greetings ? this.told.every : 1;
     if (every !== before) {
       this.session.send({ type: "follow_edits", every });

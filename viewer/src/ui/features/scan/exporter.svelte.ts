@@ -4,8 +4,18 @@ import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
 export const formats = [
-  { name: "slicer", label: "Segments for 3D Slicer", kind: "seg-nrrd", says: "A .seg.nrrd with names, colours, codes and overlaps." },
-  { name: "labels", label: "Segments as NIfTI labels", kind: "labels", says: "A zip with the label map and a table of names." },
+  {
+    name: "slicer",
+    label: "Segments for 3D Slicer",
+    kind: "seg-nrrd",
+    says: "A .seg.nrrd with names, colours, codes and overlaps.",
+  },
+  {
+    name: "labels",
+    label: "Segments as NIfTI labels",
+    kind: "labels",
+    says: "A zip with the label map and a table of names.",
+  },
   { name: "scan", label: "Scan with edits, NIfTI", kind: "scan", says: "The values as the tools have left them." },
   {
     name: "share",
@@ -13,14 +23,24 @@ export const formats = [
     kind: "dicom",
     says: "A zip with scan, SEG and RTSTRUCT, de-identified together: their references hold.",
   },
-  { name: "seg", label: "DICOM SEG, for the archive", kind: "dicom-seg", says: "Names the patient, and refers to the scan in the archive." },
+  {
+    name: "seg",
+    label: "DICOM SEG, for the archive",
+    kind: "dicom-seg",
+    says: "Names the patient, and refers to the scan in the archive.",
+  },
   {
     name: "labelmap",
     label: "DICOM label map, for the archive",
     kind: "dicom-labelmap",
     says: "Names the patient; segments may not overlap.",
   },
-  { name: "rtstruct", label: "RTSTRUCT, for the archive", kind: "rtstruct", says: "Outlines in each slice; names the patient." },
+  {
+    name: "rtstruct",
+    label: "RTSTRUCT, for the archive",
+    kind: "rtstruct",
+    says: "Outlines in each slice; names the patient.",
+  },
 ] as const;
 
 export type Format = (typeof formats)[number];

@@ -9,7 +9,7 @@ import { previewStep, subsamplingStep } from "../../../core/scan/subsampling";
 import type { Picture } from "../../../gl/picture/picture";
 import { downloadVolume, type Meanwhile } from "../../../live/volume_download";
 import type { ShownParts } from "../../../live/volume_messages";
-import type { Work } from "../../../core/library/library";
+import type { JobProgress } from "../../../core/library/library";
 import type { HeldScan } from "./shown_edits.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
@@ -33,7 +33,7 @@ interface Outside {
 
 export class ScanLoader {
   /** How far the engine is with reading it; null once it has. */
-  coming = $state.raw<Work | null>(null);
+  reading = $state.raw<JobProgress | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
   progress = $state.raw<number | null>(0);
   /** What a person should know of a scan that is too large for the GPU. */
@@ -115,7 +115,10 @@ export class ScanLoader {
     this.previewShown = null;
   }
 
-  /** Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. Null where it does not. */
+  /**
+   * Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. Null where it
+   * does not.
+   */
   private async showCoarsely(scan: Scan, frame: ScanFrame, step: number, request: number): Promise<ScanVolume | null> {
     const coarse = previewStep(frame.dimensions, step);
     // what is not seen is not drawn

@@ -1,15 +1,22 @@
 /**
  * Saves the scene with the view that this page has of it, and takes the view of one that was opened.
  */
-import { saneCamera } from "../../../core/geometry/camera";
+import { saneCamera, type Camera } from "../../../core/geometry/camera";
 import type { Scan } from "../../../core/protocol";
-import { isPoint } from "../../../core/geometry/vector";
+import { isPoint, type Vec3 } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
 import { fetchFile } from "../../state/download";
 import { handOver, takeHandover } from "../../state/page_handover";
 import { bring, keptOf, recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
-import type { Stage } from "../../app/stage.svelte";
+
+/** What of the page a scene's file keeps and brings back. */
+interface KeptPage {
+  readonly open: (scan: Scan) => Promise<void>;
+  readonly view: { camera: Camera | null };
+  readonly slices: { readonly crosshair: Vec3 | null; readonly goTo: (point: Vec3) => void };
+  readonly second: { readonly again: () => void };
+}
 
 export class SceneKeeper {
   saving = $state.raw(false);
@@ -23,11 +30,11 @@ export class SceneKeeper {
 
   constructor(
     private readonly session: Session,
-    private readonly stage: Stage,
+    private readonly page: KeptPage,
     private readonly token: string,
   ) {
     this.asked = fetch(apiAddress("/api/view", this.token));
-    // who takes it is told
+    // whoever takes it sees the error
     this.asked.catch(() => undefined);
   }
 
@@ -72,20 +79,20 @@ export class SceneKeeper {
     const saved = await this.view();
     const view = this.goesOnWith(scan) ? { ...this.passed?.view } : saved;
     bring(scan.name, view["remembered"]);
-    this.stage.second.again();
-    await this.stage.open(scan);
+    this.page.second.again();
+    await this.page.open(scan);
     const camera = saneCamera(view["camera"]);
     if (camera !== null) {
-      this.stage.view.camera = camera;
+      this.page.view.camera = camera;
     }
     const crosshair = view["crosshair"];
     if (isPoint(crosshair)) {
-      this.stage.slices.goTo(crosshair);
+      this.page.slices.goTo(crosshair);
     }
   }
 
   private viewOf(scan: Scan): Record<string, unknown> {
-    const { slices, view } = this.stage;
+    const { slices, view } = this.page;
     return { camera: view.camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
   }
 

@@ -6,9 +6,23 @@ import type { Changed, Segment } from "../../../core/protocol";
 import { decodeDisplacements, type Displacements } from "../../../core/scan/displacements";
 import type { ScanVolume } from "../../../core/scan/scan_volume";
 import type { BrickRanges } from "../../../core/scan/bricks";
-import { decodeSurface, SurfacePatches, type Patch, type SurfaceChange, type SurfaceSize } from "../../../core/surfaces/surface_patches";
+import {
+  decodeSurface,
+  SurfacePatches,
+  type Patch,
+  type SurfaceChange,
+  type SurfaceSize,
+} from "../../../core/surfaces/surface_patches";
 import type { Vec3 } from "../../../core/geometry/vector";
-import { decodeVoxels, labelAtPoint, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../../../core/scan/voxel_change";
+import {
+  decodeVoxels,
+  labelAtPoint,
+  updateBricks,
+  updateLabels,
+  writeBox,
+  type LabelVolume,
+  type VoxelChange,
+} from "../../../core/scan/voxel_change";
 import type { Picture } from "../../../gl/picture/picture";
 
 /** What an edit took on its way [ms]. */
@@ -19,7 +33,7 @@ export interface EditTimes {
   readonly way: number;
   /** Until the page got to it: a frame was drawn meanwhile. */
   readonly wait: number;
-  /** Until all of it was handed to the GPU. */
+  /** Until all of it was uploaded to the GPU. */
   readonly work: number;
 }
 
@@ -59,7 +73,7 @@ export class ShownEdits {
   private readonly surfaces = new SurfacePatches();
   /** Size of each surface that is there. */
   sizes = $state.raw<ReadonlyMap<number, SurfaceSize>>(this.surfaces.sizes);
-  /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
+  /** From the arrival of the last edit until all of it was uploaded to the GPU [ms]; null before the first. */
   lastMilliseconds: number | null = null;
   /** Of the last edits, the newest last. */
   readonly times: EditTimes[] = [];
@@ -107,7 +121,12 @@ export class ShownEdits {
       this.lastMilliseconds = ended - arrived;
       if (changed.applied !== null) {
         const ago = Date.now() - 1000 * changed.applied;
-        this.times.push({ edit: changed.edit, way: ago - (ended - arrived), wait: began - arrived, work: ended - began });
+        this.times.push({
+          edit: changed.edit,
+          way: ago - (ended - arrived),
+          wait: began - arrived,
+          work: ended - began,
+        });
         this.times.splice(0, this.times.length - mostTimes);
       }
     }
@@ -127,7 +146,7 @@ export class ShownEdits {
     this.awaitsLabels = false;
   }
 
-  /** Hands all that is held to a new picture. */
+  /** Gives all that is held to a new picture. */
   showAll(picture: Picture): void {
     picture.setLabels(this.labels);
     picture.setDisplaced(this.displaced);

@@ -2,7 +2,15 @@
  * Plays what a tool did and felt in a scenario: the tool stands in the picture where it stood then.
  * Touch takes over again as soon as the hand moves.
  */
-import { endOf, holderOf, momentAt, parseRun, RunError, type Moment, type ScenarioRun } from "../../../core/scenario/scenario_run";
+import {
+  endOf,
+  holderOf,
+  momentAt,
+  parseRun,
+  RunError,
+  type Moment,
+  type ScenarioRun,
+} from "../../../core/scenario/scenario_run";
 import { addScaled } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
 import type { ShownTouch } from "../../../core/touch/shown_touch";

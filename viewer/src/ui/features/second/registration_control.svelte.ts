@@ -4,7 +4,13 @@
  */
 import { transformPoint } from "../../../core/geometry/affine";
 import type { Mark } from "../../../core/marks/measure";
-import type { PointPair, Registration, RegistrationKind, RegistrationMetric, RegistrationStart } from "../../../core/protocol";
+import type {
+  PointPair,
+  Registration,
+  RegistrationKind,
+  RegistrationMetric,
+  RegistrationStart,
+} from "../../../core/protocol";
 import { apart, leastPairs, mostPairs, pairsOfDistances, sanePairs, seenAt } from "../../../core/second/registration";
 import { placeOf } from "../../../core/second/second_scan";
 import type { Vec3 } from "../../../core/geometry/vector";
@@ -36,8 +42,8 @@ const made = { type: "redo_registration" } as const;
 type Asked = typeof takenBack | typeof made;
 
 export class RegistrationControl implements StepOwner<Asked> {
-  /** As the engine has told; null before it has. */
-  told = $state.raw<Registration | null>(null);
+  /** As the engine has reported it; null before it has. */
+  reported = $state.raw<Registration | null>(null);
   habits = $state.raw<RegistrationHabits>(recall("registration", usual));
   /** A pair whose points are clicked; `first` is set already where it is not null. */
   placing = $state.raw<{ readonly first: Vec3 | null } | null>(null);
@@ -52,13 +58,13 @@ export class RegistrationControl implements StepOwner<Asked> {
   ) {}
 
   /** Takes what the engine tells. */
-  take(told: Registration): void {
-    const steps = this.told?.steps ?? 0;
-    // undo and redo are told too, but only a search ends
-    if (this.running && told.doing === null && told.steps > steps) {
+  take(reported: Registration): void {
+    const steps = this.reported?.steps ?? 0;
+    // undo and redo are reported too, but only a search ends
+    if (this.running && reported.doing === null && reported.steps > steps) {
       this.outside.steps.add(this, { name: "registration", before: takenBack, after: made });
     }
-    this.told = told;
+    this.reported = reported;
   }
 
   /** Takes up what was set for this scan; another one has pairs of its own. */
@@ -71,7 +77,7 @@ export class RegistrationControl implements StepOwner<Asked> {
   }
 
   get running(): boolean {
-    return (this.told?.doing ?? null) !== null;
+    return (this.reported?.doing ?? null) !== null;
   }
 
   readonly shownPairs = $derived.by((): readonly ShownPair[] => {
@@ -83,7 +89,11 @@ export class RegistrationControl implements StepOwner<Asked> {
 
   /** Whether all is there that a search needs. */
   get ready(): boolean {
-    return !this.running && this.second.told !== null && (this.habits.start !== "landmarks" || this.pairs.length >= leastPairs);
+    return (
+      !this.running &&
+      this.second.reported !== null &&
+      (this.habits.start !== "landmarks" || this.pairs.length >= leastPairs)
+    );
   }
 
   change(part: Partial<RegistrationHabits>): void {
@@ -124,7 +134,7 @@ export class RegistrationControl implements StepOwner<Asked> {
 
   /** Whether one is made, or taken back: the panel does that too. */
   stands(asked: Asked): boolean {
-    return (asked === made ? this.told?.steps : this.told?.undone) !== 0;
+    return (asked === made ? this.reported?.steps : this.reported?.undone) !== 0;
   }
 
   // --- pairs of points ---------------------------------------------------------------------
@@ -175,7 +185,7 @@ export class RegistrationControl implements StepOwner<Asked> {
   }
 
   private get place(): ReturnType<typeof placeOf> {
-    return this.second.told === null ? null : placeOf(this.second.told);
+    return this.second.reported === null ? null : placeOf(this.second.reported);
   }
 
   private get key(): string {

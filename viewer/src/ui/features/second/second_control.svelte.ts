@@ -9,7 +9,14 @@ import { valueAbove } from "../../../core/scan/histogram";
 import { firstChoice, firstTissue, type OpticsChoice } from "../../../core/appearance/optics";
 import type { Scan, SecondScan } from "../../../core/protocol";
 import { frameOf } from "../../../core/scan/scan_volume";
-import { fusions, placeOf, tints, type Fusion, type SecondLook, type Tint } from "../../../core/second/second_scan";
+import {
+  fusions,
+  placeOf,
+  tints,
+  type Fusion,
+  type SecondAppearance,
+  type Tint,
+} from "../../../core/second/second_scan";
 import { subsamplingStep } from "../../../core/scan/subsampling";
 import { KeepEqual } from "../../../core/base/keep_equal";
 import type { Vec3 } from "../../../core/geometry/vector";
@@ -80,20 +87,20 @@ interface Outside {
 }
 
 export class SecondControl {
-  /** As the engine has told; null where there is none. */
-  told = $state.raw<SecondScan | null>(null);
+  /** As the engine has reported it; null where there is none. */
+  reported = $state.raw<SecondScan | null>(null);
   /** Share that has arrived; null where all has. */
   progress = $state.raw<number | null>(null);
   /** The scan that slices show alone for now; null where they show both as was chosen. */
-  only = $state.raw<SecondLook["turn"] | null>(null);
+  only = $state.raw<SecondAppearance["turn"] | null>(null);
   /** The engine is laying it elsewhere. */
   busy = $state.raw(false);
   /** How it is shown: each change is a step of undo, a whole drag too; null where there is none. */
   private readonly state: PageState<SecondChoice | null>;
   private held = $state.raw<DownloadedScan | null>(null);
-  private turn = $state.raw<SecondLook["turn"]>("second");
+  private turn = $state.raw<SecondAppearance["turn"]>("second");
   private timer: ReturnType<typeof setInterval> | null = null;
-  private readonly sameFunction = new KeepEqual<SecondLook["transferFunction"]>();
+  private readonly sameFunction = new KeepEqual<SecondAppearance["transferFunction"]>();
 
   constructor(private readonly outside: Outside) {
     this.state = new PageState<SecondChoice | null>(null, outside.steps, this.keep.bind(this));
@@ -104,24 +111,24 @@ export class SecondControl {
   }
 
   /** Takes what the engine tells: another scan, another place of it, or none any more. */
-  async take(told: SecondScan): Promise<void> {
-    const before = this.told;
-    const { scan } = told;
-    this.told = scan === null ? null : told;
+  async take(reported: SecondScan): Promise<void> {
+    const before = this.reported;
+    const { scan } = reported;
+    this.reported = scan === null ? null : reported;
     if (scan === null) {
       this.state.open(null);
       this.held = null;
       this.progress = null;
-    } else if (before?.version !== told.version) {
-      await this.open(scan, told.version);
+    } else if (before?.version !== reported.version) {
+      await this.open(scan, reported.version);
     }
     this.follow();
   }
 
   /** Points of its transfer function; null before there is one. */
   readonly curve = $derived.by((): Curve | null => {
-    const { choice, told } = this;
-    const scan = told?.scan ?? null;
+    const { choice, reported } = this;
+    const scan = reported?.scan ?? null;
     const preset = presets.find(({ name }) => name === choice?.preset);
     if (choice === null || scan === null || preset === undefined) {
       return null;
@@ -132,9 +139,9 @@ export class SecondControl {
 
   /** All that is shown of it; null before it is here. */
   readonly shown = $derived.by((): ShownSecond | null => {
-    const { choice, curve, held, told, turn, only } = this;
-    const place = told === null ? null : placeOf(told);
-    const scan = told?.scan ?? null;
+    const { choice, curve, held, reported, turn, only } = this;
+    const place = reported === null ? null : placeOf(reported);
+    const scan = reported?.scan ?? null;
     if (choice === null || curve === null || held === null || scan === null || place === null) {
       return null;
     }
@@ -145,13 +152,29 @@ export class SecondControl {
     const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
     const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
     const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
-    return { ...held, place, look: { inView, viewFusion: fusion, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
+    return {
+      ...held,
+      place,
+      appearance: {
+        inView,
+        viewFusion: fusion,
+        transferFunction,
+        density,
+        edgeGradient,
+        ...surface,
+        ...inSlice,
+        ...alone,
+      },
+    };
   });
 
   /** Its value at a point of the first scan's scene; null outside of it and before it is here. */
   valueAt(point: Vec3): number | null {
     const { shown } = this;
-    return shown && valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)));
+    return (
+      shown &&
+      valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)))
+    );
   }
 
   /** Lays it where a transform's file says; null: as its own file does. */
@@ -182,7 +205,7 @@ export class SecondControl {
 
   /** Shows it as was remembered meanwhile. */
   again(): void {
-    const scan = this.told?.scan ?? null;
+    const scan = this.reported?.scan ?? null;
     if (scan !== null) {
       this.state.open(choiceFor(scan, this.outside.first()));
       this.follow();
@@ -196,7 +219,7 @@ export class SecondControl {
   }
 
   private keep(choice: SecondChoice | null): void {
-    const scan = this.told?.scan ?? null;
+    const scan = this.reported?.scan ?? null;
     if (choice !== null && scan !== null) {
       remember(`second.${this.outside.first()}`, { ...choice, of: scan.name });
       this.follow();
@@ -219,7 +242,7 @@ export class SecondControl {
     this.state.open(choiceFor(scan, this.outside.first()));
     this.held = null;
     this.progress = 0;
-    const still = (): boolean => this.told?.version === version;
+    const still = (): boolean => this.reported?.version === version;
     try {
       const step = subsamplingStep(frame.dimensions, this.outside.limits);
       const held = await downloadVolume(frame, step, this.outside.token, {
@@ -231,7 +254,9 @@ export class SecondControl {
       this.held = still() ? held : this.held;
     } catch (error) {
       if (still()) {
-        this.outside.complain(`The second scan did not arrive: ${error instanceof Error ? error.message : String(error)}`);
+        this.outside.complain(
+          `The second scan did not arrive: ${error instanceof Error ? error.message : String(error)}`,
+        );
       }
     }
     this.progress = still() ? null : this.progress;
@@ -241,7 +266,7 @@ export class SecondControl {
   private follow(): void {
     const { choice } = this;
     const isSeen = choice !== null && (choice.inSlices || choice.inView);
-    const flickers = this.told !== null && isSeen && choice.fusion === "flicker";
+    const flickers = this.reported !== null && isSeen && choice.fusion === "flicker";
     if (flickers && this.timer === null) {
       this.timer = setInterval(() => {
         this.turn = this.turn === "second" ? "first" : "second";
@@ -257,7 +282,10 @@ export class SecondControl {
 /** As it was shown last with this first scan, else as fits it. */
 function choiceFor(scan: Scan, first: string): SecondChoice {
   const { window, level }: WindowLevel = firstWindow(scan);
-  const { windows } = firstChoice({ softTissue: scan.soft_tissue, bone: scan.bone }, valueAbove(scan.histogram, fewVoxels));
+  const { windows } = firstChoice(
+    { softTissue: scan.soft_tissue, bone: scan.bone },
+    valueAbove(scan.histogram, fewVoxels),
+  );
   const fitting: SecondChoice = {
     inView: true,
     inSlices: true,
@@ -275,7 +303,8 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     square: 20,
   };
   const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
-  const named = fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  const named =
+    fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
   const known = of === scan.name && named && (kept.curve === null || isCurve(kept.curve));
   return known ? kept : fitting;
 }

@@ -2,7 +2,15 @@
  * The brush in slices, in a person's hand: what it paints, how large it is, and the stroke that is on.
  * Points go to the engine once a frame.
  */
-import { brushRange, canBePainted, firstValues, fittingBrush, paintedName, resizedBrush, type BrushHabits } from "../../../core/segments/brush";
+import {
+  brushRange,
+  canBePainted,
+  firstValues,
+  fittingBrush,
+  paintedName,
+  resizedBrush,
+  type BrushHabits,
+} from "../../../core/segments/brush";
 import type { Scan, Segment } from "../../../core/protocol";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { OutlineControl } from "./outline_control.svelte";
@@ -29,7 +37,7 @@ export class BrushControl {
   /** The live wire, or a level: what is painted where no stroke is. */
   readonly outline: OutlineControl;
   private readonly session: Session;
-  /** Way that the engine was not told yet, its first point the last one told. */
+  /** Path that was not sent to the engine yet; its first point is the last one sent. */
   private way: Vec3[] = [];
   private normal: Vec3 = [0, 0, 1];
   private worked: number | null = null;

@@ -3,7 +3,7 @@
  * what the engine says of its parts, to the cut.
  */
 import { vantage, type Camera, type Viewport } from "../../../core/geometry/camera";
-import { paintedLine, underLine, type Place } from "../../../core/segments/cut_line";
+import { freehandLine, underLine, type Place } from "../../../core/segments/cut_line";
 import type { CutPreview, Segment } from "../../../core/protocol";
 import { scale, type Vec3 } from "../../../core/geometry/vector";
 import type { Session } from "../../state/session.svelte";
@@ -69,7 +69,7 @@ export class CutControl {
 
   /** The line is whole: the engine is asked what it would part. */
   finish(camera: Camera, viewport: Viewport): void {
-    const painted = this.painting === null ? null : paintedLine(this.painting);
+    const painted = this.painting === null ? null : freehandLine(this.painting);
     this.painting = null;
     if (painted === null || this.id === null) {
       return;

@@ -21,7 +21,7 @@ import {
 } from "../../../core/slices/slice_plane";
 import { addScaled, distance, type Vec3 } from "../../../core/geometry/vector";
 import { draggedWindow, firstWindow, type WindowLevel } from "../../../core/appearance/window_level";
-import type { ShownSlice, SliceLook } from "../../../gl/picture/slices";
+import type { ShownSlice, SliceAppearance } from "../../../gl/picture/slices";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
 import { recall, remember } from "../../state/remembered";
@@ -38,7 +38,7 @@ interface Habits {
 const firstHabits: Habits = { layout: "view", single: "axial", follows: true };
 
 /** Slabs and segments on slices, remembered with the habits. */
-type Drawing = Pick<SliceLook, "slab" | "slabMode" | "fill" | "outline">;
+type Drawing = Pick<SliceAppearance, "slab" | "slabMode" | "fill" | "outline">;
 
 const firstDrawing: Drawing = { slab: 0, slabMode: "mean", fill: 0.15, outline: 0.9 };
 
@@ -63,8 +63,8 @@ export class SliceControl {
   private frame = $state.raw<ScanFrame | null>(null);
   private views = $state.raw<Partial<Record<SliceName, SliceView>>>({});
   private scanName = "";
-  /** How slices look: each change is a step of undo, a whole drag too. */
-  private readonly state: PageState<SliceLook>;
+  /** The appearance of slices: each change is a step of undo, a whole drag too. */
+  private readonly state: PageState<SliceAppearance>;
   private followed: Vec3 | null = null;
   private readonly kept: Partial<Record<SliceName, ShownSlice>> = {};
 
@@ -73,7 +73,7 @@ export class SliceControl {
     steps: PageSteps,
     private readonly camera: () => Camera | null,
   ) {
-    this.state = new PageState<SliceLook>({ window: 400, level: 40, ...recalledDrawing() }, steps, () => {
+    this.state = new PageState<SliceAppearance>({ window: 400, level: 40, ...recalledDrawing() }, steps, () => {
       this.keep();
     });
   }
@@ -97,7 +97,7 @@ export class SliceControl {
     }),
   );
 
-  get look(): SliceLook {
+  get appearance(): SliceAppearance {
     return this.state.now;
   }
 
@@ -118,9 +118,16 @@ export class SliceControl {
     this.keep();
   }
 
+  /** Shows slices where the 3-D view stands alone. */
+  reveal(): void {
+    if (this.habits.layout === "view") {
+      this.change({ layout: "four" });
+    }
+  }
+
   /** Slabs and segments; what is chosen of a list is a step of its own. */
   draw<Key extends keyof Drawing>(key: Key, value: Drawing[Key]): void {
-    this.state.change(drawingNames[key], { ...this.look, [key]: value }, key !== "slabMode");
+    this.state.change(drawingNames[key], { ...this.appearance, [key]: value }, key !== "slabMode");
   }
 
   nextLayout(): void {
@@ -129,11 +136,11 @@ export class SliceControl {
   }
 
   setWindow({ window, level }: WindowLevel): void {
-    this.state.change("window and level of slices", { ...this.look, window, level }, true);
+    this.state.change("window and level of slices", { ...this.appearance, window, level }, true);
   }
 
   dragWindow(right: number, down: number): void {
-    this.setWindow(draggedWindow(this.look, right, down));
+    this.setWindow(draggedWindow(this.appearance, right, down));
   }
 
   /** Moves the crosshair, as far as the scan goes. */
@@ -202,7 +209,7 @@ export class SliceControl {
   }
 
   private keep(): void {
-    const { window, level, slab, slabMode, fill, outline } = this.look;
+    const { window, level, slab, slabMode, fill, outline } = this.appearance;
     remember(`window.${this.scanName}`, { window, level });
     remember("slices", { ...this.habits, slab, slabMode, fill, outline });
   }

@@ -12,9 +12,9 @@ import { pointOnSlice, type SliceName, type SlicePlane } from "../../../core/sli
 import { addScaled, type Vec3 } from "../../../core/geometry/vector";
 import type { HandControl } from "../touch/hand_control.svelte";
 import { clickReach, wheelPixels } from "../../widgets/mouse";
+import type { BrushControl } from "../segments/brush_control.svelte";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
-import type { Stage } from "../../app/stage.svelte";
 
 type Drag = "crosshair" | "window" | "pan" | "paint";
 
@@ -32,6 +32,30 @@ const panKeys: Readonly<Record<string, readonly [number, number]>> = {
   ArrowUp: [0, -panStep],
 };
 
+/** What clicks in slices are for, beside the brush. */
+export interface SliceClicks {
+  /** Whether a mark or a pair of points waits for its next point. */
+  readonly marking: boolean;
+  /** Whether a region waits for the point that it grows from. */
+  readonly growing: boolean;
+  /** Gives a point to what waits for it; false where nothing does. */
+  readonly put: (point: Vec3) => boolean;
+  /** Says what is at a point of a slice. */
+  readonly describe: (slice: SliceName, point: Vec3) => void;
+  /** Says nothing any more. */
+  readonly close: () => void;
+}
+
+/** What the mouse over a slice works on. */
+export interface SliceTargets {
+  readonly slices: SliceControl;
+  readonly brush: BrushControl;
+  readonly hand: HandControl;
+  readonly clicks: SliceClicks;
+  /** Told what the mouse points at; null once it points at nothing. */
+  readonly pointed: (point: Vec3 | null) => void;
+}
+
 export class SliceInput {
   private drag: Drag | null = null;
   private last: readonly [number, number] | null = null;
@@ -41,15 +65,17 @@ export class SliceInput {
   /** The last click has set a point of a mark: a second one makes no double click of it. */
   private marked = false;
   private readonly slices: SliceControl;
+  private readonly brush: BrushControl;
+  private readonly hand: HandControl;
+  private readonly clicks: SliceClicks;
+  private readonly pointed: (point: Vec3 | null) => void;
 
   constructor(
     private readonly pane: HTMLElement,
     private readonly name: SliceName,
-    private readonly stage: Stage,
-    private readonly hand: HandControl,
-    private readonly pointed: (point: Vec3 | null) => void,
+    targets: SliceTargets,
   ) {
-    this.slices = stage.slices;
+    ({ slices: this.slices, brush: this.brush, hand: this.hand, clicks: this.clicks, pointed: this.pointed } = targets);
   }
 
   /** Listens until the returned function is called. */
@@ -62,7 +88,7 @@ export class SliceInput {
     on("pointermove", this.move.bind(this));
     on("pointerup", this.release.bind(this));
     on("pointercancel", (event) => {
-      this.stage.brush.cancel();
+      this.brush.cancel();
       this.release(event);
     });
     on("pointerenter", () => {
@@ -80,7 +106,7 @@ export class SliceInput {
     on("dblclick", (event) => {
       const point = this.pointAt(event);
       if (this.outline?.close() !== true && point !== null && !this.marked && !this.brushes) {
-        this.stage.readout.close();
+        this.clicks.close();
         this.hand.place(point);
       }
     });
@@ -123,14 +149,17 @@ export class SliceInput {
       const point = this.pointAt(event);
       if (plane !== null && point !== null) {
         this.drag = "paint";
-        this.stage.brush.begin(point, plane.toward);
+        this.brush.begin(point, plane.toward);
       }
-    } else if (event.button === 0 && !this.leads(event) && !this.marking && this.outline === null) {
+    } else if (event.button === 0 && !this.leads(event) && !this.clicks.marking && this.outline === null) {
       this.drag = "crosshair";
       this.moveCrosshair(event);
     }
     this.last = [event.clientX, event.clientY];
-    this.pressed = event.button === 0 && (this.drag === "crosshair" || this.marking || this.outlines(event)) ? this.last : null;
+    this.pressed =
+      event.button === 0 && (this.drag === "crosshair" || this.clicks.marking || this.outlines(event))
+        ? this.last
+        : null;
   }
 
   private move(event: PointerEvent): void {
@@ -138,7 +167,10 @@ export class SliceInput {
     const [x, y] = [event.clientX - lastX, event.clientY - lastY];
     this.last = [event.clientX, event.clientY];
     this.pointed(this.pointAt(event));
-    if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
+    if (
+      this.pressed !== null &&
+      Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach
+    ) {
       this.pressed = null;
     }
     if (x === 0 && y === 0) {
@@ -146,7 +178,7 @@ export class SliceInput {
     }
     if (this.drag === "paint") {
       const point = this.pointAt(event);
-      if (point !== null) this.stage.brush.move(point);
+      if (point !== null) this.brush.move(point);
     } else if (this.drag === "crosshair") {
       this.moveCrosshair(event);
     } else if (this.drag === "window") {
@@ -170,7 +202,7 @@ export class SliceInput {
 
   private release(event: PointerEvent): void {
     if (this.drag === "paint") {
-      this.stage.brush.end();
+      this.brush.end();
     }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
@@ -185,34 +217,25 @@ export class SliceInput {
       return;
     }
     this.pressed = null;
-    const { growing, marks, readout, registration } = this.stage;
-    this.marked = this.marking;
-    if (registration.placing !== null) {
-      registration.put(point);
-    } else if (this.marked) {
-      marks.put(point);
-    } else if (growing.armed) {
-      growing.from(point);
-    } else if (this.outline !== null) {
+    this.marked = this.clicks.marking;
+    if (this.clicks.put(point)) {
+      return;
+    }
+    if (this.outline !== null) {
       this.outline.click(this.name, point, this.plane?.toward ?? [0, 0, 1]);
     } else {
-      const name = this.stage.picker.segmentAt(point)?.name ?? null;
-      readout.show({ pane: this.name, point, value: this.stage.picker.valueAt(point), name, scan: "first" });
+      this.clicks.describe(this.name, point);
     }
-  }
-
-  private get marking(): boolean {
-    return this.stage.marks.placing !== null || this.stage.registration.placing !== null;
   }
 
   /** Whether the left button paints: what waits for a click comes first. */
   private get brushes(): boolean {
-    return this.stage.brush.ready && !this.marking && !this.stage.growing.armed;
+    return this.brush.ready && !this.clicks.marking && !this.clicks.growing;
   }
 
   /** What draws outlines by clicks; null where the left button does something else. */
   private get outline(): OutlineControl | null {
-    const { habits, outline } = this.stage.brush;
+    const { habits, outline } = this.brush;
     return this.brushes && habits.way !== "brush" ? outline : null;
   }
 
@@ -237,7 +260,9 @@ export class SliceInput {
   private leadHand(right: number, down: number): void {
     const { plane } = this;
     if (plane !== null) {
-      this.hand.moveBy(addScaled(addScaled([0, 0, 0], plane.right, right * plane.pixel), plane.up, -down * plane.pixel));
+      this.hand.moveBy(
+        addScaled(addScaled([0, 0, 0], plane.right, right * plane.pixel), plane.up, -down * plane.pixel),
+      );
     }
   }
 
@@ -249,7 +274,7 @@ export class SliceInput {
       const { x, y } = this.placeOf(event);
       this.slices.zoom(this.name, Math.exp(turned * zoomSpeed), x, y);
     } else if (event.shiftKey && this.brushes) {
-      this.stage.brush.resize(-Math.sign(turned));
+      this.brush.resize(-Math.sign(turned));
     } else if (this.leads(event) && plane !== null) {
       this.hand.moveBy(addScaled([0, 0, 0], plane.toward, (turned / pixelsPerSlice) * plane.pixel * 3));
     } else {
@@ -288,7 +313,7 @@ export class SliceInput {
     event.preventDefault();
     event.stopPropagation();
     if (size !== undefined) {
-      this.stage.brush.resize(size);
+      this.brush.resize(size);
     } else if (slices !== undefined) {
       this.slices.scroll(this.name, slices);
     } else if (factor !== undefined) {

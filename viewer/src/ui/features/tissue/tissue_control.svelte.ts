@@ -2,14 +2,30 @@
  * Soft tissue: what a person asks of materials and models, and what outlives a visit.
  */
 import { AnswerRate, usualModel } from "../../../core/tissue/tissue";
-import { recalledTissue, recalledRegions, rememberedTissue, type TissueMemory, type RememberedMaterial } from "../../../core/tissue/tissue_memory";
+import {
+  recalledTissue,
+  recalledRegions,
+  rememberedTissue,
+  type TissueMemory,
+  type RememberedMaterial,
+} from "../../../core/tissue/tissue_memory";
 import { usualOptions } from "../../../core/tissue/model_options";
-import type { Constants, ForceSource, FromPage, MatterRegion, ModelOptions, Segment, State } from "../../../core/protocol";
+import type {
+  Constants,
+  ForceSource,
+  FromPage,
+  MatterRegion,
+  ModelOptions,
+  Segment,
+  State,
+} from "../../../core/protocol";
 import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
-/** What the engine's own undo does not know is a step of the page's: how it is asked for, and how for what was before. */
+/**
+ * What the engine's own undo does not know is a step of the page's: how it is asked for, and how for what was before.
+ */
 export class TissueControl implements StepOwner<FromPage> {
   /** Whether the model's nodes or particles are shown. */
   partsShown = $state(false);
@@ -17,7 +33,7 @@ export class TissueControl implements StepOwner<FromPage> {
   rate = $state.raw(0);
 
   private readonly answers = new AnswerRate();
-  /** Greeting of the engine that was told what was chosen at the last visit. */
+  /** Greeting of the engine that was sent what was chosen at the last visit. */
   private recalledAt = 0;
   private shownTo = 0;
   /** What the engine held when that was kept last; null until it has done what was recalled. */
@@ -46,7 +62,11 @@ export class TissueControl implements StepOwner<FromPage> {
   /** How regions of a segment take part; of several that hold a voxel the last counts. */
   setRegions(segment: Segment, regions: MatterRegion[]): void {
     const before = [...segment.regions];
-    this.ask("regions of matter", { type: "set_regions", id: segment.id, regions }, { type: "set_regions", id: segment.id, regions: before });
+    this.ask(
+      "regions of matter",
+      { type: "set_regions", id: segment.id, regions },
+      { type: "set_regions", id: segment.id, regions: before },
+    );
   }
 
   /** The deformation model, null for none, and what of it is not as usual. */
@@ -100,7 +120,7 @@ export class TissueControl implements StepOwner<FromPage> {
       this.recalledAt = greetings;
       this.held = null;
       this.recall(state);
-      this.session.whenTold(() => {
+      this.session.whenAnswered(() => {
         if (this.recalledAt === greetings) {
           this.held ??= this.holds(this.session.latest ?? state).text;
         }
@@ -139,7 +159,7 @@ export class TissueControl implements StepOwner<FromPage> {
     return { memory, text: JSON.stringify(memory) };
   }
 
-  /** Asks for what was chosen at the last visit, unless the engine was already told otherwise. */
+  /** Asks for what was chosen at the last visit, unless the engine was already asked for something else. */
   private recall({ matter }: State): void {
     const { session } = this;
     if (matter.model !== null || session.segments.some(({ material }) => material !== null)) {
@@ -148,10 +168,21 @@ export class TissueControl implements StepOwner<FromPage> {
     const { presets, models } = session;
     const memory = recalledTissue(recall(this.memory, {}), presets, models);
     const { model, options, forceSource, materials } = memory;
-    const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
-    const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);
+    const kept = session.segments.map((segment) => ({
+      id: segment.id,
+      material: materials.find((each) => each.segment === segment.name),
+    }));
+    const known = kept.filter(
+      (each): each is { id: number; material: RememberedMaterial } => each.material !== undefined,
+    );
     for (const { id, material } of known) {
-      session.send({ type: "set_material", id, preset: material.preset, constants: material.constants, undoable: false });
+      session.send({
+        type: "set_material",
+        id,
+        preset: material.preset,
+        constants: material.constants,
+        undoable: false,
+      });
     }
     for (const { id, name } of session.segments) {
       const regions = recalledRegions(name, memory, session.segments);

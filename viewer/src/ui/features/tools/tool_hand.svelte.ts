@@ -21,7 +21,7 @@ export class ToolHand {
 
   /** The segment that is touched, or was last. */
   private touched = 0;
-  /** What the engine was told last, as text. */
+  /** What was sent to the engine last, as text. */
   private told = "";
   /** What is to be done once there is a segment to paint with. */
   private waiting: "tool" | "stroke" | null = null;

@@ -3,7 +3,7 @@
  * Lengths [mm].
  */
 import { canBePainted } from "../../../core/segments/brush";
-import { changedProperties } from "../../../core/segments/segment_properties";
+import { changedProperties } from "../../../core/segments/segment_appearance";
 import { fittingDepth, segmentsOf, type Works } from "../../../core/tools/tools";
 import type { Vec3 } from "../../../core/geometry/vector";
 import type { BrushControl } from "../segments/brush_control.svelte";
@@ -44,7 +44,7 @@ export class TouchPaint {
     return fittingDepth(spacing, this.habits.depth);
   }
 
-  /** What the engine is told beside the segments: how deep, and whether they may overlap. */
+  /** What is sent to the engine beside the segments: how deep, and whether they may overlap. */
   get how(): { readonly depth: number | null; readonly overlaps: boolean } {
     const { surface, overlaps } = this.habits;
     const spacing = this.session.scan?.spacing;

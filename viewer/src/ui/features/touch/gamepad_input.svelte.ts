@@ -2,22 +2,26 @@
  * A gamepad, where there is one: its sticks move the hand and turn the picture, its motors
  * let contact be felt. Without a gamepad nothing runs.
  */
-import { orbit } from "../../../core/geometry/camera";
+import { orbit, type Camera } from "../../../core/geometry/camera";
 import { button, moveOf, pressed, rumbleOf, type Felt, type Pad } from "../../../core/touch/gamepad";
 import { canRumble, padName, rumble, usedPad, type ConnectedPad } from "./gamepad_device";
 import type { HandControl } from "./hand_control.svelte";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
-import type { Stage } from "../../app/stage.svelte";
 
 /** Pace of the motors, and how long they run without another word [ms]. */
 const rumblePace = 50;
 const rumbleRest = 120;
 
-/** The tool in the hand. */
-interface PressedTool {
-  readonly press: () => void;
-  readonly release: () => void;
+/** What sticks and buttons move. */
+interface Moved {
+  readonly hand: HandControl;
+  /** The tool in the hand. */
+  readonly tool: { readonly press: () => void; readonly release: () => void };
+  readonly view: { camera: Camera | null; readonly reset: () => void };
+  /** Segments that the probe takes along. */
+  readonly objects: { readonly holds: boolean; readonly grab: () => void; readonly release: () => void };
+  readonly centreOnProbe: () => void;
 }
 
 export class GamepadInput {
@@ -39,9 +43,7 @@ export class GamepadInput {
 
   constructor(
     private readonly session: Session,
-    private readonly stage: Stage,
-    private readonly hand: HandControl,
-    private readonly tool: PressedTool,
+    private readonly moved: Moved,
   ) {}
 
   /** Listens until the returned function is called. */
@@ -84,7 +86,7 @@ export class GamepadInput {
     }
     this.running = false;
     this.name = null;
-    this.tool.release();
+    this.moved.tool.release();
     this.before = null;
     this.felt = null;
   }
@@ -116,11 +118,11 @@ export class GamepadInput {
     this.work(pad);
     const { right, down, away, turn } = moveOf(pad, this.touching);
     if (right !== 0 || down !== 0 || away !== 0) {
-      this.hand.move(right * seconds, down * seconds, away * seconds);
+      this.moved.hand.move(right * seconds, down * seconds, away * seconds);
     }
-    const { camera } = this.stage.view;
+    const { camera } = this.moved.view;
     if (camera !== null && (turn[0] !== 0 || turn[1] !== 0)) {
-      this.stage.view.camera = orbit(camera, turn[0] * seconds, turn[1] * seconds);
+      this.moved.view.camera = orbit(camera, turn[0] * seconds, turn[1] * seconds);
     }
   }
 
@@ -128,15 +130,15 @@ export class GamepadInput {
   private work(pad: ConnectedPad): void {
     const held = (of: Pad | null): boolean => of?.buttons[button.rightShoulder]?.pressed === true;
     if (held(pad) && !held(this.before)) {
-      this.tool.press();
+      this.moved.tool.press();
     } else if (!held(pad) && held(this.before)) {
-      this.tool.release();
+      this.moved.tool.release();
     }
   }
 
   private press(index: number): void {
     if (index === button.north) {
-      const { objects } = this.stage;
+      const { objects } = this.moved;
       if (objects.holds) {
         objects.release();
       } else {
@@ -146,9 +148,9 @@ export class GamepadInput {
     if (index === button.south) {
       this.touching = !this.touching;
     } else if (index === button.east) {
-      this.stage.centreOnProbe();
+      this.moved.centreOnProbe();
     } else if (index === button.west) {
-      this.stage.view.reset();
+      this.moved.view.reset();
     }
   }
 

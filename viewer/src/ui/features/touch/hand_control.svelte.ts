@@ -3,12 +3,18 @@
  * the hand is, at most once a frame.
  */
 import { moveAlong, moveInDepth, moveInView } from "../../../core/touch/hand";
+import type { Camera, Viewport } from "../../../core/geometry/camera";
 import type { Vec3 } from "../../../core/geometry/vector";
 import type { Session } from "../../state/session.svelte";
-import type { Stage } from "../../app/stage.svelte";
 
 /** After a pause this long the hand is where the engine says it is [ms], as soon as it knows all moves. */
 const resumeAfter = 400;
+
+/** The view that moves of the mouse are made in. */
+interface HandView {
+  readonly camera: Camera | null;
+  readonly viewport: Viewport;
+}
 
 export class HandControl {
   /** Every move of the mouse moves the hand, no button needed. */
@@ -21,19 +27,21 @@ export class HandControl {
   private hand: Vec3 | null = null;
   private movedAt = -Infinity;
   private sending = false;
-  /** Moves and placements that were sent, and those of them that the engine has told of. */
+  /** Moves and placements that were sent, and those of them that the engine has answered. */
   private sent = 0;
   private known = 0;
   private asking = false;
 
+  /** @param takeOver has the probe follow the hand, whatever else has moved it. */
   constructor(
     private readonly session: Session,
-    private readonly stage: Stage,
+    private readonly view: HandView,
+    private readonly takeOver: () => void,
   ) {}
 
   /** Moves the hand by pixels to the right, downward, and away from the viewer. */
   move(right: number, down: number, away: number): void {
-    const { camera, viewport } = this.stage.view;
+    const { camera, viewport } = this.view;
     if (camera !== null) {
       this.lead((from, probe) => {
         const sideways = moveInView(from, probe, right, down, camera, viewport);
@@ -58,7 +66,7 @@ export class HandControl {
 
   /** Puts the hand at a point of the scene [mm]. */
   goTo(hand: Vec3): void {
-    this.stage.player.release();
+    this.takeOver();
     this.hand = hand;
     this.movedAt = performance.now();
     this.used = true;
@@ -76,7 +84,7 @@ export class HandControl {
 
   /** Brings probe, device and hand to a point, or next to it. */
   place(point: Vec3): void {
-    this.stage.player.release();
+    this.takeOver();
     this.hand = null;
     this.used = true;
     this.session.send({ type: "place", point });
@@ -103,7 +111,7 @@ export class HandControl {
     this.goTo(to(from, state.proxy));
   }
 
-  /** Learns when the engine has told of all that was sent, with one question at a time. */
+  /** Learns when the engine has answered all that was sent, with one question at a time. */
   private follow(): void {
     this.sent += 1;
     this.ask();
@@ -115,7 +123,7 @@ export class HandControl {
     }
     this.asking = true;
     const { sent } = this;
-    this.session.whenTold(() => {
+    this.session.whenAnswered(() => {
       this.asking = false;
       this.known = sent;
       this.ask();

@@ -21,7 +21,12 @@ export class SoundPlayer {
   private readonly scrapeGain = new GainNode(this.context, { gain: 0 });
 
   constructor(volume: number) {
-    const limiter = new DynamicsCompressorNode(this.context, { threshold: -12, ratio: 12, attack: 0.002, release: 0.1 });
+    const limiter = new DynamicsCompressorNode(this.context, {
+      threshold: -12,
+      ratio: 12,
+      attack: 0.002,
+      release: 0.1,
+    });
     this.master.connect(limiter).connect(this.meter).connect(this.context.destination);
     const scrape = new AudioBufferSourceNode(this.context, { buffer: this.noise, loop: true });
     scrape.connect(this.band).connect(this.scrapeGain).connect(this.master);
@@ -34,7 +39,9 @@ export class SoundPlayer {
     return this.context.state === "running";
   }
 
-  /** Mean square root of what was heard in the last two thirds of a second, 0..1: a page that draws slowly looks seldom. */
+  /**
+   * Mean square root of what was heard in the last two thirds of a second, 0..1: a page that draws slowly looks seldom.
+   */
   get level(): number {
     const samples = new Float32Array(this.meter.fftSize);
     this.meter.getFloatTimeDomainData(samples);

@@ -2,7 +2,7 @@
  * What of touch stands in the picture: probe, device and force, and beside them what a person wants to see.
  */
 import { pixelSizeAt, type Camera, type Viewport } from "../../../core/geometry/camera";
-import { srgbFromHex } from "../../../core/appearance/colour";
+import { srgbFromHex } from "../../../core/base/colour";
 import { PathTrail } from "../../../core/touch/path_trail";
 import type { State } from "../../../core/protocol";
 import { toolColours } from "../../../core/tools/tools";
@@ -59,7 +59,7 @@ export class TouchMarkers {
   }
 
   /** Moves what is drawn to where it is by now. */
-  hand(picture: Picture, camera: Camera, viewport: Viewport): void {
+  pass(picture: Picture, camera: Camera, viewport: Viewport): void {
     const { latest, parts, settings } = this.session;
     const state: ShownTouch | null = this.player.shown ?? latest;
     if (latest === null || state === null || state === this.drawn) {

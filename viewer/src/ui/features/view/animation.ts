@@ -1,5 +1,5 @@
 /**
- * A film in WebM from single pictures. The recorder counts time only while it runs: it runs for the
+ * An animation in WebM from single pictures. The recorder counts time only while it runs: it runs for the
  * length of one frame after each picture and rests while the next one is drawn, however long that takes.
  */
 import type { Viewport } from "../../../core/geometry/camera";
@@ -10,7 +10,9 @@ const bitsPerPixel = 0.25;
 
 /** What this browser records; null where it makes no WebM. */
 export function animationType(): string | null {
-  return typeof MediaRecorder === "undefined" ? null : (types.find((type) => MediaRecorder.isTypeSupported(type)) ?? null);
+  return typeof MediaRecorder === "undefined"
+    ? null
+    : (types.find((type) => MediaRecorder.isTypeSupported(type)) ?? null);
 }
 
 export class AnimationRecorder {
@@ -19,7 +21,7 @@ export class AnimationRecorder {
   private readonly recorder: MediaRecorder;
   private readonly pieces: Blob[] = [];
 
-  /** @throws where the browser makes no films. */
+  /** @throws where the browser records no video. */
   constructor(
     { width, height }: Viewport,
     private readonly framesPerSecond: number,
@@ -55,17 +57,17 @@ export class AnimationRecorder {
     this.recorder.pause();
   }
 
-  /** The whole film. */
+  /** The whole animation. */
   async end(): Promise<Blob> {
     await new Promise((resolve) => {
       this.recorder.addEventListener("stop", resolve, { once: true });
       this.recorder.stop();
     });
-    const film = new Blob(this.pieces, { type: "video/webm" });
-    if (film.size === 0) {
+    const video = new Blob(this.pieces, { type: "video/webm" });
+    if (video.size === 0) {
       throw new Error("the browser recorded nothing");
     }
-    return film;
+    return video;
   }
 
   dispose(): void {

@@ -1,19 +1,34 @@
 /**
- * Pictures and films of the 3-D view as files: drawn anew at the size that is asked for, one at a time.
+ * Images and animations of the 3-D view as files: drawn anew at the size that is asked for, one at a time.
  */
 import type { Camera, Viewport } from "../../../core/geometry/camera";
 import { evenSize, fitsIntoCanvas, imageSize } from "../../../core/view/image_size";
 import { turntable } from "../../../core/view/turntable";
+import type { SnapshotWish } from "../../../gl/picture/snapshot";
 import { keep } from "../../state/download";
 import { AnimationRecorder, animationType } from "./animation";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
-import type { Stage } from "../../app/stage.svelte";
+import type { StereoControl } from "./stereo_control.svelte";
+import type { ViewControl } from "./view_control.svelte";
 
 const firstChoice = { magnification: 2, transparent: false, seconds: 6, turns: 1 };
 
-/** Of a film: each frame is drawn to the end, so a slow machine only takes longer. */
+/** Of an animation: each frame is drawn to the end, so a slow machine only takes longer. */
 const framesPerSecond = { gpu: 20, software: 10 } as const;
+
+/** What images are drawn from. */
+interface Source {
+  readonly session: Session;
+  readonly view: ViewControl;
+  readonly stereo: StereoControl;
+  /** Size of the 3-D view on the page [CSS pixels]. */
+  readonly pane: () => Viewport;
+  readonly picture: {
+    readonly support: { readonly software: boolean };
+    readonly snapshot: (context: CanvasRenderingContext2D, wish: SnapshotWish) => Promise<void>;
+  };
+}
 
 export class ImageControl {
   choice = $state.raw(recall("image", firstChoice));
@@ -21,19 +36,16 @@ export class ImageControl {
   job = $state.raw<{ readonly name: string; readonly share: number } | null>(null);
   private aborter = new AbortController();
 
-  constructor(
-    private readonly stage: Stage,
-    private readonly session: Session,
-  ) {}
+  constructor(private readonly source: Source) {}
 
   readonly size = $derived.by((): Viewport => this.sizeOf(this.choice.magnification));
 
-  /** Whether this browser makes films. */
+  /** Whether this browser records animations. */
   readonly canAnimate = animationType() !== null;
 
   sizeOf(magnification: number): Viewport {
-    const { slices, stereo } = this.stage;
-    const size = imageSize(slices.panes.view, window.devicePixelRatio, magnification);
+    const { pane, stereo } = this.source;
+    const size = imageSize(pane(), window.devicePixelRatio, magnification);
     return stereo.choice.mode === "off" ? size : evenSize(size);
   }
 
@@ -56,51 +68,55 @@ export class ImageControl {
     const { transparent } = this.choice;
     await this.work("Drawing the picture", async (camera, signal) => {
       const context = contextOf(size);
-      await this.stage.snapshot(context, { camera, size, stereo: this.stage.stereo.choice, transparent, signal, progress: this.tell.bind(this) });
+      const stereo = this.source.stereo.choice;
+      const progress = this.report.bind(this);
+      await this.source.picture.snapshot(context, { camera, size, stereo, transparent, signal, progress });
       const blob = await new Promise<Blob | null>((resolve) => {
         context.canvas.toBlob(resolve, "image/png");
       });
       if (blob === null) {
-        throw new Error(`${String(size.width)} × ${String(size.height)} pixels are too many for this browser; choose fewer`);
+        throw new Error(
+          `${String(size.width)} × ${String(size.height)} pixels are too many for this browser; choose fewer`,
+        );
       }
       keep(blob, `${this.fileName}.png`);
     });
   }
 
-  /** Saves a film of the view turning about the body's long axis, as large as on the page. */
+  /** Saves a turntable: the view turning about the body's long axis, as large as on the page. */
   async saveAnimation(): Promise<void> {
     const { seconds, turns } = this.choice;
-    const pace = framesPerSecond[this.stage.software ? "software" : "gpu"];
+    const pace = framesPerSecond[this.source.picture.support.software ? "software" : "gpu"];
     const size = evenSize(this.sizeOf(1));
-    const stereo = this.stage.stereo.choice;
+    const stereo = this.source.stereo.choice;
     await this.work("Filming", async (start, signal) => {
-      const film = new AnimationRecorder(size, pace);
+      const animation = new AnimationRecorder(size, pace);
       try {
         const context = contextOf(size);
         const cameras = turntable(start, { seconds, turns, framesPerSecond: pace });
         for (const [i, camera] of cameras.entries()) {
-          await this.stage.snapshot(context, { camera, size, stereo, transparent: false, signal });
-          await film.add(context.canvas);
-          this.tell((i + 1) / cameras.length);
+          await this.source.picture.snapshot(context, { camera, size, stereo, transparent: false, signal });
+          await animation.add(context.canvas);
+          this.report((i + 1) / cameras.length);
         }
-        keep(await film.end(), `${this.fileName}.webm`);
+        keep(await animation.end(), `${this.fileName}.webm`);
       } finally {
-        film.dispose();
+        animation.dispose();
       }
     });
   }
 
   private get fileName(): string {
-    return (this.session.scan?.name ?? "").replace(/[^\w.-]+/g, "_") || "palpate";
+    return (this.source.session.scan?.name ?? "").replace(/[^\w.-]+/g, "_") || "palpate";
   }
 
-  private tell(share: number): void {
+  private report(share: number): void {
     this.job = this.job && { ...this.job, share };
   }
 
   /** Does a job from the present view; one that was cancelled leaves nothing. */
   private async work(name: string, act: (camera: Camera, signal: AbortSignal) => Promise<void>): Promise<void> {
-    const { camera } = this.stage.view;
+    const { camera } = this.source.view;
     if (this.job !== null || camera === null) {
       return;
     }
@@ -111,7 +127,10 @@ export class ImageControl {
       await act(camera, signal);
     } catch (error) {
       if (!signal.aborted) {
-        this.session.notify("error", `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`);
+        this.source.session.notify(
+          "error",
+          `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`,
+        );
       }
     } finally {
       this.job = null;

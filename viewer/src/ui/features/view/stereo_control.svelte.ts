@@ -3,7 +3,18 @@
  */
 import type { Camera, Viewport } from "../../../core/geometry/camera";
 import type { Rect } from "../../../core/view/picture_layout";
-import { eyeCamera, eyesOf, firstStereo, pointedEye, saneStereo, stereoModes, viewportOf, type EyePlace, type ShownEye, type Stereo } from "../../../core/view/stereo";
+import {
+  eyeCamera,
+  eyesOf,
+  firstStereo,
+  pointedEye,
+  saneStereo,
+  stereoModes,
+  viewportOf,
+  type EyePlace,
+  type ShownEye,
+  type Stereo,
+} from "../../../core/view/stereo";
 import { recall, remember } from "../../state/remembered";
 
 export class StereoControl {
@@ -15,7 +26,9 @@ export class StereoControl {
   ) {}
 
   /** What is seen, by one eye or by two; nothing before there is a view. */
-  readonly eyes = $derived.by((): readonly ShownEye[] => eyesOf(this.choice, this.pane()).flatMap((place) => this.shown(place) ?? []));
+  readonly eyes = $derived.by((): readonly ShownEye[] =>
+    eyesOf(this.choice, this.pane()).flatMap((place) => this.shown(place) ?? []),
+  );
 
   choose(part: Partial<Stereo>): void {
     this.choice = { ...this.choice, ...part };

@@ -2,7 +2,20 @@
  * The view of the 3-D picture: where it is seen from, in which projection, and what of it fills the pane.
  */
 import type { Letter } from "../../../core/geometry/anatomy";
-import { firstView, frame, inProjection, lookFrom, orbit, pan, reshaped, sameView, zoom, type Camera, type Extent, type Viewport } from "../../../core/geometry/camera";
+import {
+  firstView,
+  frame,
+  inProjection,
+  lookFrom,
+  orbit,
+  pan,
+  reshaped,
+  sameView,
+  zoom,
+  type Camera,
+  type Extent,
+  type Viewport,
+} from "../../../core/geometry/camera";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
@@ -53,7 +66,9 @@ export class ViewControl {
 
   /** Whether things look as large however far away they are. */
   get orthographic(): boolean {
-    return this.camera === null ? recall("projection", { orthographic: false }).orthographic : this.camera.parallel !== null;
+    return this.camera === null
+      ? recall("projection", { orthographic: false }).orthographic
+      : this.camera.parallel !== null;
   }
 
   set orthographic(on: boolean) {
@@ -73,7 +88,10 @@ export class ViewControl {
   /** Device moves follow the view's axes, so the engine must know them. */
   tell(): void {
     const { camera, session } = this;
-    if (camera !== null && (this.sentCamera === null || this.sentTo !== session.greetings || !sameView(camera, this.sentCamera))) {
+    if (
+      camera !== null &&
+      (this.sentCamera === null || this.sentTo !== session.greetings || !sameView(camera, this.sentCamera))
+    ) {
       this.sentCamera = camera;
       this.sentTo = session.greetings;
       session.send({ type: "view", right: camera.right, up: camera.up });

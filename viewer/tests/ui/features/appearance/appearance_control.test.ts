@@ -7,7 +7,14 @@ import { SliceControl } from "../../../../src/ui/features/slices/slice_control.s
 import { scanOf } from "../../../support/volumes";
 
 let kept = new Map<string, string>();
-const scan: Scan = { ...scanOf([40, 40, 40], [1, 1, 1]), name: "head", unit: "HU", range: [-1000, 2000], soft_tissue: 40, bone: 250 };
+const scan: Scan = {
+  ...scanOf([40, 40, 40], [1, 1, 1]),
+  name: "head",
+  unit: "HU",
+  range: [-1000, 2000],
+  soft_tissue: 40,
+  bone: 250,
+};
 
 beforeEach(() => {
   kept = new Map();
@@ -23,30 +30,37 @@ afterEach(() => {
 
 function opened() {
   const steps = new PageSteps(() => 0);
-  const looks = new AppearanceControl(steps);
+  const appearance = new AppearanceControl(steps);
   const slices = new SliceControl(steps, () => null);
-  looks.open(scan);
+  appearance.open(scan);
   slices.open(scan);
-  return { steps, looks, slices };
+  return { steps, appearance, slices };
 }
 
 test("each gesture is one step, in one order, and what is remembered is what is seen", () => {
-  const { steps, looks, slices } = opened();
-  const shown = (): unknown => [looks.choice, looks.appearance, looks.curveChoice, looks.lighting, looks.inside, slices.look];
+  const { steps, appearance, slices } = opened();
+  const shown = (): unknown => [
+    appearance.choice,
+    appearance.softTissueAndBone,
+    appearance.curveChoice,
+    appearance.lighting,
+    appearance.inside,
+    slices.appearance,
+  ];
   const gestures: readonly (() => void)[] = [
-    () => { looks.choose("blend", "mip"); },
-    () => { [1, 2, 3].forEach(() => { looks.drag(5, 2); }); },
-    () => { looks.choose("blend", "composite"); },
-    () => { looks.drag(5, 2); looks.drag(3, 1); },
-    () => { looks.usePreset("CT-Bone"); },
-    () => { looks.drag(5, 2); looks.drag(3, 1); },
-    () => { [0.2, 0.4].forEach((specular) => { looks.light({ specular }); }); },
-    () => { looks.setInside(2, "tinted"); },
+    () => { appearance.choose("blend", "mip"); },
+    () => { [1, 2, 3].forEach(() => { appearance.drag(5, 2); }); },
+    () => { appearance.choose("blend", "composite"); },
+    () => { appearance.drag(5, 2); appearance.drag(3, 1); },
+    () => { appearance.usePreset("CT-Bone"); },
+    () => { appearance.drag(5, 2); appearance.drag(3, 1); },
+    () => { [0.2, 0.4].forEach((specular) => { appearance.light({ specular }); }); },
+    () => { appearance.setInside(2, "tinted"); },
     () => { slices.setWindow({ window: 1400, level: -500 }); },
     () => { [1, 2].forEach(() => { slices.dragWindow(9, 9); }); },
     () => { slices.draw("fill", 0.5); slices.draw("fill", 0.6); },
     () => { slices.draw("slabMode", "largest"); },
-    () => { looks.reset(); },
+    () => { appearance.reset(); },
   ];
   const states = [shown()];
   for (const gesture of gestures) {
@@ -58,14 +72,18 @@ test("each gesture is one step, in one order, and what is remembered is what is 
     steps.undo();
     expect(shown()).toEqual(before);
     const next = opened();
-    expect([next.looks.choice, next.looks.curveChoice, next.slices.look]).toEqual([looks.choice, looks.curveChoice, slices.look]);
+    expect([next.appearance.choice, next.appearance.curveChoice, next.slices.appearance]).toEqual([
+      appearance.choice,
+      appearance.curveChoice,
+      slices.appearance,
+    ]);
   }
   expect(steps.canUndo).toBe(false);
   for (const after of states.slice(1)) {
     steps.redo();
     expect(shown()).toEqual(after);
   }
-  expect(looks.curveChoice.name).toBe(anatomy);
+  expect(appearance.curveChoice.name).toBe(anatomy);
 });
 
 test("how the picture is divided is no step", () => {

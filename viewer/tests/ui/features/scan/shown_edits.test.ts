@@ -131,15 +131,25 @@ test("another scan forgets the surfaces of the one before, but no edit that wait
   expect([...edits.sizes.keys()]).toEqual([2]);
 });
 
-test("where matter stands is shown with its edit, kept, and gone with the scan or where all is in its voxels", () => {
+test("displacements of tissue are shown with their edit, kept, and gone with the scan or without any", () => {
   const { edits, picture, complaints, show } = setUp();
   const told: (readonly number[] | null)[] = [];
-  Object.assign(picture, { setDisplaced: (displaced: { size: readonly number[] } | null) => told.push(displaced?.size ?? null) });
-  const displaced = { origin: [0, 0, 0], step: [1, 1, 1], size: [2, 1, 1], moved: new Uint8Array(16) } satisfies Changed["displaced"];
+  Object.assign(picture, {
+    setDisplaced: (displaced: { size: readonly number[] } | null) => told.push(displaced?.size ?? null),
+  });
+  const displaced = {
+    origin: [0, 0, 0],
+    step: [1, 1, 1],
+    size: [2, 1, 1],
+    moved: new Uint8Array(16),
+  } satisfies Changed["displaced"];
   show(changed(1), changed(2, { displaced }), changed(3));
   expect(told).toEqual([[2, 1, 1]]);
   edits.showAll(picture);
-  expect(told).toEqual([[2, 1, 1], [2, 1, 1]]);
+  expect(told).toEqual([
+    [2, 1, 1],
+    [2, 1, 1],
+  ]);
   // an edit that lies is not shown at all
   show(changed(4, { displaced: { ...displaced, moved: new Uint8Array(15) } }));
   expect(complaints).toEqual(["Edit 4 cannot be shown: 15 bytes of displacements for 2 x 1 x 1 nodes, 8 each."]);

@@ -7,7 +7,17 @@ import type { SecondControl } from "../../../../src/ui/features/second/second_co
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
 const shifted = [1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-const idle: Registration = { type: "registration", doing: null, share: null, curve: [], failure: null, found: null, shown: "after", steps: 0, undone: 0 };
+const idle: Registration = {
+  type: "registration",
+  doing: null,
+  share: null,
+  curve: [],
+  failure: null,
+  found: null,
+  shown: "after",
+  steps: 0,
+  undone: 0,
+};
 let sent: FromPage[] = [];
 let second = {} as SecondControl;
 let steps = new PageSteps(() => 0);
@@ -20,7 +30,10 @@ beforeEach(() => {
   });
   sent = [];
   steps = new PageSteps(() => 0);
-  second = { told: { scan: { name: "mr" }, second_from_first: shifted, version: 0 } as unknown as SecondScan, only: null } as SecondControl;
+  second = {
+    reported: { scan: { name: "mr" }, second_from_first: shifted, version: 0 } as unknown as SecondScan,
+    only: null,
+  } as SecondControl;
 });
 
 afterEach(() => {

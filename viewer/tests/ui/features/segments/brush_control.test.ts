@@ -1,6 +1,13 @@
-/** The brush in a person's hand: what the engine is told of a stroke, and when. */
+/** The brush in a person's hand: what the engine is sent of a stroke, and when. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { brushRange, canBePainted, firstValues, fittingBrush, paintedName, resizedBrush } from "../../../../src/core/segments/brush";
+import {
+  brushRange,
+  canBePainted,
+  firstValues,
+  fittingBrush,
+  paintedName,
+  resizedBrush,
+} from "../../../../src/core/segments/brush";
 import type { FromPage, Outline, Scan } from "../../../../src/core/protocol";
 import { BrushControl } from "../../../../src/ui/features/segments/brush_control.svelte";
 import type { Session } from "../../../../src/ui/state/session.svelte";
@@ -49,7 +56,9 @@ test("points of a stroke are told once a frame, each way from where the last one
   const brush = taken();
   expect(brush.ready).toBe(true);
   brush.begin([0, 0, 0], up);
-  expect(sent).toMatchObject([{ type: "paint", id: 4, erases: false, points: [[0, 0, 0]], radius: 5, normal: up, values: null }]);
+  expect(sent).toMatchObject([
+    { type: "paint", id: 4, erases: false, points: [[0, 0, 0]], radius: 5, normal: up, values: null },
+  ]);
   brush.move([1, 0, 0]);
   brush.move([2, 0, 0]);
   expect(sent).toHaveLength(1);

@@ -13,7 +13,10 @@ const yields = { least: 0.005, most: 0.5 };
 const soft = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: null, friction: 0.2 };
 const liver = { preset: "liver", low: soft, high: soft };
 
-/** A page of a scan with one segment, an engine that does what it is told when asked to, and what the browser keeps. */
+/**
+ * A page of a scan with one segment, an engine that does what is asked of it when the test lets it, and what the
+ * browser keeps.
+ */
 class Visit {
   readonly sent: FromPage[] = [];
   greetings = 1;
@@ -22,7 +25,19 @@ class Visit {
     { id: 1, name: "Liver", material: null, regions: [] },
   ];
   readonly presets = [{ name: "liver" }];
-  readonly models = [{ name: "lattice", boxes: null, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false }];
+  readonly models = [
+    {
+      name: "lattice",
+      boxes: null,
+      binding: null,
+      walls: false,
+      fades,
+      yields,
+      layers: null,
+      calibration: false,
+      motion: false,
+    },
+  ];
   latest: State | null = null;
   parts: ModelParticles | null = null;
   source: ForceSource = "matter";
@@ -47,7 +62,7 @@ class Visit {
     this.sent.push(message);
   }
 
-  whenTold(told: () => void): void {
+  whenAnswered(told: () => void): void {
     this.told.push(told);
   }
 

@@ -1,4 +1,4 @@
-/** Painting by touch: which segments the engine is told, and that there is one to paint with first. */
+/** Painting by touch: which segments the engine is sent, and that there is one to paint with first. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { FromPage, Scan, Segment, State } from "../../../../src/core/protocol";
 import { BrushControl } from "../../../../src/ui/features/segments/brush_control.svelte";
@@ -71,7 +71,10 @@ test("it is told how, and what is painted becomes touchable", () => {
   expect(sent.map(({ type }) => type)).toEqual(["tool", "tool", "stroke", "stroke"]);
   tool.paint.change({ overlaps: false });
   tool.press();
-  expect(sent.slice(-2)).toMatchObject([{ type: "segment_properties", id: 2, touchable: true }, { type: "stroke", on: true }]);
+  expect(sent.slice(-2)).toMatchObject([
+    { type: "segment_properties", id: 2, touchable: true },
+    { type: "stroke", on: true },
+  ]);
 });
 
 test("the segment that is painted with alone is nothing to paint", () => {

@@ -7,10 +7,17 @@ import type { FromPage } from "../../../../src/core/protocol";
 import type { Vec3 } from "../../../../src/core/geometry/vector";
 import { HandControl } from "../../../../src/ui/features/touch/hand_control.svelte";
 import type { Session } from "../../../../src/ui/state/session.svelte";
-import type { Stage } from "../../../../src/ui/app/stage.svelte";
 
 /** Looks along y from before; a pixel of the picture is 1 mm at the target. */
-const camera: Camera = { target: [0, 0, 0], distance: 100, right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0], field: Math.PI / 2, parallel: null };
+const camera: Camera = {
+  target: [0, 0, 0],
+  distance: 100,
+  right: [1, 0, 0],
+  up: [0, 0, 1],
+  back: [0, -1, 0],
+  field: Math.PI / 2,
+  parallel: null,
+};
 const viewport = { width: 200, height: 200 };
 
 let now = 0;
@@ -38,9 +45,9 @@ function setUp() {
         asked.push(message.target);
       }
     },
-    whenTold: (told: () => void) => waiting.push(told),
+    whenAnswered: (told: () => void) => waiting.push(told),
   };
-  const hand = new HandControl(session as unknown as Session, { view: { camera, viewport }, player: { release: () => undefined } } as unknown as Stage);
+  const hand = new HandControl(session as unknown as Session, { camera, viewport }, () => undefined);
   return {
     hand,
     asked,

@@ -1,0 +1,16 @@
+//! Soft tissue: which segments give way, by which model, and the loop that computes it.
+//!
+//! Frames: scene mm (LPS), the grid of the scan; N, s.
+
+mod deformable_segments;
+mod deformable_view;
+mod deformation;
+mod deformation_loop;
+mod displacements;
+mod rigid_regions;
+
+pub use deformable_view::{DeformableView, ShownParts};
+pub use deformation::{Deformation, DeformationStatus, ForceSource};
+pub use deformation_loop::{DeformationLoop, WakeUp};
+pub use displacements::Displacements;
+pub use rigid_regions::{Regions, SharedChange, SharedRegionChanges, changed_bricks, rigid_mask};

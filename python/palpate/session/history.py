@@ -1,0 +1,55 @@
+"""Undo and redo in a session."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from palpate.session.engine import Engine
+from palpate.session.regions import Regions
+from palpate.session.step_groups import StepGroup, StepGroups
+
+__all__ = ["SessionHistory"]
+
+
+class SessionHistory:
+    """Steps of undo and redo, some of them grouped."""
+
+    def __init__(self, engine: Engine, regions: Regions) -> None:
+        """Takes the engine, and the regions that come back with their segments."""
+        self._engine = engine
+        self._regions = regions
+        self._groups = StepGroups(self._voxel_count)
+
+    def undo(self) -> bool:
+        """Undoes the last step.
+
+        Returns:
+            Whether there was one.
+        """
+        with self._regions.restored():
+            return self._groups.undo(self._engine.undo)
+
+    def redo(self) -> bool:
+        """Redoes the last undone step.
+
+        Returns:
+            Whether there was one.
+        """
+        with self._regions.restored():
+            return self._groups.redo(self._engine.redo)
+
+    def group_steps(self, segment_id: int, counts: Sequence[int]) -> None:
+        """Makes the last edits of a segment one step of ``undo`` and ``redo``.
+
+        Args:
+            segment_id: Number of the segment.
+            counts: Its number of voxels before the first of these edits and after each of them.
+                Each edit must only add voxels, or only remove some.
+        """
+        self._groups.add(StepGroup(segment_id, tuple(counts)))
+
+    def _voxel_count(self, segment_id: int) -> int | None:
+        try:
+            return self._engine.segment(segment_id).voxel_count
+        except ValueError:
+            return None

@@ -1,0 +1,80 @@
+"""The probe of a session: the hand that leads it, its place, the view and the settings of touch."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from palpate.session.engine import Engine, Point, option_errors, triple
+from palpate.session.segment_state import SettingsState
+from palpate.session.touch_settings import TouchSettings
+
+__all__ = ["SessionProbe"]
+
+
+class SessionProbe:
+    """Probe, device and hand of a session."""
+
+    def __init__(self, engine: Engine) -> None:
+        """Takes the engine."""
+        self._engine = engine
+
+    def hand(self, target: Point) -> None:
+        """Moves the target to which the simulated hand pulls the device [scene, mm].
+
+        Raises:
+            OptionError: The point is not finite.
+        """
+        with option_errors():
+            self._engine.hand(*triple(target))
+
+    def place(self, point: Point) -> tuple[float, float, float]:
+        """Moves probe, device and hand to a point, or to the nearest free voxel [scene, mm].
+
+        Returns:
+            Their new position.
+
+        Raises:
+            OptionError: There is no free voxel near the point.
+        """
+        with option_errors():
+            return self._engine.place(*triple(point))
+
+    def view(self, *, right: Point, up: Point) -> None:
+        """Aligns the axes of the device with those of the view (thesis 4.7).
+
+        Args:
+            right: Direction to the right of the view [scene].
+            up: Upward direction of the view [scene].
+
+        Raises:
+            OptionError: The axes are not perpendicular.
+        """
+        with option_errors():
+            self._engine.view(triple(right), triple(up))
+
+    def settings(self, changes: TouchSettings | None = None) -> SettingsState:
+        """Changes settings of touch within the limits of the device.
+
+        Args:
+            changes: New settings; fields that are None keep their value.
+
+        Returns:
+            All settings in effect, by the names of the fields of ``TouchSettings``.
+
+        Raises:
+            OptionError: A setting is out of range.
+        """
+        with option_errors():
+            return self._engine.settings(asdict(changes or TouchSettings()))
+
+    def clutch(self, *, on: bool) -> None:
+        """Decouples the device from the probe, or couples them again where both are then.
+
+        A device with a small workspace can be moved back this way. It is sent no force while it is
+        decoupled.
+
+        Args:
+            on: Whether device and probe are decoupled.
+        """
+        with option_errors():
+            self._engine.clutch(on)

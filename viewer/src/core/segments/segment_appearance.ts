@@ -1,0 +1,107 @@
+/** The appearance of segments: what a person changes of it, and what is asked of the engine then. */
+import { deepEqual } from "../base/deep_equal";
+import type { Segment, SegmentProperties, ShownAs } from "../protocol";
+
+/** How a segment looks and is touched, as far as a person changes it. */
+export type SegmentAppearance = Omit<SegmentProperties, "type" | "id">;
+
+/** Parts of segments' appearance by the segments' ids. */
+export type AppearanceParts = Readonly<Record<number, Partial<SegmentAppearance>>>;
+
+/** The parts of a segment's appearance, as steps of undo name them. */
+const names: Readonly<Record<keyof SegmentAppearance, string>> = {
+  name: "name",
+  colour: "colour",
+  visible: "visibility",
+  touchable: "touch",
+  locked: "lock",
+  shown_as: "display mode",
+  opacity: "opacity",
+  smoothing: "smoothing",
+  surface_from: "surface",
+  wireframe: "wireframe",
+  ambient: "ambient light",
+  specular: "specular light",
+};
+
+export function nameOfPart(part: Partial<SegmentAppearance>): string {
+  return keysOf(part).map((key) => names[key]).join(", ");
+}
+
+/** A segment's properties with some of them changed. */
+export function changedProperties(segment: Segment, part: Partial<SegmentAppearance>): SegmentProperties {
+  return { type: "segment_properties", id: segment.id, ...appearanceOf({ ...segment, ...part }) };
+}
+
+/** Whether all of them are drawn in the same way, and which; null where they are not. */
+export function commonWay(segments: readonly Segment[]): ShownAs | null {
+  const [first, ...rest] = segments;
+  const isCommon = first !== undefined && rest.every((segment) => segment.shown_as === first.shown_as);
+  return isCommon ? first.shown_as : null;
+}
+
+/** What changes where all of them get a part of an appearance. */
+export function changedForAll(segments: readonly Segment[], part: Partial<SegmentAppearance>): AppearanceParts {
+  const differs = (segment: Segment): boolean => keysOf(part).some((key) => !deepEqual(segment[key], part[key]));
+  return Object.fromEntries(segments.filter(differs).map(({ id }) => [id, part]));
+}
+
+/** What changes where one alone is to be seen; all again where it is alone already. */
+export function shownAlone(segments: readonly Segment[], id: number): AppearanceParts {
+  const alone = segments.every((segment) => segment.visible === (segment.id === id));
+  const others = segments.filter((segment) => segment.visible !== (alone || segment.id === id));
+  return Object.fromEntries(others.map((segment) => [segment.id, { visible: !segment.visible }]));
+}
+
+/** The same parts as they are now; without segments that are gone. */
+export function presentParts(segments: readonly Segment[], parts: AppearanceParts): AppearanceParts {
+  return mapped(segments, parts, (segment, part) => picked(segment, keysOf(part)));
+}
+
+/** Of these parts those in whose place still stands what was `left` there. */
+export function partsInPlace(
+  segments: readonly Segment[],
+  parts: AppearanceParts,
+  left: AppearanceParts,
+): AppearanceParts {
+  return mapped(segments, left, (segment, part) =>
+    picked(
+      parts[segment.id] ?? {},
+      keysOf(part).filter((key) => deepEqual(segment[key], part[key])),
+    ),
+  );
+}
+
+/** Those whose names hold all words that are looked for, in whatever order. */
+export function named(segments: readonly Segment[], wanted: string): readonly Segment[] {
+  const words = wanted.toLowerCase().split(/\s+/u).filter((word) => word !== "");
+  const holds = ({ name }: Segment): boolean => words.every((word) => name.toLowerCase().includes(word));
+  return words.length === 0 ? segments : segments.filter(holds);
+}
+
+function mapped(
+  segments: readonly Segment[],
+  parts: AppearanceParts,
+  change: (segment: Segment, part: Partial<SegmentAppearance>) => Partial<SegmentAppearance>,
+): AppearanceParts {
+  const changed = segments.flatMap((segment) => {
+    const part = change(segment, parts[segment.id] ?? {});
+    return keysOf(part).length === 0 ? [] : [[segment.id, part] as const];
+  });
+  return Object.fromEntries(changed);
+}
+
+function appearanceOf(segment: Segment): SegmentAppearance {
+  return picked(segment, keysOf(names)) as SegmentAppearance;
+}
+
+function picked(
+  appearance: Partial<SegmentAppearance>,
+  keys: readonly (keyof SegmentAppearance)[],
+): Partial<SegmentAppearance> {
+  return Object.fromEntries(keys.map((key) => [key, appearance[key]]));
+}
+
+function keysOf(part: Partial<Record<keyof SegmentAppearance, unknown>>): (keyof SegmentAppearance)[] {
+  return Object.keys(part) as (keyof SegmentAppearance)[];
+}

@@ -1,0 +1,145 @@
+/**
+ * The controls of the page, made from the ground up: each is given only what it needs of those before it.
+ */
+import type { GpuSupport } from "../../gl/base/gpu_support";
+import { AppearanceControl } from "../features/appearance/appearance_control.svelte";
+import { MarkControl } from "../features/marks/mark_control.svelte";
+import { Readout } from "../features/picking/readout.svelte";
+import { EditRateControl } from "../features/scan/edit_rate_control.svelte";
+import { mostValues } from "../features/scan/scan_loader.svelte";
+import { Player } from "../features/scenario/player.svelte";
+import { RegistrationControl } from "../features/second/registration_control.svelte";
+import { SecondControl } from "../features/second/second_control.svelte";
+import { BrushControl } from "../features/segments/brush_control.svelte";
+import { CutControl } from "../features/segments/cut_control.svelte";
+import { GrowControl } from "../features/segments/grow_control.svelte";
+import { ObjectControl } from "../features/segments/object_control.svelte";
+import { SegmentAppearanceControl } from "../features/segments/segment_appearance_control";
+import type { SegmentControls } from "../features/segments/segment_controls";
+import { ThresholdPreview } from "../features/segments/threshold_preview.svelte";
+import { SliceControl } from "../features/slices/slice_control.svelte";
+import { TouchMarkers } from "../features/touch/touch_markers.svelte";
+import { ClipControl } from "../features/view/clip_control.svelte";
+import { QualityControl } from "../features/view/quality_control.svelte";
+import { StereoControl } from "../features/view/stereo_control.svelte";
+import { ViewControl } from "../features/view/view_control.svelte";
+import { EngineSteps } from "../state/engine_steps.svelte";
+import { PageSteps } from "../state/page_steps.svelte";
+import type { Session } from "../state/session.svelte";
+
+/** What all controls are made from. */
+export interface Surroundings {
+  /** The engine's state. */
+  readonly session: Session;
+  /** What the GPU can do. */
+  readonly support: GpuSupport;
+  /** Access to the engine. */
+  readonly token: string;
+}
+
+interface UndoControls {
+  /** Steps of undo that only the page knows, in their order. */
+  readonly steps: PageSteps;
+  /** How many steps of the engine came before each. */
+  readonly engineSteps: EngineSteps;
+}
+
+interface ViewControls {
+  /** Camera, projection and size of the 3-D view. */
+  readonly view: ViewControl;
+  /** The slices beside it. */
+  readonly slices: SliceControl;
+  /** What each eye sees of the 3-D view. */
+  readonly stereo: StereoControl;
+  /** How fine the picture is. */
+  readonly quality: QualityControl;
+  /** What of the 3-D view is cut away. */
+  readonly clips: ClipControl;
+  /** How the scan is shown. */
+  readonly appearance: AppearanceControl;
+  /** How often the picture follows edits. */
+  readonly editRate: EditRateControl;
+  /** Points, distances and angles that a person has set. */
+  readonly marks: MarkControl;
+  /** What was clicked last: what it is, where, and its value. */
+  readonly readout: Readout;
+}
+
+interface TouchControls {
+  /** Plays scenarios: their tool is shown in the picture then, and not the probe. */
+  readonly player: Player;
+  /** What of touch is drawn. */
+  readonly touch: TouchMarkers;
+}
+
+interface SecondControls {
+  /** A second scan that is shown with the first. */
+  readonly second: SecondControl;
+  /** How it is registered to the first. */
+  readonly registration: RegistrationControl;
+}
+
+/** All controls of the page. */
+export interface Controls extends UndoControls, ViewControls, SegmentControls, TouchControls, SecondControls {}
+
+export function makeControls(surroundings: Surroundings): Controls {
+  const undo = undoControls(surroundings);
+  return {
+    ...undo,
+    ...viewControls(surroundings, undo),
+    ...segmentControls(surroundings, undo),
+    ...touchControls(surroundings),
+    ...secondControls(surroundings, undo),
+  };
+}
+
+function undoControls({ session }: Surroundings): UndoControls {
+  const steps: PageSteps = new PageSteps(() => engineSteps.count);
+  const engineSteps: EngineSteps = new EngineSteps(session, steps);
+  return { steps, engineSteps };
+}
+
+function viewControls({ session, support }: Surroundings, { steps }: UndoControls): ViewControls {
+  const view = new ViewControl(session);
+  const slices = new SliceControl(steps, () => view.camera);
+  return {
+    view,
+    slices,
+    stereo: new StereoControl(() => view.camera, () => slices.panes.view),
+    quality: new QualityControl(support.software),
+    clips: new ClipControl(steps),
+    appearance: new AppearanceControl(steps),
+    editRate: new EditRateControl(session),
+    marks: new MarkControl(steps),
+    readout: new Readout(),
+  };
+}
+
+function segmentControls({ session }: Surroundings, { steps }: UndoControls): SegmentControls {
+  return {
+    segmentAppearance: new SegmentAppearanceControl(session, steps),
+    thresholdPreview: new ThresholdPreview(),
+    objects: new ObjectControl(session),
+    cutting: new CutControl(session),
+    growing: new GrowControl(session),
+    brush: new BrushControl(session),
+  };
+}
+
+function touchControls({ session, support }: Surroundings): TouchControls {
+  const player = new Player(session);
+  return { player, touch: new TouchMarkers(session, player, support.software) };
+}
+
+function secondControls({ session, support, token }: Surroundings, { steps }: UndoControls): SecondControls {
+  const second = new SecondControl({
+    steps,
+    token,
+    first: () => session.scan?.name ?? "",
+    limits: { edge: support.largestEdge, values: mostValues },
+    complain: (text) => {
+      session.notify("error", text);
+    },
+  });
+  return { second, registration: new RegistrationControl(session, second, { steps, token }) };
+}

@@ -1,0 +1,215 @@
+/**
+ * The picture on its canvas: made as soon as there is a canvas, given all that the page holds, drawn in each frame.
+ */
+import type { Appearance } from "../../core/appearance/appearance";
+import type { Camera } from "../../core/geometry/camera";
+import type { Segment } from "../../core/protocol";
+import type { Panes } from "../../core/view/picture_layout";
+import type { GpuSupport } from "../../gl/base/gpu_support";
+import { Picture } from "../../gl/picture/picture";
+import type { SnapshotWish } from "../../gl/picture/snapshot";
+import type { AppearanceControl } from "../features/appearance/appearance_control.svelte";
+import type { MarkVisibility } from "../features/marks/mark_visibility.svelte";
+import type { EditRateControl } from "../features/scan/edit_rate_control.svelte";
+import type { ScanLoader } from "../features/scan/scan_loader.svelte";
+import type { ShownEdits } from "../features/scan/shown_edits.svelte";
+import type { TouchMarkers } from "../features/touch/touch_markers.svelte";
+import type { StereoControl } from "../features/view/stereo_control.svelte";
+import type { ViewControl } from "../features/view/view_control.svelte";
+import type { Session } from "../state/session.svelte";
+import { drawOn } from "./canvas_loop";
+import type { DrawnScene } from "./drawn_scene.svelte";
+import { FrameRate } from "./frame_rate.svelte";
+import { PictureSync, type SyncedControls } from "./picture_sync";
+
+/** What is drawn. */
+interface Sources extends SyncedControls {
+  readonly session: Session;
+  readonly loader: ScanLoader;
+  readonly scene: DrawnScene;
+  readonly view: ViewControl;
+  readonly stereo: StereoControl;
+  readonly appearance: AppearanceControl;
+  readonly edits: ShownEdits;
+  readonly editRate: EditRateControl;
+  readonly touch: TouchMarkers;
+  readonly markVisibility: MarkVisibility;
+}
+
+export class PictureHost {
+  readonly frameRate = new FrameRate();
+  /** Nothing is drawn; for the benchmark of edits. */
+  suspended = false;
+
+  private picture: Picture | null = null;
+  private canvas: HTMLCanvasElement | null = null;
+  private drawnCamera: Camera | null = null;
+  private readonly sync: PictureSync;
+
+  constructor(
+    private readonly sources: Sources,
+    readonly support: GpuSupport,
+  ) {
+    this.sync = new PictureSync(sources, support.software);
+  }
+
+  /** Takes a canvas and draws on it until the returned function is called. */
+  attach(canvas: HTMLCanvasElement): () => void {
+    this.canvas = canvas;
+    this.start();
+    const end = drawOn(canvas, {
+      resized: this.fit.bind(this),
+      frame: this.drawFrame.bind(this),
+      lost: this.drop.bind(this),
+      restored: this.start.bind(this),
+    });
+    return () => {
+      end();
+      this.drop();
+    };
+  }
+
+  /** What is drawn; null before there is a canvas and while the graphics are reset. */
+  get drawn(): Picture | null {
+    return this.picture;
+  }
+
+  /** How fine the picture on display is; null before there is one. */
+  get shown(): Picture["shown"] | null {
+    const { sync, picture } = this;
+    return picture && { ...picture.shown, finished: picture.shown.finished && sync.isWhole };
+  }
+
+  setAppearance(appearance: Appearance | null): void {
+    if (appearance !== null && this.sources.loader.held !== null) {
+      this.picture?.setAppearance(appearance);
+    }
+  }
+
+  /** Passes colours, poses and surfaces' appearance to the picture. */
+  setSegments(segments: readonly Segment[]): void {
+    this.picture?.setSegments(segments, this.sources.appearance.inside);
+  }
+
+  /** Gives the 3-D view its pane. */
+  arrange({ view: pane }: Panes): void {
+    const { slices, stereo, touch, view } = this.sources;
+    view.resize(stereo.viewport(pane));
+    this.picture?.setStereo(stereo.choice);
+    this.picture?.resize(slices.size.width, slices.size.height, pane);
+    touch.redraw();
+  }
+
+  /** Draws a view into a canvas. */
+  async snapshot(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
+    if (this.picture === null) {
+      throw new Error("there is no picture");
+    }
+    await this.picture.snapshot(context, wish);
+  }
+
+  /** Draws nothing any more, or again; edits are uploaded all the same. */
+  suspend(on: boolean): void {
+    this.suspended = on;
+    if (this.picture !== null) {
+      this.picture.suspended = on;
+    }
+  }
+
+  /** Whether rays start at random shares of a step, and pictures are averaged where that is quick. */
+  setJitter(on: boolean): void {
+    if (this.picture !== null) {
+      this.picture.jitter = on;
+    }
+  }
+
+  /** Gives all that the page holds to a new picture, or a new scan to the picture. */
+  fill(): void {
+    const { picture } = this;
+    const { edits, loader, scene } = this.sources;
+    if (picture !== null && loader.held !== null) {
+      picture.setScan(loader.held.volume, loader.held.bricks);
+      this.setAppearance(scene.appearance);
+      edits.showAll(picture);
+      this.setSegments(scene.segments);
+    }
+  }
+
+  /** Uploads edits to the GPU as they come: all of one before anything is drawn again. */
+  takeEdits(): void {
+    const { edits, loader } = this.sources;
+    if (loader.held !== null) {
+      edits.show(loader.held, this.picture);
+    }
+  }
+
+  /** Makes the picture, also anew after the graphics were reset. */
+  private start(): void {
+    if (this.canvas === null) {
+      return;
+    }
+    this.drop();
+    const { loader, touch } = this.sources;
+    const { support } = this;
+    loader.endPreview();
+    try {
+      this.picture = new Picture(this.canvas, { support, mostPixelRatio: support.software ? 1 : 2 });
+    } catch (error) {
+      loader.failure = `the graphics did not start: ${error instanceof Error ? error.message : String(error)}`;
+      return;
+    }
+    this.drawnCamera = null;
+    this.sync.forget();
+    touch.redraw();
+    this.fit();
+    this.fill();
+  }
+
+  private drop(): void {
+    this.picture?.dispose();
+    this.picture = null;
+  }
+
+  private fit(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas ?? { clientWidth: 0, clientHeight: 0 };
+    if (width > 0 && height > 0) {
+      const { slices } = this.sources;
+      slices.size = { width, height };
+      this.arrange(slices.panes);
+    }
+  }
+
+  private drawFrame(now: number): void {
+    const { editRate, edits, loader, markVisibility } = this.sources;
+    const { picture } = this;
+    this.frameRate.count(now);
+    this.takeEdits();
+    editRate.begin(now, edits.lastEdit);
+    if (picture === null) {
+      return;
+    }
+    this.sync.pass(picture, now, loader.held !== null);
+    this.show(picture);
+    picture.advance(now);
+    loader.follow(picture);
+    markVisibility.follow(picture.shown.finished);
+  }
+
+  /** Passes what moves from frame to frame: the camera, poses, and what of touch is drawn. */
+  private show(picture: Picture): void {
+    const { edits, session, touch, view } = this.sources;
+    const { camera, content } = view;
+    if (camera === null || content === null) {
+      return;
+    }
+    if (camera !== this.drawnCamera) {
+      picture.setCamera(camera, content);
+      this.drawnCamera = camera;
+      touch.redraw();
+    }
+    picture.setPoses(session.latest?.poses ?? []);
+    picture.setDeforming(edits.displaced !== null || (session.latest?.matter.model ?? null) !== null);
+    view.tell();
+    touch.pass(picture, camera, view.viewport);
+  }
+}

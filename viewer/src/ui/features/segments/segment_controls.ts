@@ -1,0 +1,31 @@
+/**
+ * The controls that segments are worked on with.
+ */
+import type { InsideMode, InsideModes } from "../../../core/segments/shown_segments";
+import type { BrushControl } from "./brush_control.svelte";
+import type { CutControl } from "./cut_control.svelte";
+import type { GrowControl } from "./grow_control.svelte";
+import type { ObjectControl } from "./object_control.svelte";
+import type { SegmentAppearanceControl } from "./segment_appearance_control";
+import type { ThresholdPreview } from "./threshold_preview.svelte";
+
+export interface SegmentControls {
+  /** The appearance of segments. */
+  readonly segmentAppearance: SegmentAppearanceControl;
+  /** The range of one while its slider is dragged. */
+  readonly thresholdPreview: ThresholdPreview;
+  /** Segments that are moved. */
+  readonly objects: ObjectControl;
+  /** A segment that is cut along a painted line. */
+  readonly cutting: CutControl;
+  /** Segments that are found in the scan. */
+  readonly growing: GrowControl;
+  /** The brush in slices. */
+  readonly brush: BrushControl;
+}
+
+/** How the voxels of each segment look inside the volume. */
+export interface InsideControl {
+  readonly inside: InsideModes;
+  readonly setInside: (id: number, mode: InsideMode) => void;
+}
