@@ -1,4 +1,4 @@
-"""``palpate bench deform``, ``session``, ``truth-cube`` of soft matter; ``open`` and others."""
+"""``palpate bench deform``, ``session``, ``truth-cube`` of soft tissue; ``open`` and others."""
 
 from __future__ import annotations
 

@@ -192,7 +192,7 @@ def bench_servo(
 def _stress_in_soft_tissue(
     models: list[str], *, moves: int, seed: int, threads: int | None, json_file: Path | None
 ) -> int:
-    """Works in matter that gives way, with each model, until there are so many ticks."""
+    """Works in soft tissue with each model of deformation for so many ticks."""
     from palpate.bench.report import print_rows, write_rows
     from palpate.bench.soft_tissue_stress import checked_models, rows_of, work
 
@@ -203,7 +203,7 @@ def _stress_in_soft_tissue(
             for model in chosen
         ]
     rows = rows_of(found)
-    print_rows("stress in matter that gives way", rows)
+    print_rows("stress in soft tissue", rows)
     if json_file is not None:
         write_rows("stress-deform", rows, json_file)
     broken = [f"{one.model}: {one.violation}" for one in found if one.violation is not None]

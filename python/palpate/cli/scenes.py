@@ -129,7 +129,7 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
 
 
 def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -> MeshFile:
-    """Reads a mesh and tells what was repaired.
+    """Reads a mesh and warns of what was repaired.
 
     Raises:
         OptionError: The frame or the unit is not known.

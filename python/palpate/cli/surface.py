@@ -107,7 +107,7 @@ def surface_voxels(
 def _export(
     segment: Segment, path: Path, *, step: int | None, smoothing: int | None, source: str
 ) -> None:
-    """Writes the surface of a segment and tells what it is.
+    """Writes the surface of a segment and prints its size.
 
     Raises:
         OptionError: A setting is not allowed.

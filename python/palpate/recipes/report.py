@@ -1,6 +1,6 @@
 """The report of a recipe: one HTML file with pictures and the volumes of segments.
 
-It names no patient: of the scan it tells what it measures, not whom.
+It does not name the patient.
 """
 
 from __future__ import annotations

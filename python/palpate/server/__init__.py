@@ -1,1 +1,1 @@
-"""The server: what pages load, ask for and are told."""
+"""The server: the page, its data over HTTP, and messages over the WebSocket."""

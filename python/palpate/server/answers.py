@@ -1,4 +1,4 @@
-"""What routes of the library have in common: bodies that are read, and answers to them."""
+"""What routes have in common: JSON in requests and responses, and errors as text."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from palpate.base.errors import OptionError, PalpateError
 __all__ = ["errors_as_text", "json_body", "json_response"]
 
 MOST_BODY_BYTES = 1 << 24
-"""Of a list of files that will come: 50 000 names."""
+"""Bytes of a request: a list of 50 000 files to upload."""
 
 Wanted = TypeVar("Wanted")
 
 
 async def json_body(request: Request, kind: type[Wanted]) -> Wanted:
-    """Returns what a page asks.
+    """Returns the JSON of a request as a structure.
 
     Raises:
         OptionError: It is too much, or something else.
@@ -43,7 +43,7 @@ def json_response(content: object) -> Response:
 
 
 def errors_as_text(handle: Callable[[Request], Any]) -> Callable[[Request], Any]:
-    """Tells as a sentence what cannot be done."""
+    """Answers 400 and the message of the error where a handler fails."""
 
     async def wrapped(request: Request) -> ASGIApp:
         try:

@@ -36,7 +36,7 @@ PAGE_PATIENCE: float | None = 60.0
 """Seconds until a page that does not answer counts as gone: a busy machine may be late."""
 
 MOST_MESSAGE_BYTES = 1 << 16
-"""Of one message of the page; all of them are far smaller."""
+"""Bytes of one message of the page; all of them are far smaller."""
 
 
 def bind_again(name: str, port: int) -> socket.socket:
@@ -103,7 +103,7 @@ def make_app(workbench: Workbench, *, access: Access, page: Path = PAGE) -> Star
 
 
 class _Server(uvicorn.Server):
-    """Tells when it answers."""
+    """Calls ``ready`` once it answers."""
 
     def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
         super().__init__(config)

@@ -17,7 +17,7 @@ from palpate.server.messages.segment_list import SegmentList
 __all__ = ["MOST_EXPORT_BYTES", "export_response"]
 
 MOST_EXPORT_BYTES = 1 << 12
-"""Of what a page asks for."""
+"""Bytes of an export request."""
 
 ENDINGS: dict[Kind, str] = {
     "seg-nrrd": ".seg.nrrd",
@@ -28,11 +28,11 @@ ENDINGS: dict[Kind, str] = {
     "rtstruct": ".rtstruct.dcm",
     "dicom": "",
 }
-"""Of names; those of several files, which come as an archive, have none."""
+"""Endings of names; exports of several files come as an archive and have none."""
 
 
 class ExportRequest(msgspec.Struct, frozen=True):
-    """What a page asks for."""
+    """The export that a page asks for."""
 
     kind: Kind
     keep_identity: bool = False

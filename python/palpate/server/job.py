@@ -1,7 +1,7 @@
 """Work that a page waits for: lines of JSON as it goes on, and an end when the page leaves.
 
 The lines of one answer are objects with a ``kind``: ``progress`` as often as it moves, what the
-work tells, and at last ``done`` or ``failed``. Whoever closes the connection cancels the work.
+work emits, and at last ``done`` or ``failed``. Whoever closes the connection cancels the work.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class CancelledWorkError(Exception):
 
 
 class Job:
-    """An ASGI answer: work in a thread, and what it tells."""
+    """An ASGI answer: work in a thread, and the lines that it emits."""
 
     def __init__(self, work: Work) -> None:
         """Takes what is to be done; it is called once."""

@@ -63,7 +63,7 @@ class Live:
         journal: Journal | None = None,
         looks: bytes | None = None,
     ) -> None:
-        """Shows a session; ``hello`` is what each page is told first.
+        """Shows a session; ``hello`` is the first message to each page.
 
         ``looks`` are those of a scene that was opened.
         """
@@ -259,22 +259,21 @@ class Live:
                 self._publish(message)
 
     async def _send(self, websocket: WebSocket, outbox: Outbox) -> None:
-        """Sends what a page is to be told, as fast as it takes it."""
+        """Sends the messages of a page as fast as it takes them."""
         # a page that leaves is noticed where its messages are received
         with suppress(WebSocketDisconnect, RuntimeError):
             while True:
-                told = await outbox.next()
-                if isinstance(told, Missed):
-                    async for message in self._anew(told):
+                waiting = await outbox.next()
+                if isinstance(waiting, Missed):
+                    async for message in self._missed_messages(waiting):
                         await websocket.send_bytes(protocol.encode_to_page(message))
                 else:
-                    await websocket.send_bytes(told)
+                    await websocket.send_bytes(waiting)
 
-    async def _anew(self, missed: Missed) -> AsyncIterator[protocol.Changed]:
+    async def _missed_messages(self, missed: Missed) -> AsyncIterator[protocol.Changed]:
         """Yields what a page has missed, as it is now.
 
-        Changes that are told meanwhile wait, and come after it: of voxels and surfaces in both
-        the later ones hold in the end.
+        Changes that are published meanwhile come after it, and the later ones hold in the end.
         """
         edit = self.picture.edit
         whole = await asyncio.to_thread(self.session.whole_surfaces)
@@ -293,7 +292,7 @@ class Live:
     # --- from pages -----------------------------------------------------------------------
 
     async def _take(self, packed: bytes, outbox: Outbox) -> None:
-        """Has a message handled; the page is told where that fails."""
+        """Has a message handled; a failure becomes a notice for its page."""
         try:
             await self.table.handle(protocol.decode_from_page(packed), outbox)
         except msgspec.DecodeError as error:

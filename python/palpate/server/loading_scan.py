@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 __all__ = ["LoadingScan"]
 
 SURE = ("reading", "making")
-"""How work on values begins to be told: what is no scan at all has failed before."""
+"""First words of the progress of reading values: files that hold no scan have failed before."""
 
 LOOK_SECONDS = 0.1
-"""How often a page that waits is told how far it is."""
+"""Interval between progress reports to a page that waits [s]."""
 
 
 class LoadingScan:
-    """Read in one thread, followed by others."""
+    """A scan that one thread reads and others follow."""
 
     def __init__(self, name: str, begin: Callable[[Progress], OpenScan]) -> None:
         """Takes what a person calls the scan, and what reads it and begins its session."""
@@ -59,7 +59,7 @@ class LoadingScan:
         return self.failure is None and not self._cancelled.is_set()
 
     def wait_until_failure_shown(self, seconds: float) -> None:
-        """Waits for a page that is told of the failure, for so long at most."""
+        """Waits at most so long [s] until a page has shown the failure."""
         self._failure_shown.wait(seconds)
 
     def follow(self, progress: Progress) -> None:

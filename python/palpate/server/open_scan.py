@@ -42,7 +42,7 @@ Notify = Callable[[str], None]
 
 
 class OpenScan:
-    """A session and all that is kept and told of it."""
+    """A session, its recordings and journal, and the routes and messages of its pages."""
 
     def __init__(
         self,
@@ -98,7 +98,7 @@ class OpenScan:
         """
         session = Session(scene, options=SessionOptions(rate_hz=rate))
         try:
-            # edits that are brought back are told from here on: there is no page yet
+            # changes from before the recovery are dropped: there is no page yet
             session.picture_changes()
             if saved is not None:
                 saved.restore(session)
@@ -137,11 +137,11 @@ class OpenScan:
             old.cleanup()
 
     async def start(self) -> None:
-        """Begins to tell pages what is."""
+        """Begins to publish to pages."""
         self._pump = asyncio.create_task(self.live.run())
 
     async def stop(self, *, exchanged: bool = False) -> None:
-        """Takes the force away and ends what pages are told; they are told if it is exchanged."""
+        """Ends the force and publishing; pages load anew where the scan is ``exchanged``."""
         await run_in_threadpool(self.session.stop)
         if self._pump is not None:
             self._pump.cancel()

@@ -1,6 +1,6 @@
 """How a page that is open goes on with a server that was started anew on its port.
 
-Tokens are new with each start. Beside them a page is told a key, which stays for the port and never
+Tokens are new with each start. Beside them a page gets a key, which stays for the port and never
 goes over an unproven connection: server and page show each other that they know it, by HMAC of
 numbers that are used once. So another program that takes the port meanwhile learns neither key nor
 token, and a cookie that it is sent opens nothing later.

@@ -18,14 +18,14 @@ from palpate.session.session import Session
 __all__ = ["MOST_VIEW_BYTES", "scene_response", "view_response"]
 
 MOST_VIEW_BYTES = 1 << 16
-"""Of what a page asks to be kept; its view takes some 2 kB."""
+"""Bytes of a view that a page saves; it takes some 2 kB."""
 
 
 class SceneRequest(msgspec.Struct, frozen=True):
     """What a page asks to be saved."""
 
     view: dict[str, Any]
-    """How it looks at the scan; only pages read it."""
+    """Camera, windows and panels; only pages read it."""
     copy: bool = False
     """Whether the scan goes into the file."""
 
@@ -33,7 +33,7 @@ class SceneRequest(msgspec.Struct, frozen=True):
 def scene_response(
     session: Session, segments: SegmentList, body: bytes, *, passing: bool = False
 ) -> Response:
-    """Saves a scene and answers with its file; one that cannot be is told as a sentence.
+    """Saves a scene and answers with its file; or with why it cannot be saved.
 
     The file of a scan whose own files are ``passing`` holds the scan whether asked for or not.
     """

@@ -1,4 +1,4 @@
-"""The second scan for pages: what they are told of it, and how they move it or take it away."""
+"""The second scan for pages: its message, and routes that move it or take it away."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from palpate.volumes.second_scan import SecondScan, placed, read_transform
 __all__ = ["second_message", "second_routes"]
 
 MOST_TRANSFORM_BYTES = 1 << 28
-"""Of a transform's file; a field of displacements takes most."""
+"""Bytes of a transform's file; a field of displacements takes most."""
 TRANSFORM_ENDINGS = (".tfm", ".txt", ".h5", ".hdf5")
 
 Show = Callable[[SecondScan | None], None]
 
 
 def second_message(second: SecondScan | None, *, version: int) -> protocol.SecondScan:
-    """Returns what pages are told; another ``version`` has other values."""
+    """Returns the message for pages; another ``version`` has other values."""
     if second is None:
         return protocol.SecondScan(scan=None, second_from_first=[], is_moved=False, version=version)
     return protocol.SecondScan(

@@ -35,7 +35,7 @@ class Access:
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
     key: str = field(default_factory=lambda: secrets.token_hex(32), repr=False)
-    """By which pages of an earlier start of this port come back."""
+    """With it pages of an earlier start of this port are let in again."""
 
     @property
     def url(self) -> str:

@@ -45,9 +45,9 @@ class Workbench:
         self.opened = opened
         self.loading = loading
         self.given_up: Callable[[], None] = lambda: None
-        """Called where what was to come does not."""
+        """Called where the first scan cannot be loaded."""
         self.page_seconds = 0.0
-        """How long that waits for a page to be told of it."""
+        """How long a page is waited for to show the failure of loading [s]."""
         self.fixed = fixed
         self.rate = rate
         self.journalled = journalled
@@ -60,7 +60,7 @@ class Workbench:
         self._notices.append(sentence)
 
     def take_notices(self) -> list[str]:
-        """Returns the sentences that no page was told yet."""
+        """Returns the sentences that no page was shown yet."""
         notices, self._notices = self._notices, []
         return notices
 

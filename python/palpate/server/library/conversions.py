@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 EDGE = 256
-"""Of the picture of the middle slice [pixel]."""
+"""Longer side of the picture of the middle slice [pixel]."""
 
 
 def headerless_summary(headerless: Headerless) -> dict[str, Any]:

@@ -38,7 +38,7 @@ MADE = "it is in no file: a saved scene has the scan in it, and Export writes it
 """Warning of a scan that was reconstructed."""
 
 Files = TemporaryDirectory[str]
-"""Of a scan, for as long as it is open."""
+"""Folder with the files of a scan, for as long as it is open."""
 
 
 class Opener:

@@ -31,7 +31,7 @@ class SearchRequest(msgspec.Struct, frozen=True):
     """Where scans are looked for: ``path`` or ``upload``."""
 
     path: str | None = None
-    """Of a file or folder, or the address of a DICOMweb service."""
+    """A file or folder, or the address of a DICOMweb service."""
     upload: int | None = None
     taken_as: Literal["anything", "scan", "projections"] = "anything"
     """What it is; as anything, what looks like projections or segments is taken as such."""
@@ -69,7 +69,7 @@ class LayoutRequest(msgspec.Struct, frozen=True):
 
     find: int
     raw: str | None = None
-    """As ``palpate.read`` takes it; None of pictures."""
+    """As ``palpate.read`` takes it; None for pictures."""
     voxel_size: tuple[float, float, float] | None = None
     """[mm]; the aspect ratio of the preview follows from it."""
 
@@ -102,7 +102,7 @@ class Place:
     loose: bool = False
     """Whether the path is a temporary folder, whose name is not that of the scan."""
     name: str | None = None
-    """Of the scan; by default that of the path."""
+    """Name of the scan; by default that of the path."""
     autosave: Autosave | None = None
     """Changes that are restored with the scan."""
 

@@ -37,7 +37,7 @@ from palpate.server.library.requests import OpenRequest, Place, path_of
 __all__ = ["SearchResults"]
 
 MOST_RESULTS = 8
-"""That are kept."""
+"""Results that are kept."""
 
 
 class ListedScan(msgspec.Struct, frozen=True):
@@ -47,7 +47,7 @@ class ListedScan(msgspec.Struct, frozen=True):
     study: str
     name: str
     part: str
-    """The end of its name that tells it from other volumes of its series; "" if alone."""
+    """The end of its name, which differs among volumes of its series; "" if alone."""
     modality: str
     size: tuple[int, ...]
     spacing: tuple[float, ...] | None
@@ -67,7 +67,7 @@ class SearchResult:
     stack: ProjectionStack | None = None
     """What is there, where it is projections and no scan."""
     headerless: Headerless | None = None
-    """What is there, where its layout or the size of its voxels is to be told."""
+    """Files whose layout or voxel size the page has to give."""
     autosave: Autosave | None = None
     """What is kept of a scene whose file is damaged."""
 
@@ -83,9 +83,9 @@ class SearchResults:
     def search(
         self, place: Place, progress: Progress, emit: Emit, *, taken_as: str = "anything"
     ) -> None:
-        """Tells the scans at a place of this machine, then their pictures.
+        """Emits the scans at a place of this machine, then their previews.
 
-        Or what is there in their place: projections, segments, files that do not tell their layout.
+        Where there are projections, segments or headerless files, these are emitted instead.
 
         Raises:
             FileNotFoundError: There is no such place.
@@ -131,13 +131,13 @@ class SearchResults:
         emit({"kind": "bare", "find": number, **headerless_summary(headerless)})
 
     def offer_autosave(self, autosave: Autosave, emit: Emit) -> None:
-        """Tells the autosave of a damaged scene; it can be opened where its scan is there."""
+        """Emits the autosave of a damaged scene; it can be opened where its scan is there."""
         find = None if autosave.place is None else self._keep(SearchResult([], autosave=autosave))
         when = autosave.when.isoformat(timespec="seconds")
         emit({"kind": "autosave", "find": find, "scan": autosave.scan.name, "when": when})
 
     def search_web(self, address: str, progress: Progress, emit: Emit) -> None:
-        """Tells the scans of a DICOMweb service, then pictures of the first of them.
+        """Emits the scans of a DICOMweb service, then previews of the first of them.
 
         Raises:
             OptionError: It is no address.
@@ -189,7 +189,7 @@ class SearchResults:
         return found.stack, found.upload
 
     def headerless(self, find: int) -> Headerless:
-        """Returns the files of a find whose layout is to be told.
+        """Returns the headerless files of a result.
 
         Raises:
             OptionError: It is gone, or of scans.
@@ -238,8 +238,8 @@ def _labels_of(choice: Choice) -> str | None:
     """Says what an image file of a list is where it holds segments."""
     if choice.uid or choice.fetch is not None or not choice.path.is_file():
         return None
-    told = labels_told(choice.path)
-    return None if told is None else told.what
+    labels = labels_told(choice.path)
+    return None if labels is None else labels.what
 
 
 def _listed(choice: Choice, labels: str | None) -> ListedScan:
@@ -257,7 +257,7 @@ def _listed(choice: Choice, labels: str | None) -> ListedScan:
 
 
 def _headerless_file(path: Path) -> Headerless | None:
-    """Returns what is told of pictures, or of one file of raw voxels."""
+    """Returns a stack of pictures, or one file of raw voxels; None for anything else."""
     return headerless_pictures(path) or (headerless_raw(path) if path.is_file() else None)
 
 

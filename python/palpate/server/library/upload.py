@@ -2,7 +2,7 @@
 
 Files that a server sent wait there too, where one of several volumes is still to be chosen.
 
-What will come is told first and bounded; each file then brings exactly as many bytes as were told.
+Names and sizes are announced first and bounded; each file then has exactly the announced bytes.
 Folders are kept, since series lie in them; a name that leads elsewhere is refused.
 """
 
@@ -23,13 +23,13 @@ __all__ = ["MOST_UPLOAD_BYTES", "MOST_UPLOAD_FILES", "Upload", "UploadedFile", "
 
 MOST_UPLOAD_FILES = 50_000
 MOST_UPLOAD_BYTES = 16 * 2**30
-"""As for archives."""
+"""Bytes of one upload, as for archives."""
 MOST_UPLOADS = 4
-"""That wait to be opened; an older one makes room."""
+"""Uploads that wait to be opened; the oldest is removed for another."""
 SPARE = 2**28
-"""Of the disk that is left free [bytes]."""
+"""Bytes of the disk that are left free."""
 LONGEST_NAME = 255
-"""Of one part of a path [bytes]."""
+"""Bytes of one part of a path."""
 FORBIDDEN = frozenset('\\/:*?"<>|')
 """In names, on one system or another."""
 
@@ -92,7 +92,7 @@ class Upload:
         """Takes the bytes of a file.
 
         Raises:
-            OptionError: They are not as many as were told, or come twice.
+            OptionError: They are not as many as announced, or come twice.
         """
         if number not in self._missing:
             raise OptionError(f"file {number} is not waited for; allowed: each once")
@@ -134,7 +134,7 @@ class Uploads:
         return self._wait_for(Upload(wanted))
 
     def keep(self, folder: TemporaryDirectory[str]) -> int:
-        """Takes files that have come another way; returns a number, as for an upload."""
+        """Takes files that were downloaded; returns a number, as for an upload."""
         return self._wait_for(Whole(folder))
 
     def _wait_for(self, upload: Upload) -> int:

@@ -33,7 +33,7 @@ def hello_of(session: Session) -> protocol.Hello:
 
 
 def scan_of(volume: Volume) -> protocol.Scan:
-    """Returns what pages are told of a scan."""
+    """Returns the scan of a message."""
     histogram = volume.histogram
     return protocol.Scan(
         name=volume.name,
@@ -60,7 +60,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
 
 
 def _presets(volume: Volume) -> list[protocol.ThresholdPreset]:
-    """Lists ranges of tissues, as far as the scan's values go; none where they are no HU."""
+    """Lists ranges of tissues, as far as the scan's values go; none without HU."""
     if volume.unit != "HU":
         return []
     lowest, highest = volume.range

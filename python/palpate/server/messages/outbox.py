@@ -1,10 +1,10 @@
-"""What one page is still to be told: messages in order, and the newest state.
+"""Messages that wait for one page: in order, and the newest state.
 
 A page that reads slowly never makes a queue of states: a newer state takes the place of the
 waiting one and inherits its force samples, at most a second of them. Changes of the picture build
-on one another and wait, up to a number of bytes. A page that falls farther behind is not told them
+on one another and wait, up to a number of bytes. A page that falls farther behind does not get them
 one by one: they are forgotten but for the boxes of voxels that they touch, and once the page reads
-again it is told those boxes, and all surfaces, as they are then.
+again it gets those boxes, and all surfaces, as they are then.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOST_SAMPLES = 250
 MOST_NOTICES = 20
 
 MOST_BYTES = 64 << 20
-"""Of voxels and surfaces that wait for one page."""
+"""Bytes of voxels and surfaces that wait for one page."""
 
 
 @dataclass
@@ -58,7 +58,7 @@ class Missed:
     labels: Box = field(default_factory=Box)
 
     def add(self, changed: Changed) -> None:
-        """Takes a change that the page is not told."""
+        """Takes a change that the page does not get."""
         for voxels in changed.voxels:
             if voxels.stored is not None:
                 self.stored.add(voxels.low, voxels.high)
@@ -70,7 +70,7 @@ class Outbox:
     """Waiting messages of one page."""
 
     def __init__(self, *, missed: Missed | None = None) -> None:
-        """Starts empty; a page that has ``missed`` something is told that after all messages."""
+        """Starts empty; what a page has ``missed`` comes after all messages."""
         self._messages: list[ToPage] = []
         self._bytes = 0
         self._missed = missed
@@ -108,21 +108,21 @@ class Outbox:
         """Waits for the next message and returns it packed; states come after all others.
 
         Where the page has fallen behind it returns what was missed: changes wait again from then
-        on, and whoever asked tells the page all that before the next message.
+        on, and the caller sends the page all that before the next message.
         """
         await self._filled.wait()
-        told: ToPage | Missed
+        following: ToPage | Missed
         if self._messages:
-            told = self._messages.pop(0)
-            if isinstance(told, Changed):
-                self._bytes -= _size_of(told)
+            following = self._messages.pop(0)
+            if isinstance(following, Changed):
+                self._bytes -= _size_of(following)
         elif self._missed is not None:
-            told, self._missed = self._missed, None
+            following, self._missed = self._missed, None
         else:
             assert self._state is not None  # noqa: S101  # filled means one of them
-            told, self._state = self._state, None
+            following, self._state = self._state, None
         self._mark()
-        return told if isinstance(told, Missed) else encode_to_page(told)
+        return following if isinstance(following, Missed) else encode_to_page(following)
 
     def _put_changed(self, message: Changed) -> None:
         if self._missed is not None:
@@ -136,7 +136,7 @@ class Outbox:
             self._fall_behind()
 
     def _forget_displaced(self) -> None:
-        """Of where matter stands beside its voxels only the newest waits."""
+        """Drops older displacements of soft tissue: only the newest wait."""
         for place, waiting in enumerate(self._messages):
             if isinstance(waiting, Changed) and waiting.displaced is not None:
                 self._bytes -= len(waiting.displaced.moved)

@@ -22,10 +22,10 @@ from palpate.session.session import Session
 __all__ = ["EditPace", "PublishedPicture", "change_messages", "label_messages", "voxel_slabs"]
 
 MOST_BYTES = 4 << 20
-"""Of the patches in one message; a single larger patch still goes out whole."""
+"""Bytes of the patches in one message; a single larger patch still goes out whole."""
 
 MOST_VOXELS = 1 << 21
-"""In one message; a single slice of more still goes out whole."""
+"""Voxels in one message; a single slice of more still goes out whole."""
 
 
 class PublishedPicture:

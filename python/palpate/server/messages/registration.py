@@ -44,11 +44,11 @@ OPTIONS = SearchOptions()
 PACE = 0.1
 """Seconds between two messages of how far it is, at least."""
 MOST_STEPS = 20
-"""Registrations that can be taken back; each bent one keeps a resampled scan."""
+"""Registrations that can be taken back; each B-spline keeps a resampled scan."""
 MOST_POINTS = 150
-"""Of a curve on one level, as pages are told it."""
+"""Points of a curve on one level that are published."""
 MOST_REQUEST_BYTES = 1 << 10
-"""Of what a page asks to save."""
+"""Bytes of a request for a file."""
 
 
 class StoppedError(Exception):
@@ -60,11 +60,11 @@ class Place:
     """Where the second scan lies."""
 
     volume: Volume
-    """As it was read."""
+    """The second scan as it was read."""
     transform: Any
     """SimpleITK's, from points of the first scan to the second's [mm]."""
     matrix: Points
-    """The same without what bends: where a search begins from it. Shape [4, 4]."""
+    """The same without its B-spline: the start of a next search. Shape [4, 4]."""
     shown: SecondScan
     """What pages see."""
     found: protocol.FoundRegistration | None
@@ -108,7 +108,7 @@ class RegistrationMessages:
             steps=0,
             undone=0,
         )
-        """How far it is; pages are told of each other one."""
+        """The newest message on the progress and the places."""
         self._restart(session.scene.second)
 
     def add_to(self, table: MessageTable) -> None:
@@ -284,7 +284,7 @@ def _as_opened(second: SecondScan) -> Place:
 
 def _place_of(found: Registration, volume: Volume, first: Volume) -> Place:
     moved = np.linalg.norm(found.moved(first), axis=1)
-    told = protocol.FoundRegistration(
+    message = protocol.FoundRegistration(
         kind=found.kind,
         metric=found.metric,
         before=found.before,
@@ -294,15 +294,15 @@ def _place_of(found: Registration, volume: Volume, first: Volume) -> Place:
         moved_most=float(moved.max()),
     )
     shown = placed(first, volume, found.transform)
-    return Place(volume, found.transform, found.unbent, shown, told)
+    return Place(volume, found.transform, found.unbent, shown, message)
 
 
 def _curve_of(levels: Sequence[Any]) -> list[protocol.RegistrationLevel]:
-    """Returns a curve as pages are told it; of many steps some."""
-    told = []
+    """Returns a curve as messages; of many steps some are left out."""
+    curve = []
     for level in levels:
         coarser = f", {level.shrink} times coarser" if level.shrink > 1 else ""
         every = max(1, -(-len(level.values) // MOST_POINTS))
         values = [value for value in level.values[::every] if np.isfinite(value)]
-        told.append(protocol.RegistrationLevel(f"{level.stage}{coarser}", values))
-    return told
+        curve.append(protocol.RegistrationLevel(f"{level.stage}{coarser}", values))
+    return curve

@@ -59,7 +59,7 @@ class SegmentList:
 
         Args:
             segments_version: Rises with each change of voxels or of the list.
-            voxels_version: Rises where voxels change that ``picture_changes`` does not tell.
+            voxels_version: Rises where voxels change that ``picture_changes`` does not have.
             pending: How many changes touch does not follow yet.
         """
         with self._lock:
@@ -108,7 +108,7 @@ class SegmentList:
         self.keep()
 
     def add_empty(self, name: str) -> None:
-        """Adds a segment without voxels, which cannot be told by a range."""
+        """Adds a segment without voxels, to be painted."""
         volume = self._session.scene.volume
         self.add(volume.segment(np.zeros(volume.shape, np.uint8), name=name))
 
@@ -123,7 +123,7 @@ class SegmentList:
     def scene(self, values: NDArray[np.int16]) -> tuple[Scene, list[str]]:
         """Returns the scan with such stored values and its segments as they are now, for files.
 
-        Also says what files cannot tell of them.
+        Also returns sentences on what files cannot hold.
 
         Raises:
             OptionError: Segments came or went meanwhile.
@@ -168,7 +168,7 @@ class SegmentList:
         self.keep()
 
     def take_notices(self) -> list[str]:
-        """Returns what pages should be told since the call before."""
+        """Returns sentences for pages since the last call."""
         with self._lock:
             notices, self._notices = self._notices, []
         return notices
@@ -254,7 +254,7 @@ class SegmentList:
         # labels change with their voxels, and with which segments have them
         key = (labelled, voxels_version if labelled else 0)
         if key != self._labels_key:
-            # edits tell of these from now on, and before they are asked for
+            # changes have the labels of these from now on, before pages ask for them
             self._session.set_labelled(labelled)
             self._labels_key = key
             self._labels += 1
