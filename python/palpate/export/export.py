@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 __all__ = ["KINDS", "Kind", "check_export", "export_scene", "kind_of"]
 
 Kind = Literal["seg-nrrd", "labels", "scan", "dicom-seg", "dicom-labelmap", "rtstruct", "dicom"]
-"""What is written: segments for 3D Slicer; a label map; the scan with its edits; one DICOM object;
-or a folder of DICOM with all of these."""
+"""What to write: segments for 3D Slicer; a label map; the scan with its edits; one DICOM object; or
+a folder of DICOM with all of these."""
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 ENDINGS: dict[Kind, tuple[str, ...]] = {
@@ -46,14 +46,14 @@ ENDINGS: dict[Kind, tuple[str, ...]] = {
     "rtstruct": (".dcm",),
     "dicom": ("",),
 }
-"""How names of what is written end."""
+"""File name extensions of each kind."""
 
 
 def kind_of(path: Path, *, has_segments: bool) -> Kind:
-    """Returns what a name asks for; of an image, labels where there are segments, else the scan.
+    """Returns the kind for a name; for an image, labels where there are segments, else the scan.
 
     Raises:
-        OptionError: It ends with nothing known.
+        OptionError: The extension is not known.
     """
     name = path.name.lower()
     if name.endswith(".seg.nrrd"):
@@ -74,7 +74,7 @@ def check_export(path: Path, kind: Kind, *, keep_identity: bool) -> None:
     """Refuses what could not be written, before anything is computed.
 
     Raises:
-        OptionError: The name does not fit, its folder is not there, or a DICOM object would refer
+        OptionError: The name does not fit, its folder does not exist, or a DICOM object would refer
             to nothing.
     """
     if kind not in KINDS:
@@ -104,21 +104,21 @@ def export_scene(
     """Writes a scene's segments, its scan, or both, for other programs.
 
     Args:
-        scene: The scan and its segments; ``Session.scene_now`` has those of a session.
+        scene: The scan and its segments; ``Session.scene_now`` returns those of a session.
         path: The new file, or for DICOM with all its files a new folder.
-        kind: What is written; by default what the name of ``path`` asks for.
-        only: Names of the segments wanted; by default all.
-        keep_identity: DICOM objects keep the patient's name and refer to the scan as it is in the
-            archive; else the scan is written beside them and all are de-identified.
-        progress: Told how far the writing is.
+        kind: What to write; the default depends on the name of ``path``.
+        only: Names of the segments to write; the default is all.
+        keep_identity: Whether DICOM objects keep the patient's name and refer to the scan as it is
+            in the archive; else the scan is written beside them and all files are de-identified.
+        progress: Takes the progress.
 
     Returns:
-        What was left out or lost, in words.
+        Sentences on what was left out or lost.
 
     Raises:
-        OptionError: It cannot be written so; the message says how it can.
-        StillIdentifiedError: De-identified files would still name the patient.
-        OSError: The disk refuses it; what was there is as it was.
+        OptionError: It cannot be written in this form; the message says what is allowed.
+        StillIdentifiedError: De-identified files would still contain the patient's name.
+        OSError: The file cannot be written; an existing one stays as it was.
     """
     target = Path(path)
     chosen = kind_of(target, has_segments=len(scene) > 0) if kind is None else kind
@@ -158,7 +158,7 @@ def _make(
 def _export_folder(
     scene: Scene, segments: list[SceneSegment], path: Path, *, keep: bool, progress: Progress
 ) -> list[str]:
-    """Writes all that DICOM can tell of a scene into a new folder."""
+    """Writes everything that DICOM can represent of a scene into a new folder."""
     if keep and not segments and not scene.volume.edited:
         raise OptionError(
             "the scan is as it was read, and there are no segments to write; allowed: with "

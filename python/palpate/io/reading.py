@@ -27,7 +27,7 @@ __all__ = ["list_series", "read"]
 Place = str | PathLike[str]
 
 UNITS = ("HU",)
-"""Units that a person can say a scan has."""
+"""Units that a user can state for a scan."""
 
 
 def read(
@@ -46,25 +46,27 @@ def read(
 
     Args:
         path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
-            slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels.
-            Several are the DICOM files, or folders of them, of one scan.
-        series: Series to take where the folder holds several: its UID, its description, or its
-            number in the list that the error shows; also the name of an image file in a folder or
-            an archive.
+            slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels. Several
+            paths are DICOM files, or folders of them, of one scan.
+        series: Series to read where there are several: its UID, its description, or its number in
+            the list of the error message; also the name of an image file in a folder or an archive.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
-            does not tell or is wrong.
-        unit: "HU" where the values are known to be.
-        fill: Value that takes the place of NaN and infinite ones.
-        raw: Layout of raw voxels, as SIZE,TYPE[,ORDER[,SKIP]], such as "256x256x113,int16,big";
-            for a folder, each file holds slices.
-        voxel_size: Along x, y, z [mm], where the files cannot tell: of raw voxels and pictures.
-        max_voxels: Largest volume accepted, a guard against running out of memory.
-        progress: Told how far the reading is.
+            does not state them or is wrong.
+        unit: "HU" where the values are known to be HU.
+        fill: Replacement for NaN and infinite values.
+        raw: Layout of raw voxels, as SIZE,TYPE[,ORDER[,SKIP]], such as "256x256x113,int16,big"; for
+            a folder, each file holds slices.
+        voxel_size: Voxel size along x, y, z [mm], for raw voxels and pictures that do not state it.
+        max_voxels: Largest number of voxels to accept, which guards against running out of memory.
+        progress: Takes the progress.
+
+    Returns:
+        The volume; its ``warnings`` say what was assumed or lost.
 
     Raises:
         FileNotFoundError: ``path`` does not exist.
-        VolumeFormatError: It is no complete, three-dimensional, single-valued scan.
-        SeriesChoiceError: The folder holds several series, or not the one asked for.
+        VolumeFormatError: It is not a complete, three-dimensional scan with one value per voxel.
+        SeriesChoiceError: There are several series, or not the requested one.
         OptionError: An option has a value that is not allowed.
     """
     places = _places(path)
@@ -136,11 +138,11 @@ def read(
 
 
 def list_series(path: Place | Sequence[Place], *, progress: Progress = silent) -> list[Series]:
-    """Lists the scans in a DICOM folder, a zip archive or several DICOM files, the longest first.
+    """Lists the scans in a DICOM folder, a zip archive or several DICOM files, longest first.
 
     Raises:
         FileNotFoundError: ``path`` does not exist.
-        VolumeFormatError: It is neither, or holds no scan.
+        VolumeFormatError: It is none of these, or has no scan.
     """
     places = _places(path)
     if len(places) > 1:

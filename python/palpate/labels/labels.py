@@ -26,21 +26,24 @@ def read_labels(
     resample: bool = False,
     progress: Progress = silent,
 ) -> Labels:
-    """Reads segments that belong to a scan, with names and colours where the file tells them.
+    """Reads segments that belong to a scan, with names and colours where the file has them.
 
     Args:
-        path: A label map, a ``.seg.nrrd``, a DICOM SEG or RTSTRUCT file, or a folder with one
-            mask for each structure.
-        volume: The scan. Its grid is that of the segments, but for its extent and for axes that
-            run the other way.
-        resample: Whether they may lie on any grid: each voxel of the scan takes what is at its
+        path: A label map, a ``.seg.nrrd``, a DICOM SEG or RTSTRUCT file, or a folder with one mask
+            for each structure.
+        volume: The scan. The segments must be on its grid, except for the extent and for axes in
+            the opposite direction.
+        resample: Whether segments may be on any grid: each voxel of the scan takes the label at its
             centre, and a warning says so.
-        progress: Told how far the reading is.
+        progress: Takes the progress.
+
+    Returns:
+        The segments, and sentences on what was changed or left out.
 
     Raises:
         FileNotFoundError: ``path`` does not exist.
         VolumeFormatError: It cannot be read.
-        OptionError: It lies on another grid than the scan, or holds nothing of use.
+        OptionError: It is on another grid than the scan, or has no segment.
     """
     source = Path(path)
     if not source.exists():
@@ -71,7 +74,7 @@ def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -
 
 
 def modality_of(path: Path) -> str:
-    """Returns what a DICOM file says that it is, such as "SEG"; "" where it says nothing."""
+    """Returns the modality of a DICOM file, such as "SEG"; "" where it has none."""
     import pydicom
 
     with damage_told(path):

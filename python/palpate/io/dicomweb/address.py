@@ -27,33 +27,33 @@ ALLOWED = "allowed: that of a DICOMweb service, such as http://127.0.0.1:8042/di
 
 
 def is_web_address(given: str) -> bool:
-    """Says whether a text is an address of the web, and no path."""
+    """Returns whether a text is a web address, and not a path."""
     return given.strip().lower().startswith(("http://", "https://"))
 
 
 @dataclass(frozen=True)
 class WebAddress:
-    """A service, and what of it is meant."""
+    """Address of a DICOMweb service, and of a study, series or search in it."""
 
     service: str
-    """Without name, password and what is searched for: it may be shown."""
+    """Address of the service without name, password and search, which can be displayed."""
     local: bool
-    """Whether it is on this machine."""
+    """Whether the service is on this machine."""
     login: tuple[str, str] | None = field(default=None, repr=False)
-    """Name and password."""
+    """User name and password."""
     study: str | None = None
-    """UID."""
+    """StudyInstanceUID."""
     series: str | None = None
-    """UID."""
+    """SeriesInstanceUID."""
     filters: tuple[tuple[str, str], ...] = field(default=(), repr=False)
-    """Keywords or tags of DICOM, and what they are to be; it may name a patient."""
+    """DICOM keywords or tags, and the values to search for; they may identify a patient."""
 
     @classmethod
     def of(cls, given: str, *, study: str | None = None, series: str | None = None) -> WebAddress:
-        """Takes an address apart; ``study`` and ``series`` go before what stands in it.
+        """Parses an address; ``study`` and ``series`` take precedence over those in it.
 
         Raises:
-            OptionError: It is none, or a UID is none.
+            OptionError: It is not an address, or a UID is not valid.
         """
         for uid in (study, series):
             if uid is not None and not re.fullmatch(UID, uid):
@@ -82,7 +82,7 @@ class WebAddress:
 
 
 def _shown(parts: SplitResult) -> str:
-    """Returns an address without what is secret in it."""
+    """Returns an address without its secrets."""
     return f"{parts.scheme}://{parts.netloc.rpartition('@')[2]}{parts.path}"
 
 

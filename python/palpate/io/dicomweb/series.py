@@ -28,18 +28,18 @@ if TYPE_CHECKING:
 __all__ = ["RemoteSeries", "choose_remote", "fetch_middle", "fetch_series", "remote_series"]
 
 MOST_SERIES = 500
-"""Listed of one service."""
+"""Most series listed for one service."""
 MOST_LIST_BYTES = 1 << 26
-"""Of lists of a service."""
+"""Most bytes of the lists of a service."""
 MOST_FILES = 50_000
 MOST_BYTES = 16 * 2**30
-"""Of a series, as for archives."""
+"""Most bytes of a series, as for archives."""
 SPARE = 2**28
-"""Of the disk that is left free [bytes]."""
+"""Disk space that is left free [bytes]."""
 PAGE = 1000
-"""Files asked for in one list."""
+"""Files requested in one list."""
 PATIENCE = 0.2
-"""Between two looks whether somebody still waits [s]."""
+"""Time between two checks for cancellation [s]."""
 
 OF_SERIES = (
     "PatientName", "PatientID", "StudyDate", "StudyDescription", "SeriesDescription",
@@ -55,31 +55,31 @@ class RemoteSeries:
     study: str
     uid: str
     patient: str = ""
-    """Name and number."""
+    """Name and identifier of the patient."""
     study_told: str = ""
-    """Date and description."""
+    """Date and description of the study."""
     description: str = ""
     modality: str = ""
     number: int = 0
     files: int | None = None
-    """None where the server does not tell."""
+    """Number of files; None where the server does not state it."""
     picture: tuple[int, int] | None = None
-    """Columns and rows of its first file; None where the server does not tell."""
+    """Columns and rows of its first file; None where the server does not state them."""
     frames: int = 1
-    """Of its first file."""
+    """Number of frames of its first file."""
     file_bytes: int | None = None
-    """Of the pixels of its first file, before compression."""
+    """Bytes of the pixels of its first file, before compression."""
 
     @property
     def size(self) -> tuple[int, int, int] | None:
-        """Pixels along columns, rows and slices, as far as its first file tells."""
+        """Pixels along columns, rows and slices, as far as its first file states them."""
         if self.picture is None or self.files is None:
             return None
         return (*self.picture, self.files * self.frames)
 
     @property
     def bytes(self) -> int | None:
-        """Of all pixels, before compression."""
+        """Bytes of all pixels, before compression."""
         if self.files is None or self.file_bytes is None:
             return None
         return self.files * self.file_bytes
@@ -94,10 +94,11 @@ class RemoteSeries:
 
 
 def remote_series(address: WebAddress, *, progress: Progress = silent) -> list[RemoteSeries]:
-    """Lists the image series of a service, or of a study; the newest studies first.
+    """Lists the image series of a service or a study, newest studies first.
 
     Raises:
-        DicomWebError: The server is not there, refuses, does not speak DICOMweb, or has none.
+        DicomWebError: The server is not reachable, refuses, does not speak DICOMweb, or has no
+            series.
     """
     with asking(address, MOST_LIST_BYTES) as budget:
         progress(f"asking {address} for series", None)
@@ -125,10 +126,10 @@ def remote_series(address: WebAddress, *, progress: Progress = silent) -> list[R
 def choose_remote(
     address: WebAddress, listed: Sequence[RemoteSeries], wanted: str | None
 ) -> RemoteSeries:
-    """Returns the one series that there is, or the one asked for: its UID, description, number.
+    """Returns the only series, or the one of a UID, a description or a number.
 
     Raises:
-        SeriesChoiceError: There are several, or not the one asked for.
+        SeriesChoiceError: There are several, or not the requested one.
     """
     named = [one for one in listed if wanted in (None, one.uid, one.description)]
     if wanted is not None and wanted.isdecimal() and 1 <= int(wanted) <= len(listed):
@@ -169,7 +170,7 @@ def _series_of(found: Found, address: WebAddress) -> RemoteSeries:
 
 
 def _measured(client: DICOMwebClient, one: RemoteSeries) -> RemoteSeries:
-    """Returns a series with what its first file tells of its size."""
+    """Returns a series with the size that its first file states."""
     files = list_of(client.search_for_instances(one.study, one.uid, limit=1, fields=OF_FILES))
     if not files:
         return one
@@ -188,11 +189,14 @@ def _measured(client: DICOMwebClient, one: RemoteSeries) -> RemoteSeries:
 def fetch_series(
     address: WebAddress, one: RemoteSeries, folder: Path, *, progress: Progress = silent
 ) -> int:
-    """Brings the files of a series into a folder, several at a time; returns how many.
+    """Downloads the files of a series into a folder, several at a time.
+
+    Returns:
+        The number of files.
 
     Raises:
         DicomWebError: The server does not send them, or more than is allowed.
-        OSError: The disk refuses them.
+        OSError: The files cannot be written.
     """
     with asking(address, MOST_BYTES) as budget:
         progress("asking for the list of files", None)
@@ -219,7 +223,7 @@ def fetch_series(
 
 
 def fetch_middle(address: WebAddress, one: RemoteSeries, folder: Path) -> Path:
-    """Brings the file in the middle of a series into a folder; returns where it is.
+    """Downloads the file in the middle of a series into a folder; returns its path.
 
     Raises:
         DicomWebError: The server does not send it.
@@ -254,7 +258,7 @@ def _files_of(client: DICOMwebClient, one: RemoteSeries) -> dict[str, int | None
 
 
 def _room_for(files: Mapping[str, int | None], folder: Path) -> int | None:
-    """Returns the bytes of pixels that will come, where the server tells, if there is room."""
+    """Returns the expected bytes of pixels, where the server states them and the disk has room."""
     sizes = [size for size in files.values() if size is not None]
     if len(sizes) < len(files):
         return None
