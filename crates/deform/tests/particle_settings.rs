@@ -1,15 +1,13 @@
 //! What the thesis' local models are told: treatments, settings, laws, and absurd input.
 
-use std::time::{Duration, Instant};
-
 use crate::liver::{H, SIDE, TOP, advance, ball, force, models, picture, scan};
 use glam::{DMat3, DQuat, DVec3, UVec3};
 use palpate_deform::material::{
     MaterialLaw, Materials, Region, SegmentMaterial, Treatment, preset,
 };
-use palpate_deform::model::{Budget, DeformationModel, ModelInput, ToolShape, ToolState};
+use palpate_deform::model::{ToolShape, ToolState};
 use palpate_deform::particles::calibration::{LatticeKind, LatticeScale};
-use palpate_deform::particles::{FadedLaw, LocalModel, LocalSettings, Motion};
+use palpate_deform::particles::{LocalModel, LocalSettings, Motion};
 use palpate_deform::registry::{Calibration, ModelOptions, model_from_name};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -193,40 +191,6 @@ fn layers_calibrations_and_motions_are_refused_where_a_model_has_none() {
             format!("layers of {count} given for fcc-lj; allowed: 1 to 8")
         );
     }
-}
-
-/// The first layer alone would come to rest in more than twice the time there is.
-#[test]
-fn each_layer_has_its_share_of_the_time() {
-    let (mut voxels, materials) = scan(DVec3::splat(H));
-    let mut model = LocalModel::fcc_lj(LocalSettings {
-        box_cells: 25,
-        layers: 3,
-        ..Default::default()
-    });
-    let tool = ball(&voxels, 0.6);
-    // the box is there, and nothing has moved yet
-    advance(&mut model, &mut voxels, &materials, &[tool], 0);
-    let outer = |model: &LocalModel<FadedLaw>| {
-        let middle = H * f64::from(SIDE / 2);
-        let homes = model
-            .particles()
-            .map(|(place, moved)| (place - moved, moved));
-        let outer = homes.filter(|(home, _)| (home.x - middle).abs() > 6.0 * H);
-        outer.map(|(_, moved)| moved.length()).fold(0.0, f64::max)
-    };
-    assert_eq!(outer(&model), 0.0);
-    model.advance(&ModelInput {
-        voxels: &voxels,
-        materials: &materials,
-        tools: &[tool],
-        dt: 0.03,
-        budget: Budget {
-            iterations: u32::MAX,
-            deadline: Some(Instant::now() + Duration::from_millis(100)),
-        },
-    });
-    assert!(outer(&model) > 0.0);
 }
 
 /// As in a session: so many iterations for an answer, and the tool stays for some answers.

@@ -149,7 +149,7 @@ mod tests {
     use palpate_volume::intensities::Intensities;
 
     #[test]
-    fn shares_told_at_once_are_those_told_one_by_one_to_the_bit() {
+    fn fractions_asked_at_once_are_those_asked_one_by_one_to_the_bit() {
         let mut random = oorandom::Rand32::new(7);
         let size = UVec3::new(9, 7, 5);
         let ranges: [&[(f64, f64)]; 4] = [
