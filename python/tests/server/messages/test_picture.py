@@ -33,7 +33,7 @@ class Watched(Outbox):
         self.fell_behind = 0
         Watched.all.append(self)
 
-    def tell(self, message: protocol.ToPage) -> None:
+    def put(self, message: protocol.ToPage) -> None:
         was_behind = self.is_behind
         super().put(message)
         self.fullest = max(self.fullest, self.waiting_bytes)
