@@ -202,7 +202,7 @@ data:
 
 test-rust: ## tests of the crates
 	$(call step,Rust: tests)
-	cargo test --locked --workspace --quiet
+	cargo test --locked --workspace --exclude palpate-benches --no-fail-fast --quiet
 
 test-python: $(ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository
 	$(call step,Python: tests)

@@ -15,6 +15,7 @@ _note_stage() {
 STAGE=$1
 STAGES=$PWD/target
 SECONDS=0
+trap 'exit 130' INT TERM
 trap '{ code=$?; set +x; } 2>/dev/null; _note_stage $code' EXIT
 # two steps may run at a time, and each uses both cores if it can
 unset MAKEFLAGS

@@ -11,6 +11,8 @@ mod common;
 mod deformation;
 mod entry_points;
 mod haptics;
+#[path = "../../../tests/support/length.rs"]
+mod length;
 mod passivity;
 mod quality;
 mod stress;

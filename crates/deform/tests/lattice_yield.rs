@@ -1,5 +1,6 @@
 //! Tissue that yields stays as it was pressed: under the box, behind it, and when it comes back.
 
+use crate::length::by_length;
 use crate::model_support::{Bench, LIVER, RADIUS, TOP};
 use glam::{DVec3, IVec3};
 use palpate_deform::lattice::{InelasticSettings, LatticeModel, LatticeSettings};
@@ -126,7 +127,7 @@ fn a_groove_stays_behind_a_tool_that_slides() {
     // it does not come back bit by bit as the box goes over it
     way(&mut bench, above(RIGHT) + CLEAR, above(LEFT) + CLEAR);
     let before = bench.picture();
-    for _ in 0..3 {
+    for _ in 0..by_length(1, 3) {
         way(&mut bench, above(LEFT) + CLEAR, above(RIGHT) + CLEAR);
         way(&mut bench, above(RIGHT) + CLEAR, above(LEFT) + CLEAR);
     }

@@ -12,6 +12,8 @@ mod lattice_model;
 mod lattice_relax;
 mod lattice_voxels;
 mod lattice_yield;
+#[path = "../../../tests/support/length.rs"]
+mod length;
 mod liver;
 mod material;
 mod model_support;

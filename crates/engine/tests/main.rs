@@ -8,6 +8,8 @@
 
 mod common;
 mod deformable;
+#[path = "../../../tests/support/length.rs"]
+mod length;
 mod picture;
 mod replay;
 mod scenario;

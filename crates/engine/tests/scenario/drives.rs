@@ -1,6 +1,7 @@
 //! A drill in a block and a ball on soft tissue, driven without a device.
 
 use crate::common::*;
+use crate::length::by_length;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::material::preset;
 use palpate_engine::scenario::drilling::{DrillDrive, DrillRun, drive_drill};
@@ -225,10 +226,11 @@ fn shortfall(run: &Press, bone_top: f64, radius: f64) -> f64 {
 #[test]
 fn bone_under_thin_soft_matter_pushes_back_whatever_a_model_says() {
     // each as a layer over the bone, and as a segment that holds the bone's voxels too
-    let thin = [(2, 2.0), (2, 0.0), (1, 2.0), (3, 1.0)];
+    let thin = [(1, 2.0), (2, 0.0), (2, 2.0), (3, 1.0)];
     let by_lattice = thin.map(|(thick, radius)| ("lattice", thick, radius));
     let by_others = ["fcc-lj", "cuboid-lj", "global-lj"].map(|model| (model, 2, 2.0));
-    for (model, thick, radius) in by_lattice.into_iter().chain(by_others) {
+    let by_lattice = by_lattice.into_iter().take(by_length(2, 4));
+    for (model, thick, radius) in by_lattice.chain(by_others) {
         for overlap in [false, true] {
             let run = pressed_into(model, "muscle", thick, radius, overlap);
             let missing = shortfall(&run, TOP - f64::from(thick), radius);
