@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.session.session import Session
 from palpate.volumes.anatomical_colour import colour_of_name
-from palpate.volumes.appearance import Colour, SegmentAppearance
+from palpate.volumes.appearance import (
+    DEFAULT_SMOOTHING,
+    Colour,
+    LightFactor,
+    SegmentAppearance,
+    Share,
+    ShownAs,
+    SmoothingDegree,
+    SurfaceSource,
+)
 from palpate.volumes.scene import PALETTE, Scene, new_appearance
 
 __all__ = [
@@ -32,8 +41,19 @@ UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
 
 
 class ShownAppearance(SegmentAppearance, frozen=True):
-    """How a segment of a session is shown, and where its colour comes from."""
+    """How a segment of a session is shown, and where its colour comes from.
 
+    Journals and scenes of earlier versions lack some fields: these have defaults.
+    """
+
+    visible: bool = True
+    shown_as: ShownAs = "volume"
+    opacity: Share = 1.0
+    smoothing: SmoothingDegree = DEFAULT_SMOOTHING
+    surface_from: SurfaceSource = "intensities"
+    wireframe: bool = False
+    ambient: LightFactor = 1.0
+    specular: LightFactor = 1.0
     colour_chosen: bool = msgspec.field(name="chosen", default=True)
     """Whether a person or a file gave the colour, and not the name or the number."""
 

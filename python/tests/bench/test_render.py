@@ -30,7 +30,7 @@ def test_every_mode_and_size_has_its_rows_and_goals_are_those_of_the_issue() -> 
         found = [row.metric for row in rows if row.case == case]
         assert [one.endswith(metric) for one, metric in zip(found, metrics, strict=True)]
     assert {(640, 480), (1366, 768)} <= set(SIZES)
-    source = Path(__file__).parents[3] / "viewer" / "src" / "core" / "optics.ts"
+    source = Path(__file__).parents[3] / "viewer" / "src" / "core" / "appearance" / "optics.ts"
     blends = re.search(r"export const blends = (\[.*?\])", source.read_text(encoding="utf-8"))
     assert blends is not None
     assert set(MODES) == {*json.loads(blends[1]), *SURFACES}

@@ -228,7 +228,7 @@ def test_an_archive_that_unpacks_to_too_much_is_refused(
         (put("commands", np.zeros(1, np.uint8)), "do not fit together"),
         (put("brick_index", np.zeros(3, np.uint32)), "do not fit together"),
         (put("solid_index", np.zeros(0, np.uint32)), "do not fit together"),
-        (put("command", np.arange(500, dtype=np.uint64) * 1000), "has obeyed"),
+        (put("command", np.arange(500, dtype=np.uint64) * 1000), "has executed"),
     ],
 )
 def test_a_replay_of_what_does_not_belong_together_is_refused(
