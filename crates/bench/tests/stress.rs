@@ -21,7 +21,8 @@ fn no_random_move_breaks_a_promise() {
         grid: &grid,
         bits: bumps.occupancy(),
     };
-    let count = by_length(20, 80);
+    // each kind of change has its turn among 80 runs
+    let count = by_length(80, 320);
     let report = runs(11, 0..count, Model::Exact, Some(bone));
     assert_eq!(report.violation, None);
     assert!(report.moves >= 3_750 * count, "{report:?}");
