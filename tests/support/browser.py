@@ -64,8 +64,8 @@ class Browser:
         return self.do("read", expression=expression).get("value")
 
     def text(self, testid: str) -> str:
-        """Returns the text of an element."""
-        return str(self.do("text", testid=testid)["value"])
+        """Returns the text of an element; where its source goes on in a new line stands a space."""
+        return re.sub(r"\s*\n\s*", " ", str(self.do("text", testid=testid)["value"]))
 
     def wait(self, expression: str, *, seconds: float = 60.0) -> None:
         """Waits until an expression in the page is true."""
