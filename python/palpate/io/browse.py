@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import PalpateError, VolumeFormatError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.io.archive import is_archive, unpacked
 from palpate.io.dicom.header import Series
@@ -75,6 +76,7 @@ def browsed(path: Path, *, progress: Progress = silent) -> Iterator[list[Choice]
     """
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist; allowed: an existing file or folder")
+    check_plain(path)
     if path.is_dir():
         yield _in_folder(path, progress)
     elif is_archive(path):

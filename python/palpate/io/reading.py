@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.io.archive import is_archive, unpacked
 from palpate.io.dicom.header import Series
@@ -16,7 +17,7 @@ from palpate.io.dicom.reading import read_dicom_file, read_dicom_files, read_dic
 from palpate.io.dicom.series import called_of, is_dicom, series_among, series_in
 from palpate.io.image_file import read_file
 from palpate.io.packed_images import image_of, read_unpacked
-from palpate.io.raw_scan import RawScan
+from palpate.io.raw_scan import RawScan, check_place
 from palpate.io.raw_voxels import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
 from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import to_stored
@@ -86,6 +87,7 @@ def read(
         )
     else:
         scan = _read(source, series=series, max_voxels=max_voxels, progress=progress)
+    check_place(str(source), scan)
     _apply_orientation(scan, orientation)
     if unit is not None:
         scan.unit = unit
@@ -150,6 +152,7 @@ def list_series(path: Place | Sequence[Place], *, progress: Progress = silent) -
     source = places[0]
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    check_plain(source)
     if is_archive(source):
         with unpacked(source, progress) as folder:
             return series_in(folder, called=source, progress=progress)[0]
@@ -175,6 +178,7 @@ def _refuse_bare(raw: str | None, voxel: tuple[float, float, float] | None) -> N
 def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    check_plain(source)
     if unit is not None and unit not in UNITS:
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
     if max_voxels < 1:

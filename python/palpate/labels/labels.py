@@ -6,6 +6,7 @@ from os import PathLike
 from pathlib import Path
 
 from palpate.base.errors import OptionError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.io.dicom.header import damage_told
 from palpate.io.dicom.series import is_dicom
@@ -48,6 +49,7 @@ def read_labels(
     source = Path(path)
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    check_plain(source)
     found = _read(source, volume, resample=resample, progress=progress)
     if not found.labels:
         why = "; ".join(found.warnings) or "no labels"

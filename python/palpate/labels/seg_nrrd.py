@@ -14,6 +14,7 @@ import numpy as np
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import reason_of, simpleitk
+from palpate.io.header_check import check_header
 from palpate.io.payload import check_payload, nrrd_header
 from palpate.labels.grid import (
     RESAMPLED,
@@ -48,6 +49,7 @@ def read_seg_nrrd(
         OptionError: It lies on another grid than the scan.
     """
     sitk = simpleitk()
+    check_header(path)
     check_payload(path, {}, "nrrd")
     progress(f"reading {path.name}", None)
     try:
