@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
+from palpate.base.reader_process import expect
 from palpate.volumes.stored_values import Scale
 
 __all__ = ["RawScan", "check_place", "check_shape", "orthonormal"]
@@ -66,6 +67,7 @@ def check_shape(what: str, size: tuple[int, ...], max_voxels: int) -> None:
             f"{what} has {named} = {math.prod(size)} voxels; allowed: at most {max_voxels}, "
             "or more with --max-voxels"
         )
+    expect(math.prod(size))
 
 
 def check_place(what: str, scan: RawScan) -> None:

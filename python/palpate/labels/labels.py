@@ -8,7 +8,9 @@ from pathlib import Path
 from palpate.base.errors import OptionError
 from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart
 from palpate.io.dicom.header import damage_told
+from palpate.io.dicom.promises import check_deflated
 from palpate.io.dicom.series import is_dicom
 from palpate.labels.contours import read_rtstruct
 from palpate.labels.dicom_seg import read_seg
@@ -77,8 +79,13 @@ def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -
 
 def modality_of(path: Path) -> str:
     """Returns the modality of a DICOM file, such as "SEG"; "" where it has none."""
+    return apart(_modality_of, path, path=path)
+
+
+def _modality_of(path: Path) -> str:
     import pydicom
 
     with damage_told(path):
+        check_deflated(path)
         dataset = pydicom.dcmread(path, stop_before_pixels=True, specific_tags=["Modality"])
         return str(dataset.get("Modality") or "")

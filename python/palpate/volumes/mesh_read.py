@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import MeshFormatError, OptionError
 from palpate.base.plain_file import check_plain
+from palpate.base.reader_process import apart
 from palpate.volumes.mesh_promises import STL_HEADER, check_promises
 from palpate.volumes.mesh_write import GLTF_FROM_PATIENT, SUFFIXES
 from palpate.volumes.segment import Segment
@@ -92,7 +93,7 @@ def read_mesh(path: Path, *, frame: Frame | None = None, unit: Unit | None = Non
         raise MeshFormatError(f"{path.name!r} given; allowed: a file with {', '.join(SUFFIXES)}")
     check_plain(path)
     check_promises(path)
-    vertices, triangles = _load(path)
+    vertices, triangles = apart(_load, path, path=path, error=MeshFormatError)
     if path.suffix.lower() == ".glb":
         in_patient = np.linalg.inv(GLTF_FROM_PATIENT)[:3, :3]
         vertices = vertices @ in_patient.T

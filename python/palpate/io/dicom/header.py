@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.base.reader_process import looking_at
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
 
@@ -190,7 +191,7 @@ def damage_told(path: Path, *, allowed: str = "complete, undamaged files") -> It
     from pydicom.errors import BytesLengthException
 
     try:
-        with warnings.catch_warnings():
+        with looking_at(path, "DICOM"), warnings.catch_warnings():
             # sloppy values are common and judged where they matter
             warnings.simplefilter("ignore")
             yield
