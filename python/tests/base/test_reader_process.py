@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import palpate
 import pytest
 from palpate.base.errors import MeshFormatError, OptionError, VolumeFormatError
 from palpate.base.progress import Progress
