@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import Image, Reader, reason_of, simpleitk
+from palpate.io.header_check import check_header
 from palpate.io.payload import check_payload, metaimage_header, nifti_not_finite
 from palpate.io.raw_scan import RawScan, check_shape, orthonormal
 from palpate.volumes.stored_values import Scale
@@ -169,6 +170,7 @@ def _open(path: Path) -> tuple[Reader, str]:
     format_name, image_io = next(endings, ("", ""))
     if path.is_file() and path.stat().st_size == 0:
         raise VolumeFormatError(f"{path} is empty; allowed: {ALLOWED}")
+    check_header(path)
     reader = simpleitk().ImageFileReader()
     reader.SetFileName(str(path))
     reader.SetImageIO(image_io)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import damage_told
+from palpate.labels.dicom_objects import dataset_of
 from palpate.labels.grid import RESAMPLED, Colour, Label, Labels
 from palpate.labels.oblique_contours import NotFlatError, filled_aslant
 from palpate.volumes.polygon_fill import fill_polygons
@@ -50,10 +51,8 @@ def read_rtstruct(
         OptionError: They are told in another frame of reference than the scan's, or contours lie in
             no plane of the scan's voxels and neither says what frame it has.
     """
-    import pydicom
-
     with damage_told(path):
-        dataset = pydicom.dcmread(path)
+        dataset = dataset_of(path)
         names = {
             int(roi.ROINumber): str(roi.get("ROIName") or f"structure {roi.ROINumber}")
             for roi in dataset.get("StructureSetROISequence") or []

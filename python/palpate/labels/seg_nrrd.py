@@ -7,13 +7,18 @@ Source: "Segmentation file format", 3D Slicer developer guide: ``SegmentN_Name``
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.base.reader_process import apart, looking_at
 from palpate.base.simpleitk import reason_of, simpleitk
+from palpate.io.header_check import check_header
 from palpate.io.payload import check_payload, nrrd_header
 from palpate.labels.grid import (
     RESAMPLED,
@@ -38,6 +43,44 @@ def is_segmentation(path: Path) -> bool:
     return any(re.fullmatch(r"segment\d+_.*", name) for name in fields)
 
 
+@dataclass(frozen=True)
+class _Image:
+    """What a file holds."""
+
+    layers: NDArray[Any]
+    """Shape [z, y, x, layer]."""
+    spacing: tuple[float, float, float]
+    origin: tuple[float, float, float]
+    direction: NDArray[np.float64]
+    fields: dict[str, str]
+
+
+def _image_at(path: Path, *, progress: Progress) -> _Image:
+    """Reads a file, in a worker."""
+    sitk = simpleitk()
+    check_header(path)
+    check_payload(path, {}, "nrrd")
+    progress(f"reading {path.name}", None)
+    try:
+        with looking_at(path, "NRRD"):
+            image = sitk.ReadImage(str(path))
+    except RuntimeError as error:
+        raise VolumeFormatError(
+            f"{path} cannot be read: {reason_of(error)}; allowed: complete, undamaged files"
+        ) from None
+    if image.GetDimension() != 3:
+        raise OptionError(f"{path} has {image.GetDimension()} axes; allowed: three, and layers")
+    # layers come last
+    voxels = sitk.GetArrayFromImage(image)
+    return _Image(
+        layers=voxels[..., None] if voxels.ndim == 3 else voxels,
+        spacing=image.GetSpacing(),
+        origin=image.GetOrigin(),
+        direction=np.reshape(image.GetDirection(), (3, 3)),
+        fields={key: image.GetMetaData(key) for key in image.GetMetaDataKeys()},
+    )
+
+
 def read_seg_nrrd(
     path: Path, volume: Volume, *, resample: bool = False, progress: Progress
 ) -> Labels:
@@ -47,28 +90,13 @@ def read_seg_nrrd(
         VolumeFormatError: The file is damaged.
         OptionError: It lies on another grid than the scan.
     """
-    sitk = simpleitk()
-    check_payload(path, {}, "nrrd")
-    progress(f"reading {path.name}", None)
-    try:
-        image = sitk.ReadImage(str(path))
-    except RuntimeError as error:
-        raise VolumeFormatError(
-            f"{path} cannot be read: {reason_of(error)}; allowed: complete, undamaged files"
-        ) from None
-    if image.GetDimension() != 3:
-        raise OptionError(f"{path} has {image.GetDimension()} axes; allowed: three, and layers")
-
-    # layers come last: [z, y, x, layer]
-    voxels = sitk.GetArrayViewFromImage(image)
-    layers = voxels[..., None] if voxels.ndim == 3 else voxels
-    direction = np.reshape(image.GetDirection(), (3, 3))
-    grid = patient_from_grid(image.GetSpacing(), image.GetOrigin(), direction)
+    image = apart(_image_at, path, path=path, progress=progress)
+    layers, fields = image.layers, image.fields
+    grid = patient_from_grid(image.spacing, image.origin, image.direction)
     place = placement(
         f"segmentation {path}", grid, layers.shape[:3], volume=volume, resample=resample
     )
 
-    fields = {key: image.GetMetaData(key) for key in image.GetMetaDataKeys()}
     numbers = sorted(
         {int(found[1]) for key in fields if (found := re.match(r"Segment(\d+)_", key))}
     )

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.reader_process import apart
 from palpate.base.simpleitk import Transform, image_on, reason_of, simpleitk
 from palpate.volumes.volume import Volume
 
@@ -79,11 +80,15 @@ def read_transform(path: str | PathLike[str], *, called: str | None = None) -> T
     file = Path(path)
     if not file.is_file():
         raise FileNotFoundError(f"no transform at {file}")
+    return apart(_read_here, file, called or str(file), path=file)
+
+
+def _read_here(file: Path, called: str) -> Transform:
     try:
         read: Transform = simpleitk().ReadTransform(str(file))
     except RuntimeError as error:
         raise VolumeFormatError(
-            f"{called or file} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
+            f"{called} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
             "or .h5 as SimpleITK writes it"
         ) from None
     return read

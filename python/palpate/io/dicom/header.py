@@ -20,7 +20,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.base.reader_process import looking_at
 from palpate.io.dicom.phases import phase_of, phases_of
+from palpate.io.dicom.promises import check_deflated, frame_count
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -189,7 +191,7 @@ def damage_told(path: Path, *, allowed: str = "complete, undamaged files") -> It
     from pydicom.errors import BytesLengthException
 
     try:
-        with warnings.catch_warnings():
+        with looking_at(path, "DICOM"), warnings.catch_warnings():
             # sloppy values are common and judged where they matter
             warnings.simplefilter("ignore")
             yield
@@ -216,6 +218,7 @@ def read_header(path: Path) -> Header | None:
     from pydicom.errors import InvalidDicomError
 
     with damage_told(path):
+        check_deflated(path)
         try:
             with path.open("rb") as file:
                 dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
@@ -247,8 +250,9 @@ def _header(
     if not rows or not columns or modality in DERIVED_OBJECTS:
         return None
     samples = int(dataset.get("SamplesPerPixel") or 1)
-    count = int(dataset.get("NumberOfFrames") or 1)
-    stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * count // 8
+    count = frame_count(dataset, left=left)
+    told = int(dataset.get("NumberOfFrames") or 1)
+    stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * told // 8
     syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
     packed = bool(syntax is not None and (syntax.is_compressed or syntax.is_deflated))
     return Header(

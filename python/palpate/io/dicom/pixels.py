@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import os
 import warnings
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ from numpy.typing import NDArray
 
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, Header, damage_told
+from palpate.io.dicom.promises import check_deflated, check_encoded, inflated
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -187,7 +187,9 @@ def stored_pixels(path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
     import pydicom
 
     with damage_told(path, allowed=READ):
+        check_deflated(path)
         dataset = pydicom.dcmread(path)
+        check_encoded(path, dataset)
         pixels = _decoded(dataset)
         native = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)
         return _used_bits(native, int(dataset.get("BitsStored") or 0)).reshape(shape)
@@ -208,8 +210,9 @@ def _inflated(dataset: Dataset) -> NDArray[Any]:
 
     count = int(dataset.get("NumberOfFrames") or 1)
     frames = generate_frames(dataset.PixelData, number_of_frames=count)
-    plain = [zlib.decompress(frame, -zlib.MAX_WBITS) for frame in frames]
     size = dataset.Rows * dataset.Columns
+    most = size * -(-dataset.BitsAllocated // 8)
+    plain = [inflated(frame, size=most) for frame in frames]
     if dataset.BitsAllocated == 1:
         return np.stack([_bits(np.frombuffer(frame, np.uint8), size) for frame in plain])
     sign = "i" if dataset.PixelRepresentation else "u"

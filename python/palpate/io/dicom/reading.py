@@ -22,6 +22,7 @@ from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
 from palpate.io.dicom.header import Header, Series, read_header
 from palpate.io.dicom.phases import phases_of
 from palpate.io.dicom.pixels import read_slices
+from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
 from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
 from palpate.io.raw_scan import RawScan, check_shape
@@ -174,6 +175,7 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
             f"{what} is truncated: {len(short)} files are shorter than their image, such as "
             f"{short[0]}; allowed: complete files"
         )
+    check_numbers(what, series.headers)
     stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
     grid = None
     if stack is not None:

@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 from palpate.base.errors import OptionError, SeriesChoiceError, VolumeFormatError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Series, find_series
 from palpate.io.dicom.series_folds import folds
@@ -56,6 +57,7 @@ def series_among(paths: Sequence[Path], *, progress: Progress) -> tuple[list[Ser
     for path in paths:
         if not path.exists():
             raise FileNotFoundError(f"{path} does not exist; allowed: existing files and folders")
+        check_plain(path)
         if not path.is_dir() and not is_dicom(path):
             raise OptionError(
                 f"{path} is one of {len(paths)}; allowed together: DICOM files and folders, "
