@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.phases import phase_of, phases_of
+from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -59,7 +60,7 @@ class Frame:
     pixel_spacing: tuple[float, ...] | None
     """Between rows, between columns [mm], in DICOM's order."""
     scale: tuple[float, float] | None
-    """Rescale slope and intercept."""
+    """Rescale slope and intercept; None where numbers are values as they are stored."""
     phase: tuple[str, ...] = ()
     """What may tell it from slices at the same place, as ``phases`` has it."""
 
@@ -97,6 +98,10 @@ class Header:
     """Of a stored number, those in use."""
     padding: tuple[int, int] | None
     """Lowest and highest stored number that stand for no value."""
+    table: ModalityTable | None = None
+    """Which values stored numbers have, in the place of slopes and intercepts."""
+    told: tuple[str, ...] = ()
+    """What is wrong with the header and matters to whoever looks at the scan."""
     taken: tuple[int, ...] | None = None
     """Which of the file's frames ``frames`` are; None for all of them."""
 
@@ -272,6 +277,8 @@ def _header(
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),
+        table=table_of(dataset),
+        told=_told(dataset, count),
     )
 
 
@@ -314,11 +321,14 @@ def _groups(dataset: Dataset, index: int) -> list[Dataset]:
 
 
 def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
-    holder = _holder(dataset, index, "PixelValueTransformationSequence")
-    slope, intercept = holder.get("RescaleSlope"), holder.get("RescaleIntercept")
-    if slope is None or intercept is None:
-        return None
-    return float(slope), float(intercept)
+    return scale_of(_holder(dataset, index, "PixelValueTransformationSequence"))
+
+
+def _told(dataset: Dataset, count: int) -> tuple[str, ...]:
+    holders = (
+        _holder(dataset, index, "PixelValueTransformationSequence") for index in range(count)
+    )
+    return tuple(dict.fromkeys(filter(None, map(scale_trouble, holders))))
 
 
 def _joined(dataset: Dataset, *names: str) -> str:
@@ -337,7 +347,10 @@ def _padding(dataset: Dataset) -> tuple[int, int] | None:
 
 def _unit(dataset: Dataset, modality: str) -> str:
     """Returns "HU" where a CT is rescaled and its rescale type does not say otherwise."""
+    table = dataset.get("ModalityLUTSequence")
+    if table:
+        return "HU" if modality == "CT" and table[0].get("ModalityLUTType") == "HU" else ""
     holder = _holder(dataset, 0, "PixelValueTransformationSequence")
     kind = str(holder.get("RescaleType") or "HU")
-    rescaled = holder.get("RescaleIntercept") is not None
+    rescaled = holder.get("RescaleIntercept") is not None and scale_of(holder) is not None
     return "HU" if modality == "CT" and rescaled and kind == "HU" else ""

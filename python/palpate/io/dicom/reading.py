@@ -8,6 +8,7 @@ Frame: LPS [mm].
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -183,7 +184,17 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
             # files in the order of their slices need not be moved once they are decoded
             series = replace(series, headers=tuple(series.headers[i] for i in stack.order))
             stack = replace(stack, order=tuple(range(len(stack.order))))
-    return Plan(series, stack, grid, tuple(said))
+    return Plan(series, stack, grid, (*said, *_told(series)))
+
+
+def _told(series: Series) -> tuple[str, ...]:
+    """Says what is wrong with headers, once for all that say the same."""
+    found = Counter(words for header in series.headers for words in header.told)
+    count = len(series.headers)
+    return tuple(
+        words if times == count else f"{words} ({times} of {count} files)"
+        for words, times in found.items()
+    )
 
 
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
@@ -213,7 +224,11 @@ def _without_copies(series: Series) -> tuple[Series, list[str]]:
 
 
 def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan:
-    scales = {frame.scale for header in series.headers for frame in header.frames}
+    scales = {
+        None if header.table else frame.scale
+        for header in series.headers
+        for frame in header.frames
+    }
     scale = scales.pop() if len(scales) == 1 else None
     scan = RawScan(
         values=values,
