@@ -165,7 +165,7 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
         refused = str(error)
     else:
         size, middle = plan.size, plan.middle
-        spacing = None if plan.grid is None else plan.grid.spacing
+        spacing = None if plan.stack is None else plan.grid.spacing
 
     def picture() -> NDArray[np.uint8]:
         header, frame = middle

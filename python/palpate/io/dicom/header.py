@@ -9,6 +9,7 @@ Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi
 
 from __future__ import annotations
 
+import math
 import struct
 import warnings
 import zlib
@@ -98,6 +99,12 @@ class Header:
     """Of a stored number, those in use."""
     padding: tuple[int, int] | None
     """Lowest and highest stored number that stand for no value."""
+    number: int | None = None
+    """Instance Number."""
+    step: float | None = None
+    """SpacingBetweenSlices [mm]; below 0 where they run the other way."""
+    thickness: float | None = None
+    """Of a slice [mm]."""
     table: ModalityTable | None = None
     """Which values stored numbers have, in the place of slopes and intercepts."""
     told: tuple[str, ...] = ()
@@ -277,6 +284,9 @@ def _header(
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),
+        number=_number(dataset),
+        step=_length(dataset, "SpacingBetweenSlices"),
+        thickness=_length(dataset, "SliceThickness"),
         table=table_of(dataset),
         told=_told(dataset, count),
     )
@@ -302,6 +312,22 @@ def _numbers(holder: Dataset, name: str, count: int) -> tuple[float, ...] | None
     except (TypeError, ValueError):
         return None
     return numbers if len(numbers) == count else None
+
+
+def _number(dataset: Dataset) -> int | None:
+    try:
+        return int(dataset.InstanceNumber)
+    except (AttributeError, TypeError, ValueError):
+        return None
+
+
+def _length(dataset: Dataset, name: str) -> float | None:
+    """Returns a length of slices [mm]; None where it is missing, 0 or no number."""
+    try:
+        length = float(_holder(dataset, 0, "PixelMeasuresSequence").get(name) or 0.0)
+    except (TypeError, ValueError):
+        return None
+    return length if length and math.isfinite(length) else None
 
 
 def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
