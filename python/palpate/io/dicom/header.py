@@ -9,6 +9,7 @@ Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi
 
 from __future__ import annotations
 
+import math
 import struct
 import warnings
 import zlib
@@ -23,6 +24,7 @@ from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
+from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -61,7 +63,7 @@ class Frame:
     pixel_spacing: tuple[float, ...] | None
     """Between rows, between columns [mm], in DICOM's order."""
     scale: tuple[float, float] | None
-    """Rescale slope and intercept."""
+    """Rescale slope and intercept; None where numbers are values as they are stored."""
     phase: tuple[str, ...] = ()
     """What may tell it from slices at the same place, as ``phases`` has it."""
 
@@ -99,6 +101,16 @@ class Header:
     """Of a stored number, those in use."""
     padding: tuple[int, int] | None
     """Lowest and highest stored number that stand for no value."""
+    number: int | None = None
+    """Instance Number."""
+    step: float | None = None
+    """SpacingBetweenSlices [mm]; below 0 where they run the other way."""
+    thickness: float | None = None
+    """Of a slice [mm]."""
+    table: ModalityTable | None = None
+    """Which values stored numbers have, in the place of slopes and intercepts."""
+    told: tuple[str, ...] = ()
+    """What is wrong with the header and matters to whoever looks at the scan."""
     taken: tuple[int, ...] | None = None
     """Which of the file's frames ``frames`` are; None for all of them."""
 
@@ -276,6 +288,11 @@ def _header(
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),
+        number=_number(dataset),
+        step=_length(dataset, "SpacingBetweenSlices"),
+        thickness=_length(dataset, "SliceThickness"),
+        table=table_of(dataset),
+        told=_told(dataset, count),
     )
 
 
@@ -301,6 +318,22 @@ def _numbers(holder: Dataset, name: str, count: int) -> tuple[float, ...] | None
     return numbers if len(numbers) == count else None
 
 
+def _number(dataset: Dataset) -> int | None:
+    try:
+        return int(dataset.InstanceNumber)
+    except (AttributeError, TypeError, ValueError):
+        return None
+
+
+def _length(dataset: Dataset, name: str) -> float | None:
+    """Returns a length of slices [mm]; None where it is missing, 0 or no number."""
+    try:
+        length = float(_holder(dataset, 0, "PixelMeasuresSequence").get(name) or 0.0)
+    except (TypeError, ValueError):
+        return None
+    return length if length and math.isfinite(length) else None
+
+
 def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
     """Returns what holds a frame's values: its own functional group, the shared one, the file."""
     for groups in _groups(dataset, index):
@@ -318,11 +351,14 @@ def _groups(dataset: Dataset, index: int) -> list[Dataset]:
 
 
 def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
-    holder = _holder(dataset, index, "PixelValueTransformationSequence")
-    slope, intercept = holder.get("RescaleSlope"), holder.get("RescaleIntercept")
-    if slope is None or intercept is None:
-        return None
-    return float(slope), float(intercept)
+    return scale_of(_holder(dataset, index, "PixelValueTransformationSequence"))
+
+
+def _told(dataset: Dataset, count: int) -> tuple[str, ...]:
+    holders = (
+        _holder(dataset, index, "PixelValueTransformationSequence") for index in range(count)
+    )
+    return tuple(dict.fromkeys(filter(None, map(scale_trouble, holders))))
 
 
 def _joined(dataset: Dataset, *names: str) -> str:
@@ -341,7 +377,10 @@ def _padding(dataset: Dataset) -> tuple[int, int] | None:
 
 def _unit(dataset: Dataset, modality: str) -> str:
     """Returns "HU" where a CT is rescaled and its rescale type does not say otherwise."""
+    table = dataset.get("ModalityLUTSequence")
+    if table:
+        return "HU" if modality == "CT" and table[0].get("ModalityLUTType") == "HU" else ""
     holder = _holder(dataset, 0, "PixelValueTransformationSequence")
     kind = str(holder.get("RescaleType") or "HU")
-    rescaled = holder.get("RescaleIntercept") is not None
+    rescaled = holder.get("RescaleIntercept") is not None and scale_of(holder) is not None
     return "HU" if modality == "CT" and rescaled and kind == "HU" else ""

@@ -8,12 +8,12 @@ Frame: LPS [mm].
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
@@ -25,6 +25,7 @@ from palpate.io.dicom.pixels import read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
 from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
 from palpate.io.raw_scan import RawScan, check_shape
 from palpate.volumes.stored_values import Scale
 
@@ -137,15 +138,14 @@ class Plan:
     """With each slice once."""
     stack: Stack | None
     """None where the files tell no positions."""
-    grid: Grid | None
+    grid: Grid
     said: tuple[str, ...]
     """What was left out."""
 
     @property
     def size(self) -> tuple[int, int, int]:
         """Voxels along x, y, z."""
-        first = self.series.headers[0]
-        return self.grid.size if self.grid else (first.columns, first.rows, self.series.slices)
+        return self.grid.size
 
     @property
     def middle(self) -> tuple[Header, int]:
@@ -177,15 +177,28 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
         )
     check_numbers(what, series.headers)
     stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
-    grid = None
-    if stack is not None:
+    if stack is None:
+        ordered, order = in_told_order(series.headers)
+        series = replace(series, headers=ordered)
+        grid = grid_unplaced(ordered, order)
+    else:
         grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
         check_shape(what, grid.size, max_voxels)
         if all(len(header.frames) == 1 for header in series.headers):
             # files in the order of their slices need not be moved once they are decoded
             series = replace(series, headers=tuple(series.headers[i] for i in stack.order))
             stack = replace(stack, order=tuple(range(len(stack.order))))
-    return Plan(series, stack, grid, tuple(said))
+    return Plan(series, stack, grid, (*said, *_told(series)))
+
+
+def _told(series: Series) -> tuple[str, ...]:
+    """Says what is wrong with headers, once for all that say the same."""
+    found = Counter(words for header in series.headers for words in header.told)
+    count = len(series.headers)
+    return tuple(
+        words if times == count else f"{words} ({times} of {count} files)"
+        for words, times in found.items()
+    )
 
 
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
@@ -193,12 +206,12 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
     plan = plan_of(what, series, max_voxels=max_voxels)
     pixels = read_slices(plan.series.headers, progress=progress)
     values = pixels.values
-    if plan.stack is not None and plan.grid is not None:
+    if plan.stack is not None:
         if plan.stack.order != tuple(range(len(values))):
             values = values[list(plan.stack.order)]
         if plan.grid.resampled:
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
-    scan = _scan(plan.series, grid=plan.grid, values=values)
+    scan = _scan(plan, values)
     scan.warnings += plan.said
     return scan
 
@@ -214,31 +227,32 @@ def _without_copies(series: Series) -> tuple[Series, list[str]]:
     return replace(series, headers=kept), said
 
 
-def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan:
-    scales = {frame.scale for header in series.headers for frame in header.frames}
+def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:
+    series, grid = plan.series, plan.grid
+    scales = {
+        None if header.table else frame.scale
+        for header in series.headers
+        for frame in header.frames
+    }
     scale = scales.pop() if len(scales) == 1 else None
     scan = RawScan(
         values=values,
-        spacing=(1.0, 1.0, 1.0),
-        origin=(0.0, 0.0, 0.0),
-        direction=np.eye(3),
+        spacing=grid.spacing,
+        origin=grid.origin,
+        direction=grid.direction,
         name="",
         modality=series.modality,
         unit=series.headers[0].unit,
         series=series.uid,
         frame=series.headers[0].frame,
         file_scale=Scale(*scale) if scale else None,
+        orientation_known=plan.stack is not None,
     )
     if series.headers[0].inverted:
         scan.warnings.append(
             "the files want low values bright (MONOCHROME1): "
             + ("HU are kept as they are" if scan.unit == "HU" else "values are turned around")
         )
-    if grid is None:
-        scan.orientation_known = False
-        scan.warnings.append("the files tell no positions or spacing: 1 mm is assumed")
-        return scan
-    scan.spacing, scan.origin, scan.direction = grid.spacing, grid.origin, grid.direction
     if grid.told:
         scan.warnings.append("; ".join(grid.told))
     return scan
