@@ -25,6 +25,7 @@ from palpate.export.dicom_object import (
     series_number,
 )
 from palpate.export.dicom_source import IMAGE_CLASSES, SECONDARY, DicomSource
+from palpate.io.dicom.suv import unit_tags
 from palpate.volumes.terminology import Code
 from palpate.volumes.volume import Volume
 
@@ -148,8 +149,19 @@ def _fill(made: Dataset, volume: Volume, number: int) -> None:
     made.PixelRepresentation = 1
     made.RescaleSlope, made.RescaleIntercept = _decimal(volume.slope), _decimal(volume.intercept)
     made.RescaleType = volume.unit or "US"
+    _tell_unit(made, volume.unit)
     made.PixelData = volume.array[number].astype("<i2", copy=False).tobytes()
     made["PixelData"].VR = "OW"
+
+
+def _tell_unit(made: Dataset, unit: str) -> None:
+    """Tells the unit of PET, whose values may be SUV by now."""
+    found = unit_tags(unit)
+    if made.get("Modality") != "PT" or found is None:
+        return
+    made.Units = found[0]
+    if found[1]:
+        made.SUVType = found[1]
 
 
 def _decimal(number: float) -> str:

@@ -88,6 +88,8 @@ def read(
         scan = _read(source, series=series, max_voxels=max_voxels, progress=progress)
     _apply_orientation(scan, orientation)
     if unit is not None:
+        if scan.unit not in ("", unit):
+            scan.warnings.append(f"unit {unit} replaces the file's own, {scan.unit}")
         scan.unit = unit
 
     progress("storing values as 16 bits", None)

@@ -43,7 +43,7 @@ class VolumeTraits:
     modality: str = ""
     """Modality as in DICOM, such as "CT"; "" where it is not known."""
     unit: str = ""
-    """Unit of the values: "HU" where that is known; else ""."""
+    """Unit of the values, such as "HU", "SUVbw", "Bq/ml" or "Gy"; "" where it is not known."""
     series: str = ""
     """SeriesInstanceUID, for DICOM."""
     frame: str = ""
@@ -141,7 +141,7 @@ class Volume:
 
     @property
     def unit(self) -> str:
-        """Unit of the values: "HU" where that is known; else ""."""
+        """Unit of the values, such as "HU", "SUVbw", "Bq/ml" or "Gy"; "" where it is not known."""
         return self.traits.unit
 
     @property

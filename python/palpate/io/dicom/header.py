@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
 
 if TYPE_CHECKING:
@@ -99,6 +100,8 @@ class Header:
     """Lowest and highest stored number that stand for no value."""
     taken: tuple[int, ...] | None = None
     """Which of the file's frames ``frames`` are; None for all of them."""
+    pet: PetTags | None = None
+    """What a file of PET says about its values."""
 
 
 @dataclass(frozen=True)
@@ -272,6 +275,7 @@ def _header(
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),
+        pet=pet_tags_of(dataset, modality),
     )
 
 

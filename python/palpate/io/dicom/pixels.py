@@ -82,7 +82,7 @@ def read_slice(header: Header, frame: int) -> NDArray[Any]:
         VolumeFormatError: It cannot be decoded.
     """
     stored = _stored(header)
-    if header.inverted and header.unit != "HU":
+    if header.inverted and not header.unit:
         stored = _turned(stored, header.bits)
     return _rescaled(stored[frame], header.frames[frame])
 
@@ -113,7 +113,7 @@ class _Part:
 def _part(header: Header) -> _Part:
     stored = _stored(header)
     padded = _padded(stored, header.padding)
-    if header.inverted and header.unit != "HU":
+    if header.inverted and not header.unit:
         # what is meant to be bright is high
         stored = _turned(stored, header.bits)
     frames = zip(stored, header.frames, strict=True)

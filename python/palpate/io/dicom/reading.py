@@ -24,6 +24,7 @@ from palpate.io.dicom.phases import phases_of
 from palpate.io.dicom.pixels import read_slices
 from palpate.io.dicom.resample import resample
 from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.suv import quantified
 from palpate.io.raw_scan import RawScan, check_shape
 from palpate.volumes.stored_values import Scale
 
@@ -189,15 +190,16 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
     # where the slices lie, before the long work
     plan = plan_of(what, series, max_voxels=max_voxels)
-    pixels = read_slices(plan.series.headers, progress=progress)
+    series, told = quantified(what, plan.series)
+    pixels = read_slices(series.headers, progress=progress)
     values = pixels.values
     if plan.stack is not None and plan.grid is not None:
         if plan.stack.order != tuple(range(len(values))):
             values = values[list(plan.stack.order)]
         if plan.grid.resampled:
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
-    scan = _scan(plan.series, grid=plan.grid, values=values)
-    scan.warnings += plan.said
+    scan = _scan(series, grid=plan.grid, values=values)
+    scan.warnings += [*plan.said, *told]
     return scan
 
 
@@ -230,7 +232,7 @@ def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan
     if series.headers[0].inverted:
         scan.warnings.append(
             "the files want low values bright (MONOCHROME1): "
-            + ("HU are kept as they are" if scan.unit == "HU" else "values are turned around")
+            + (f"{scan.unit} are kept as they are" if scan.unit else "values are turned around")
         )
     if grid is None:
         scan.orientation_known = False
