@@ -120,6 +120,7 @@ def read(
             unit=scan.unit,
             series=scan.series,
             frame=scan.frame,
+            patient=scan.patient,
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
         ),

@@ -48,6 +48,8 @@ class VolumeTraits:
     """SeriesInstanceUID, for DICOM."""
     frame: str = ""
     """FrameOfReferenceUID of DICOM; scans that share it have the same patient coordinates."""
+    patient: str = ""
+    """Name and number of the patient in DICOM, to compare with another scan's; never shown."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""

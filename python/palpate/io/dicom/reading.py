@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
 from palpate.io.dicom.header import Header, Series, read_header
 from palpate.io.dicom.phases import phases_of
@@ -168,6 +169,7 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
             "allowed: one intensity per pixel"
         )
     series, said = _without_copies(series)
+    said += dose_told(what, series)
     check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
     short = [header.path.name for header in series.headers if header.truncated]
     if short:
@@ -227,6 +229,7 @@ def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan
         unit=series.headers[0].unit,
         series=series.uid,
         frame=series.headers[0].frame,
+        patient=series.headers[0].patient,
         file_scale=Scale(*scale) if scale else None,
     )
     if series.headers[0].inverted:
