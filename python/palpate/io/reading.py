@@ -83,6 +83,8 @@ def read(
     check_place(str(source), scan)
     _apply_orientation(scan, orientation)
     if unit is not None:
+        if scan.unit not in ("", unit):
+            scan.warnings.append(f"unit {unit} replaces the file's own, {scan.unit}")
         scan.unit = unit
 
     progress("storing values as 16 bits", None)
@@ -113,6 +115,7 @@ def read(
             unit=scan.unit,
             series=scan.series,
             frame=scan.frame,
+            patient=scan.patient,
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
         ),

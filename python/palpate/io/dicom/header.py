@@ -22,6 +22,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
+from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
+from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
 from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
@@ -40,7 +42,7 @@ __all__ = [
     "read_header",
 ]
 
-DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
+DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
 PARALLEL = 2e-3
 """By how much the cosines of parallel slices differ at most: writers leave three digits."""
@@ -113,6 +115,10 @@ class Header:
     """What is wrong with the header and matters to whoever looks at the scan."""
     taken: tuple[int, ...] | None = None
     """Which of the file's frames ``frames`` are; None for all of them."""
+    pet: PetTags | None = None
+    """What a file of PET says about its values."""
+    dose: DoseTags | None = None
+    """What a dose says of itself."""
 
 
 @dataclass(frozen=True)
@@ -174,8 +180,9 @@ def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series]
         for headers in alike
     ]
     found = [part for series in whole for part in phases_of(series)]
-    # phases of one series keep their order
-    return sorted(found, key=lambda series: (-series.slices, series.uid)), damaged
+    # phases of one series keep their order; doses come after the scans that they belong to
+    found.sort(key=lambda series: (series.modality == RTDOSE, -series.slices, series.uid))
+    return found, damaged
 
 
 def _group(header: Header) -> tuple[Any, ...]:
@@ -267,17 +274,19 @@ def _header(
     stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * told // 8
     syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
     packed = bool(syntax is not None and (syntax.is_compressed or syntax.is_deflated))
+    frames = tuple(frame_of(dataset, index) for index in range(count))
+    dose = dose_tags_of(dataset, frames) if modality == RTDOSE else None
     return Header(
         path=path,
         series=str(dataset.get("SeriesInstanceUID") or ""),
         description=str(dataset.get("SeriesDescription") or ""),
         modality=modality,
-        unit=_unit(dataset, modality),
+        unit=_unit(dataset, modality) if dose is None else dose.unit,
         rows=int(rows),
         columns=int(columns),
         # numbers that a table turns into colours are no intensities either
         samples=3 if dataset.get("PhotometricInterpretation") == "PALETTE COLOR" else samples,
-        frames=tuple(frame_of(dataset, index) for index in range(count)),
+        frames=frames if dose is None else dose.frames,
         truncated=not packed and left < stored,
         plain=plain,
         instance=str(dataset.get("SOPInstanceUID") or ""),
@@ -293,6 +302,8 @@ def _header(
         thickness=_length(dataset, "SliceThickness"),
         table=table_of(dataset),
         told=_told(dataset, count),
+        pet=pet_tags_of(dataset, modality),
+        dose=dose,
     )
 
 

@@ -120,7 +120,7 @@ def _part(header: Header) -> _Part:
 
 def _values(header: Header, stored: NDArray[Any]) -> NDArray[Any]:
     """Returns the values of numbers as they are stored, shape [frames, rows, columns]."""
-    turned = header.inverted and header.unit != "HU"
+    turned = header.inverted and not header.unit
     if header.table is not None:
         values = looked_up(stored, header.table)
         # over the range of a table of 16 bits

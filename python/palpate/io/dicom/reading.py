@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
 from palpate.io.dicom.header import Header, Series, read_header
 from palpate.io.dicom.phases import phases_of
@@ -25,6 +26,7 @@ from palpate.io.dicom.pixels import read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
 from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.suv import quantified
 from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
 from palpate.io.raw_scan import RawScan, check_shape
 from palpate.volumes.stored_values import Scale
@@ -168,6 +170,7 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
             "allowed: one intensity per pixel"
         )
     series, said = _without_copies(series)
+    said += dose_told(what, series)
     check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
     short = [header.path.name for header in series.headers if header.truncated]
     if short:
@@ -204,15 +207,16 @@ def _told(series: Series) -> tuple[str, ...]:
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
     # where the slices lie, before the long work
     plan = plan_of(what, series, max_voxels=max_voxels)
-    pixels = read_slices(plan.series.headers, progress=progress)
+    series, told = quantified(what, plan.series)
+    pixels = read_slices(series.headers, progress=progress)
     values = pixels.values
     if plan.stack is not None:
         if plan.stack.order != tuple(range(len(values))):
             values = values[list(plan.stack.order)]
         if plan.grid.resampled:
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
-    scan = _scan(plan, values)
-    scan.warnings += plan.said
+    scan = _scan(replace(plan, series=series), values)
+    scan.warnings += [*plan.said, *told]
     return scan
 
 
@@ -245,13 +249,14 @@ def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:
         unit=series.headers[0].unit,
         series=series.uid,
         frame=series.headers[0].frame,
+        patient=series.headers[0].patient,
         file_scale=Scale(*scale) if scale else None,
         orientation_known=plan.stack is not None,
     )
     if series.headers[0].inverted:
         scan.warnings.append(
             "the files want low values bright (MONOCHROME1): "
-            + ("HU are kept as they are" if scan.unit == "HU" else "values are turned around")
+            + (f"{scan.unit} are kept as they are" if scan.unit else "values are turned around")
         )
     if grid.told:
         scan.warnings.append("; ".join(grid.told))
