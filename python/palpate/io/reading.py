@@ -18,11 +18,12 @@ from palpate.io.image_file import read_file
 from palpate.io.packed_images import image_of, read_unpacked
 from palpate.io.raw_scan import RawScan
 from palpate.io.raw_voxels import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
+from palpate.io.upright import upright
 from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
-__all__ = ["list_series", "read"]
+__all__ = ["find_scan", "list_series", "read"]
 
 Place = str | PathLike[str]
 
@@ -34,6 +35,7 @@ def read(
     path: Place | Sequence[Place],
     *,
     series: str | None = None,
+    frame: int | None = None,
     orientation: str | None = None,
     unit: str | None = None,
     fill: float | None = None,
@@ -46,10 +48,12 @@ def read(
 
     Args:
         path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
-            slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels. Several
-            paths are DICOM files, or folders of them, of one scan.
+            slices; a NIfTI, NRRD, MetaImage, MINC, FreeSurfer, Analyze, PAR/REC or AFNI file; a
+            folder of pictures; raw voxels. Several paths are DICOM files, or folders of them, of
+            one scan.
         series: Series to read where there are several: its UID, its description, or its number in
             the list of the error message; also the name of an image file in a folder or an archive.
+        frame: Volume of an image file that holds several, such as times, counted from 1.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not state them or is wrong.
         unit: "HU" where the values are known to be HU.
@@ -66,7 +70,7 @@ def read(
     Raises:
         FileNotFoundError: ``path`` does not exist.
         VolumeFormatError: It is not a complete, three-dimensional scan with one value per voxel.
-        SeriesChoiceError: There are several series, or not the requested one.
+        SeriesChoiceError: There are several series or volumes, or not the requested one.
         OptionError: An option has a value that is not allowed.
     """
     places = _places(path)
@@ -74,8 +78,10 @@ def read(
     _check_options(source, series=series, unit=unit, max_voxels=max_voxels)
     if len(places) > 1:
         _refuse_bare(raw, voxel_size)
+        _refuse_frame(source, frame)
         scan = read_dicom_files(places, series=series, max_voxels=max_voxels, progress=progress)
     elif raw is not None or _is_pictures(source, sized=voxel_size is not None):
+        _refuse_frame(source, frame)
         layout = None if raw is None else RawLayout.of(raw)
         scan = _read_bare(
             source, layout, voxel=voxel_size, max_voxels=max_voxels, progress=progress
@@ -85,7 +91,10 @@ def read(
             f"voxel size given for {source}; allowed: for raw voxels and pictures, others tell it"
         )
     else:
-        scan = _read(source, series=series, max_voxels=max_voxels, progress=progress)
+        scan = find_scan(
+            source, series=series, frame=frame, max_voxels=max_voxels, progress=progress
+        )
+        scan = upright(str(source), scan, max_voxels=max_voxels, progress=progress)
     _apply_orientation(scan, orientation)
     if unit is not None:
         scan.unit = unit
@@ -125,6 +134,7 @@ def read(
     # what other places of the file and of the program could not know
     options = {
         "series": series,
+        "frame": frame,
         "orientation": orientation,
         "unit": unit,
         "fill": fill,
@@ -186,25 +196,55 @@ def _check_options(source: Path, *, series: str | None, unit: str | None, max_vo
         )
 
 
-def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progress) -> RawScan:
+def find_scan(
+    source: Path,
+    *,
+    series: str | None = None,
+    frame: int | None = None,
+    max_voxels: int = 1024**3,
+    progress: Progress,
+) -> RawScan:
+    """Reads the scan at a place as it stands there; its axes may be sheared.
+
+    Raises:
+        VolumeFormatError: It is not a complete, three-dimensional scan with one value per voxel.
+        SeriesChoiceError: There are several series or volumes, or not the requested one.
+        OptionError: A volume was asked for of what is no image file.
+    """
     if source.is_dir():
         image = image_of(source, series, called=source, progress=progress)
         if image is not None:
-            return read_file(image, max_voxels=max_voxels, progress=progress)
+            return read_file(image, frame=frame, max_voxels=max_voxels, progress=progress)
+        _refuse_frame(source, frame)
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
     if is_archive(source):
         with unpacked(source, progress) as folder:
             image = image_of(folder, series, called=source, progress=progress)
             if image is not None:
                 return read_unpacked(
-                    image, folder, called=source, max_voxels=max_voxels, progress=progress
+                    image,
+                    folder,
+                    called=source,
+                    frame=frame,
+                    max_voxels=max_voxels,
+                    progress=progress,
                 )
+            _refuse_frame(source, frame)
             return read_dicom_folder(
                 folder, series=series, max_voxels=max_voxels, progress=progress, called=source
             )
     if is_dicom(source):
+        _refuse_frame(source, frame)
         return read_dicom_file(source, series=series, max_voxels=max_voxels, progress=progress)
-    return read_file(source, max_voxels=max_voxels, progress=progress)
+    return read_file(source, frame=frame, max_voxels=max_voxels, progress=progress)
+
+
+def _refuse_frame(source: Path, frame: int | None) -> None:
+    if frame is not None:
+        raise OptionError(
+            f"frame {frame} was asked of {source}; allowed: with an image file of several volumes; "
+            "those of DICOM are series"
+        )
 
 
 def _is_pictures(source: Path, *, sized: bool) -> bool:

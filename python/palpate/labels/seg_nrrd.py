@@ -48,7 +48,7 @@ def read_seg_nrrd(
         OptionError: It lies on another grid than the scan.
     """
     sitk = simpleitk()
-    check_payload(path, {}, "nrrd")
+    check_payload(path, "nrrd")
     progress(f"reading {path.name}", None)
     try:
         image = sitk.ReadImage(str(path))
