@@ -25,6 +25,7 @@ __all__ = [
     "check_own_voxels",
     "header_of",
     "image_files",
+    "is_beside",
     "middle_of",
     "read_file",
 ]

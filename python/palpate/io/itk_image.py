@@ -22,7 +22,7 @@ from palpate.io.payload import check_payload, metaimage_header, nrrd_header
 from palpate.io.raw_scan import RawScan, refuse_components
 from palpate.io.stored_image import Place
 
-__all__ = ["ItkImage"]
+__all__ = ["ItkImage", "unit_of"]
 
 IMAGE_IO = {"": "", "metaimage": "MetaImageIO", "nrrd": "NrrdImageIO", "minc": "MINCImageIO"}
 """Each format's reader in ITK; "" lets it look for one."""
@@ -59,7 +59,7 @@ class ItkImage:
         # samples of an axis beside those of space
         self.listed = components > 1 and _is_list(path, format_name)
         self.size = (*self.reader.GetSize(), *([components] if self.listed else []))
-        self.scale, self.told = _unit(path, format_name)
+        self.scale, self.told = unit_of(path, format_name)
         across, down, *along = (length * self.scale for length in self.reader.GetSpacing())
         self.spacing = (across, down, *along[:1])
 
@@ -141,7 +141,7 @@ SPACE = ("domain", "space")
 """Kinds of NRRD axes along which voxels lie."""
 
 
-def _unit(path: Path, format_name: str) -> tuple[float, tuple[str, ...]]:
+def unit_of(path: Path, format_name: str) -> tuple[float, tuple[str, ...]]:
     """Returns how many millimetres a file's unit of length is, and what to tell of it."""
     units: list[str] = []
     if format_name == "nrrd":

@@ -17,7 +17,7 @@ from typing import BinaryIO
 
 from palpate.base.errors import VolumeFormatError
 
-__all__ = ["Payload", "check_payload", "metaimage_header", "nrrd_header"]
+__all__ = ["Payload", "check_payload", "header_text", "metaimage_header", "nrrd_header"]
 
 CHUNK = 1 << 20
 ZLIB, GZIP = 15, 31
@@ -107,6 +107,14 @@ def _sizes(file: BinaryIO, wrapper: int) -> Iterator[int]:
                 stream = zlib.decompressobj(wrapper)
 
 
+def header_text(line: bytes) -> str:
+    """Returns text of a header: UTF-8, as programs write it today, else Latin-1."""
+    try:
+        return line.decode()
+    except UnicodeDecodeError:
+        return line.decode("latin-1")
+
+
 # --- MetaImage --------------------------------------------------------------------------
 
 
@@ -116,7 +124,7 @@ def metaimage_header(path: Path) -> tuple[dict[str, str], int]:
     with path.open("rb") as file:
         # a header is a few lines; a file without an end to it is none
         for line in iter(lambda: file.readline(CHUNK), b""):
-            name, _, value = line.decode("latin-1").partition("=")
+            name, _, value = header_text(line).partition("=")
             fields[name.strip()] = value.strip()
             if name.strip() == "ElementDataFile":
                 break
@@ -147,7 +155,7 @@ def nrrd_header(path: Path) -> tuple[dict[str, str], int]:
     fields: dict[str, str] = {}
     with path.open("rb") as file:
         for line in iter(lambda: file.readline(CHUNK), b""):
-            text = line.decode("latin-1").strip()
+            text = header_text(line).strip()
             if not text:
                 break
             name, separator, value = text.partition(":")

@@ -19,7 +19,7 @@ from palpate.io.dicom.geometry import Stack, grid_of
 from palpate.io.dicom.resample import resample
 from palpate.io.raw_scan import RawScan, check_shape
 
-__all__ = ["upright"]
+__all__ = ["squared", "upright"]
 
 EXACT = 1e-5
 """Angles off by less are right ones as single precision writes them [rad]."""
@@ -33,10 +33,10 @@ def upright(what: str, scan: RawScan, *, max_voxels: int, progress: Progress) ->
     Raises:
         VolumeFormatError: Rows and columns are sheared, or the right grid has too many voxels.
     """
-    angles = scan.direction.T @ scan.direction - np.eye(3)
-    off = float(np.abs(angles).max())
-    if off <= NEARLY:
-        return _turned(scan, off)
+    scan = squared(scan)
+    angles = _angles(scan)
+    if np.abs(angles).max() <= NEARLY:
+        return scan
     if abs(float(angles[0, 1])) > NEARLY:
         raise VolumeFormatError(
             f"{what} has sheared axes: the angle of its rows and columns is "
@@ -46,8 +46,17 @@ def upright(what: str, scan: RawScan, *, max_voxels: int, progress: Progress) ->
     return _resampled(what, scan, max_voxels=max_voxels, progress=progress)
 
 
-def _turned(scan: RawScan, off: float) -> RawScan:
-    """Takes the rotation nearest to the axes; the middle of the scan stays where it is."""
+def _angles(scan: RawScan) -> NDArray[np.float64]:
+    """Returns how far axes are from right angles, shape [3, 3] [rad]."""
+    off: NDArray[np.float64] = scan.direction.T @ scan.direction - np.eye(3)
+    return off
+
+
+def squared(scan: RawScan) -> RawScan:
+    """Makes nearly right axes right ones; the middle of the scan stays where it is."""
+    off = float(np.abs(_angles(scan)).max())
+    if not off <= NEARLY:
+        return scan
     left, _, right = np.linalg.svd(scan.direction)
     nearest: NDArray[np.float64] = left @ right
     if off <= EXACT:
