@@ -43,7 +43,7 @@ LARGEST_SAMPLE = 600_000
 """Largest file [bytes]; larger ones take long and would be damaged in the same places."""
 MOST_VOXELS = 1 << 25
 MOST_OF_A_FOLDER = 6
-ENDINGS = tuple(ending for _, some in FORMATS.values() for ending in some)
+ENDINGS = tuple(ending for some in FORMATS.values() for ending in some)
 MESHES = (".stl", ".ply", ".obj", ".glb")
 EXTREMES = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF)
 """Extreme numbers that replace lengths and sizes."""

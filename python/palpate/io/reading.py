@@ -14,12 +14,13 @@ from palpate.base.reader_process import apart
 from palpate.io.dicom.header import Series
 from palpate.io.dicom.series import called_of
 from palpate.io.raw_scan import RawScan, check_place
-from palpate.io.scan_at import scan_at, series_at
+from palpate.io.scan_at import VoxelSize, scan_at, series_at
+from palpate.io.upright import upright
 from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
-__all__ = ["list_series", "read"]
+__all__ = ["find_scan", "list_series", "read"]
 
 Place = str | PathLike[str]
 
@@ -31,6 +32,7 @@ def read(
     path: Place | Sequence[Place],
     *,
     series: str | None = None,
+    frame: int | None = None,
     orientation: str | None = None,
     unit: str | None = None,
     fill: float | None = None,
@@ -43,10 +45,12 @@ def read(
 
     Args:
         path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
-            slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels. Several
-            paths are DICOM files, or folders of them, of one scan.
+            slices; a NIfTI, NRRD, MetaImage, MINC, FreeSurfer, Analyze, PAR/REC or AFNI file; a
+            folder of pictures; raw voxels. Several paths are DICOM files, or folders of them, of
+            one scan.
         series: Series to read where there are several: its UID, its description, or its number in
             the list of the error message; also the name of an image file in a folder or an archive.
+        frame: Volume of an image file that holds several, such as times, counted from 1.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not state them or is wrong.
         unit: "HU" where the values are known to be HU.
@@ -63,24 +67,23 @@ def read(
     Raises:
         FileNotFoundError: ``path`` does not exist.
         VolumeFormatError: It is not a complete, three-dimensional scan with one value per voxel.
-        SeriesChoiceError: There are several series, or not the requested one.
+        SeriesChoiceError: There are several series or volumes, or not the requested one.
         OptionError: An option has a value that is not allowed.
     """
     places = _places(path)
     source = called_of(places)
     if unit is not None and unit not in UNITS:
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
-    scan = apart(
-        scan_at,
+    scan = find_scan(
         places,
-        path=source,
-        progress=progress,
         series=series,
+        frame=frame,
         raw=raw,
         voxel_size=voxel_size,
         max_voxels=max_voxels,
+        progress=progress,
     )
-    check_place(str(source), scan)
+    scan = upright(str(source), scan, max_voxels=max_voxels, progress=progress)
     _apply_orientation(scan, orientation)
     if unit is not None:
         if scan.unit not in ("", unit):
@@ -123,6 +126,7 @@ def read(
     # what other places of the file and of the program could not know
     options = {
         "series": series,
+        "frame": frame,
         "orientation": orientation,
         "unit": unit,
         "fill": fill,
@@ -151,6 +155,37 @@ def _places(path: Place | Sequence[Place]) -> list[Path]:
     if not places:
         raise OptionError("no path given; allowed: one, or several DICOM files")
     return places
+
+
+def find_scan(
+    places: Sequence[Path],
+    *,
+    series: str | None = None,
+    frame: int | None = None,
+    raw: str | None = None,
+    voxel_size: VoxelSize | None = None,
+    max_voxels: int = 1024**3,
+    progress: Progress,
+) -> RawScan:
+    """Reads a scan as it stands in its files, with the options of ``read``; axes may be sheared.
+
+    Raises:
+        PalpateError: As ``read`` raises it.
+    """
+    source = called_of(places)
+    scan = apart(
+        scan_at,
+        places,
+        path=source,
+        progress=progress,
+        series=series,
+        frame=frame,
+        raw=raw,
+        voxel_size=voxel_size,
+        max_voxels=max_voxels,
+    )
+    check_place(str(source), scan)
+    return scan
 
 
 def _apply_orientation(scan: RawScan, orientation: str | None) -> None:

@@ -30,6 +30,7 @@ def scan_at(
     places: Sequence[Path],
     *,
     series: str | None,
+    frame: int | None,
     raw: str | None,
     voxel_size: VoxelSize | None,
     max_voxels: int,
@@ -47,8 +48,10 @@ def scan_at(
     _check_options(source, series=series, max_voxels=max_voxels)
     if len(places) > 1:
         _refuse_bare(raw, voxel_size)
+        _refuse_frame(source, frame)
         return read_dicom_files(places, series=series, max_voxels=max_voxels, progress=progress)
     if raw is not None or _is_pictures(source, sized=voxel_size is not None):
+        _refuse_frame(source, frame)
         layout = None if raw is None else RawLayout.of(raw)
         return _read_bare(
             source, layout, voxel=voxel_size, max_voxels=max_voxels, progress=progress
@@ -57,7 +60,7 @@ def scan_at(
         raise OptionError(
             f"voxel size given for {source}; allowed: for raw voxels and pictures, others tell it"
         )
-    return _read(source, series=series, max_voxels=max_voxels, progress=progress)
+    return _read(source, series=series, frame=frame, max_voxels=max_voxels, progress=progress)
 
 
 def series_at(places: Sequence[Path], *, progress: Progress) -> list[Series]:
@@ -101,27 +104,45 @@ def _check_options(source: Path, *, series: str | None, max_voxels: int) -> None
         )
 
 
-def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progress) -> RawScan:
+def _read(
+    source: Path, *, series: str | None, frame: int | None, max_voxels: int, progress: Progress
+) -> RawScan:
     if source.is_dir():
         image = image_of(source, series, called=source, progress=progress)
         if image is not None:
             with looking_at(image, "an image file"):
-                return read_file(image, max_voxels=max_voxels, progress=progress)
+                return read_file(image, frame=frame, max_voxels=max_voxels, progress=progress)
+        _refuse_frame(source, frame)
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
     if is_archive(source):
         with unpacked(source, progress) as folder:
             image = image_of(folder, series, called=source, progress=progress)
             if image is not None:
                 return read_unpacked(
-                    image, folder, called=source, max_voxels=max_voxels, progress=progress
+                    image,
+                    folder,
+                    called=source,
+                    frame=frame,
+                    max_voxels=max_voxels,
+                    progress=progress,
                 )
+            _refuse_frame(source, frame)
             return read_dicom_folder(
                 folder, series=series, max_voxels=max_voxels, progress=progress, called=source
             )
     if is_dicom(source):
+        _refuse_frame(source, frame)
         return read_dicom_file(source, series=series, max_voxels=max_voxels, progress=progress)
     with looking_at(source, "an image file"):
-        return read_file(source, max_voxels=max_voxels, progress=progress)
+        return read_file(source, frame=frame, max_voxels=max_voxels, progress=progress)
+
+
+def _refuse_frame(source: Path, frame: int | None) -> None:
+    if frame is not None:
+        raise OptionError(
+            f"frame {frame} was asked of {source}; allowed: with an image file of several volumes; "
+            "those of DICOM are series"
+        )
 
 
 def _is_pictures(source: Path, *, sized: bool) -> bool:
