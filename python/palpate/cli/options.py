@@ -93,7 +93,10 @@ Resample = Annotated[
 ]
 With = Annotated[
     Path | None,
-    typer.Option("--with", help="Second scan to show together with the first, such as MR with CT."),
+    typer.Option(
+        "--with",
+        help="Second scan to show together with the first, such as MR or RTDOSE with CT.",
+    ),
 ]
 Transform = Annotated[
     Path | None,

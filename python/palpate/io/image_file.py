@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.io.header_check import check_header
 from palpate.io.open_image import OpenImage
 from palpate.io.raw_scan import RawScan, check_shape, choose_frame
 
@@ -169,6 +170,7 @@ def _opened(path: Path) -> OpenImage:
             f"{path} only holds what macOS keeps beside a file (AppleDouble); allowed: that file, "
             "whose name is without the ._"
         )
+    check_header(path)
     name = path.name.lower()
     format_name = next((key for key, ends in FORMATS.items() if name.endswith(ends)), None)
     if format_name == "nifti":

@@ -15,9 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import SeriesChoiceError, VolumeFormatError
+from palpate.base.reader_process import expect
 from palpate.volumes.stored_values import Scale
 
-__all__ = ["RawScan", "check_shape", "choose_frame", "kind_of", "refuse_components", "stem_of"]
+__all__ = [
+    "RawScan",
+    "check_place",
+    "check_shape",
+    "choose_frame",
+    "kind_of",
+    "refuse_components",
+    "stem_of",
+]
+
+LARGEST = 1e9
+"""Of voxels and places [mm]: a thousand kilometres are no patient."""
 
 
 @dataclass(kw_only=True)
@@ -36,6 +48,8 @@ class RawScan:
     series: str = ""
     frame: str = ""
     """FrameOfReferenceUID, for DICOM."""
+    patient: str = ""
+    """Name and number, for DICOM."""
     orientation_known: bool = True
     file_scale: Scale | None = None
     warnings: list[str] = field(default_factory=list)
@@ -59,6 +73,27 @@ def check_shape(what: str, size: tuple[int, ...], max_voxels: int) -> None:
             f"{what} has {named} = {math.prod(size)} voxels; allowed: at most {max_voxels}, "
             "or more with --max-voxels"
         )
+    expect(math.prod(size))
+
+
+def check_place(what: str, scan: RawScan) -> None:
+    """Refuses a scan whose voxels or place cannot be: 0, NaN, infinite or far beyond any patient.
+
+    Raises:
+        VolumeFormatError: One is such.
+    """
+    axes = scan.direction.ravel().tolist()
+    for name, numbers, least in (
+        ("voxels", scan.spacing, 0.0),
+        ("a first voxel at a place", scan.origin, -LARGEST),
+        ("axes", axes, -LARGEST),
+    ):
+        if not all(least < number < LARGEST for number in numbers):
+            told = ", ".join(f"{number:g}" for number in numbers)
+            raise VolumeFormatError(
+                f"{what} has {name} of {told} mm, which cannot be; allowed: finite lengths of the "
+                "size of patients, and voxels of more than 0 mm"
+            )
 
 
 def choose_frame(what: str, size: tuple[int, ...], frame: int | None) -> int:

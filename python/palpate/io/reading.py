@@ -8,22 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.base.errors import OptionError, PalpateError
 from palpate.base.progress import Progress, silent
-from palpate.io.archive import is_archive, unpacked
+from palpate.base.reader_process import apart
 from palpate.io.dicom.header import Series
-from palpate.io.dicom.reading import read_dicom_file, read_dicom_files, read_dicom_folder
-from palpate.io.dicom.series import called_of, is_dicom, series_among, series_in
-from palpate.io.image_file import read_file
-from palpate.io.packed_images import image_of, read_unpacked
-from palpate.io.raw_scan import RawScan
-from palpate.io.raw_voxels import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
-from palpate.io.upright import upright
+from palpate.io.dicom.series import called_of
+from palpate.io.raw_scan import RawScan, check_place
+from palpate.io.scan_at import scan_at, series_at
 from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
-__all__ = ["find_scan", "list_series", "read"]
+__all__ = ["list_series", "read"]
 
 Place = str | PathLike[str]
 
@@ -75,28 +71,24 @@ def read(
     """
     places = _places(path)
     source = called_of(places)
-    _check_options(source, series=series, unit=unit, max_voxels=max_voxels)
-    if len(places) > 1:
-        _refuse_bare(raw, voxel_size)
-        _refuse_frame(source, frame)
-        scan = read_dicom_files(places, series=series, max_voxels=max_voxels, progress=progress)
-    elif raw is not None or _is_pictures(source, sized=voxel_size is not None):
-        _refuse_frame(source, frame)
-        layout = None if raw is None else RawLayout.of(raw)
-        scan = _read_bare(
-            source, layout, voxel=voxel_size, max_voxels=max_voxels, progress=progress
-        )
-    elif voxel_size is not None:
-        raise OptionError(
-            f"voxel size given for {source}; allowed: for raw voxels and pictures, others tell it"
-        )
-    else:
-        scan = find_scan(
-            source, series=series, frame=frame, max_voxels=max_voxels, progress=progress
-        )
-        scan = upright(str(source), scan, max_voxels=max_voxels, progress=progress)
+    if unit is not None and unit not in UNITS:
+        raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
+    scan = apart(
+        scan_at,
+        places,
+        path=source,
+        progress=progress,
+        series=series,
+        frame=frame,
+        raw=raw,
+        voxel_size=voxel_size,
+        max_voxels=max_voxels,
+    )
+    check_place(str(source), scan)
     _apply_orientation(scan, orientation)
     if unit is not None:
+        if scan.unit not in ("", unit):
+            scan.warnings.append(f"unit {unit} replaces the file's own, {scan.unit}")
         scan.unit = unit
 
     progress("storing values as 16 bits", None)
@@ -127,6 +119,7 @@ def read(
             unit=scan.unit,
             series=scan.series,
             frame=scan.frame,
+            patient=scan.patient,
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
         ),
@@ -155,17 +148,7 @@ def list_series(path: Place | Sequence[Place], *, progress: Progress = silent) -
         VolumeFormatError: It is none of these, or has no scan.
     """
     places = _places(path)
-    if len(places) > 1:
-        return series_among(places, progress=progress)[0]
-    source = places[0]
-    if not source.exists():
-        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
-    if is_archive(source):
-        with unpacked(source, progress) as folder:
-            return series_in(folder, called=source, progress=progress)[0]
-    if not source.is_dir():
-        raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
-    return series_in(source, progress=progress)[0]
+    return apart(series_at, places, path=called_of(places), progress=progress)
 
 
 def _places(path: Place | Sequence[Place]) -> list[Path]:
@@ -173,97 +156,6 @@ def _places(path: Place | Sequence[Place]) -> list[Path]:
     if not places:
         raise OptionError("no path given; allowed: one, or several DICOM files")
     return places
-
-
-def _refuse_bare(raw: str | None, voxel: tuple[float, float, float] | None) -> None:
-    if raw is not None or voxel is not None:
-        raise OptionError(
-            "a layout or voxel size given for several files; allowed: for one file or folder"
-        )
-
-
-def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:
-    if not source.exists():
-        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
-    if unit is not None and unit not in UNITS:
-        raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
-    if max_voxels < 1:
-        raise OptionError(f"max_voxels is {max_voxels}; allowed: 1 or more")
-    if series is not None and not (source.is_dir() or is_archive(source) or is_dicom(source)):
-        raise OptionError(
-            f"series {series!r} was asked of {source}; allowed: with a DICOM folder, archive or "
-            "file"
-        )
-
-
-def find_scan(
-    source: Path,
-    *,
-    series: str | None = None,
-    frame: int | None = None,
-    max_voxels: int = 1024**3,
-    progress: Progress,
-) -> RawScan:
-    """Reads the scan at a place as it stands there; its axes may be sheared.
-
-    Raises:
-        VolumeFormatError: It is not a complete, three-dimensional scan with one value per voxel.
-        SeriesChoiceError: There are several series or volumes, or not the requested one.
-        OptionError: A volume was asked for of what is no image file.
-    """
-    if source.is_dir():
-        image = image_of(source, series, called=source, progress=progress)
-        if image is not None:
-            return read_file(image, frame=frame, max_voxels=max_voxels, progress=progress)
-        _refuse_frame(source, frame)
-        return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
-    if is_archive(source):
-        with unpacked(source, progress) as folder:
-            image = image_of(folder, series, called=source, progress=progress)
-            if image is not None:
-                return read_unpacked(
-                    image,
-                    folder,
-                    called=source,
-                    frame=frame,
-                    max_voxels=max_voxels,
-                    progress=progress,
-                )
-            _refuse_frame(source, frame)
-            return read_dicom_folder(
-                folder, series=series, max_voxels=max_voxels, progress=progress, called=source
-            )
-    if is_dicom(source):
-        _refuse_frame(source, frame)
-        return read_dicom_file(source, series=series, max_voxels=max_voxels, progress=progress)
-    return read_file(source, frame=frame, max_voxels=max_voxels, progress=progress)
-
-
-def _refuse_frame(source: Path, frame: int | None) -> None:
-    if frame is not None:
-        raise OptionError(
-            f"frame {frame} was asked of {source}; allowed: with an image file of several volumes; "
-            "those of DICOM are series"
-        )
-
-
-def _is_pictures(source: Path, *, sized: bool) -> bool:
-    """Says whether pictures are to be stacked: a single one is a scan only if said to be one."""
-    return holds_pictures(source) if source.is_dir() else sized and is_picture(source)
-
-
-def _read_bare(
-    source: Path,
-    layout: RawLayout | None,
-    *,
-    voxel: tuple[float, float, float] | None,
-    max_voxels: int,
-    progress: Progress,
-) -> RawScan:
-    """Reads what does not tell its own geometry."""
-    if layout is None:
-        return read_pictures(source, voxel=voxel, max_voxels=max_voxels, progress=progress)
-    return read_raw(source, layout, voxel=voxel, max_voxels=max_voxels, progress=progress)
 
 
 def _apply_orientation(scan: RawScan, orientation: str | None) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import PalpateError
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart
 from palpate.io.dicom.series import is_dicom
 from palpate.io.image_file import header_of, is_beside, middle_of, read_file
 from palpate.labels.label_map import ENDINGS, MOST_LABELS
@@ -56,6 +57,14 @@ def labels_in(place: Path) -> Path:
 
 def labels_told(path: Path, *, progress: Progress = silent) -> LabelsTold | None:
     """Returns what segments there are at a path; None where there is something else, or nothing."""
+    try:
+        return apart(_told, path, path=path, progress=progress)
+    except PalpateError:
+        # whoever reads it as a scan says what is wrong with it
+        return None
+
+
+def _told(path: Path, *, progress: Progress) -> LabelsTold | None:
     place = labels_in(path)
     if place != path and any(_is_other(file) for file in path.iterdir() if file != place):
         # a scan may be there too

@@ -6,8 +6,11 @@ from os import PathLike
 from pathlib import Path
 
 from palpate.base.errors import OptionError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart
 from palpate.io.dicom.header import damage_told
+from palpate.io.dicom.promises import check_deflated
 from palpate.io.dicom.series import is_dicom
 from palpate.labels.contours import read_rtstruct
 from palpate.labels.dicom_seg import read_seg
@@ -48,6 +51,7 @@ def read_labels(
     source = Path(path)
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    check_plain(source)
     found = _read(source, volume, resample=resample, progress=progress)
     if not found.labels:
         why = "; ".join(found.warnings) or "no labels"
@@ -75,8 +79,13 @@ def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -
 
 def modality_of(path: Path) -> str:
     """Returns the modality of a DICOM file, such as "SEG"; "" where it has none."""
+    return apart(_modality_of, path, path=path)
+
+
+def _modality_of(path: Path) -> str:
     import pydicom
 
     with damage_told(path):
+        check_deflated(path)
         dataset = pydicom.dcmread(path, stop_before_pixels=True, specific_tags=["Modality"])
         return str(dataset.get("Modality") or "")

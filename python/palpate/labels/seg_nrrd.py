@@ -9,12 +9,16 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.base.reader_process import apart, looking_at
 from palpate.base.simpleitk import reason_of, simpleitk
+from palpate.io.header_check import check_header
 from palpate.io.itk_image import unit_of
 from palpate.io.payload import check_payload, header_text, nrrd_header
 from palpate.labels.grid import (
@@ -40,6 +44,48 @@ def is_segmentation(path: Path) -> bool:
     return any(re.fullmatch(r"segment\d+_.*", name) for name in fields)
 
 
+@dataclass(frozen=True)
+class _Image:
+    """What a file holds."""
+
+    layers: NDArray[Any]
+    """Shape [z, y, x, layer]."""
+    spacing: NDArray[np.float64]
+    origin: NDArray[np.float64]
+    direction: NDArray[np.float64]
+    fields: dict[str, str]
+    told: tuple[str, ...]
+    """What is not as it should be, in words."""
+
+
+def _image_at(path: Path, *, progress: Progress) -> _Image:
+    """Reads a file, in a worker."""
+    sitk = simpleitk()
+    check_header(path)
+    check_payload(path, "nrrd")
+    progress(f"reading {path.name}", None)
+    try:
+        with looking_at(path, "NRRD"):
+            image = sitk.ReadImage(str(path))
+    except RuntimeError as error:
+        raise VolumeFormatError(
+            f"{path} cannot be read: {reason_of(error)}; allowed: complete, undamaged files"
+        ) from None
+    if image.GetDimension() != 3:
+        raise OptionError(f"{path} has {image.GetDimension()} axes; allowed: three, and layers")
+    # layers come last
+    voxels = sitk.GetArrayFromImage(image)
+    scale, told = unit_of(path, "nrrd")
+    return _Image(
+        layers=voxels[..., None] if voxels.ndim == 3 else voxels,
+        spacing=np.multiply(image.GetSpacing(), scale),
+        origin=np.multiply(image.GetOrigin(), scale),
+        direction=np.reshape(image.GetDirection(), (3, 3)),
+        fields={key: _text(image.GetMetaData(key)) for key in image.GetMetaDataKeys()},
+        told=told,
+    )
+
+
 def read_seg_nrrd(
     path: Path, volume: Volume, *, resample: bool = False, progress: Progress
 ) -> Labels:
@@ -49,30 +95,13 @@ def read_seg_nrrd(
         VolumeFormatError: The file is damaged.
         OptionError: It lies on another grid than the scan.
     """
-    sitk = simpleitk()
-    check_payload(path, "nrrd")
-    progress(f"reading {path.name}", None)
-    try:
-        image = sitk.ReadImage(str(path))
-    except RuntimeError as error:
-        raise VolumeFormatError(
-            f"{path} cannot be read: {reason_of(error)}; allowed: complete, undamaged files"
-        ) from None
-    if image.GetDimension() != 3:
-        raise OptionError(f"{path} has {image.GetDimension()} axes; allowed: three, and layers")
-
-    # layers come last: [z, y, x, layer]
-    voxels = sitk.GetArrayViewFromImage(image)
-    layers = voxels[..., None] if voxels.ndim == 3 else voxels
-    direction = np.reshape(image.GetDirection(), (3, 3))
-    scale, told = unit_of(path, "nrrd")
-    spacing, origin = (np.multiply(each, scale) for each in (image.GetSpacing(), image.GetOrigin()))
-    grid = patient_from_grid(spacing, origin, direction)
+    image = apart(_image_at, path, path=path, progress=progress)
+    layers, fields = image.layers, image.fields
+    grid = patient_from_grid(image.spacing, image.origin, image.direction)
     place = placement(
         f"segmentation {path}", grid, layers.shape[:3], volume=volume, resample=resample
     )
 
-    fields = {key: _text(image.GetMetaData(key)) for key in image.GetMetaDataKeys()}
     stored = _stored_segments(path, fields, layers.shape[3])
     made: list[Label] = []
     outside = empty = 0
@@ -88,7 +117,7 @@ def read_seg_nrrd(
             made.append(Label(segment, _colour(fields, one.number)))
         else:
             empty += 1
-    said = [*told, *([f"{empty} segments are empty"] if empty else [])]
+    said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
     said += [RESAMPLED] if isinstance(place, Resampling) else []
     return Labels(tuple(made), tuple(said))

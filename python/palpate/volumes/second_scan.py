@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.reader_process import apart
 from palpate.base.simpleitk import Transform, image_on, reason_of, simpleitk
 from palpate.volumes.volume import Volume
 
-__all__ = ["SecondScan", "placed", "read_transform"]
+__all__ = ["SecondScan", "doubts_of", "placed", "read_transform"]
 
 LEAST_DETERMINANT = 1e-6
 """Least determinant of a transform: one that flattens more cannot be inverted."""
@@ -69,6 +70,24 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
     return SecondScan(_resampled(first, second, transform), before_resampling=second)
 
 
+def doubts_of(first: Volume, second: SecondScan) -> tuple[str, ...]:
+    """Returns sentences on why a scan may not belong to the first one, or lie elsewhere in it."""
+    one, other = first.traits, second.as_read.traits
+    found = []
+    if one.patient and other.patient and one.patient.casefold() != other.patient.casefold():
+        found.append("its patient is not that of the first scan")
+    if second.is_moved:
+        return tuple(found)
+    if one.frame and other.frame and one.frame != other.frame:
+        found.append(
+            "its frame of reference is not that of the first scan, so it may lie elsewhere until "
+            "it is registered"
+        )
+    elif other.modality == "RTDOSE" and not (one.frame and other.frame):
+        found.append("no frame of reference tells that this dose lies right in the first scan")
+    return tuple(found)
+
+
 def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:
     """Returns the ``SimpleITK.Transform`` in a file; errors name the file as it was ``called``.
 
@@ -79,11 +98,15 @@ def read_transform(path: str | PathLike[str], *, called: str | None = None) -> T
     file = Path(path)
     if not file.is_file():
         raise FileNotFoundError(f"no transform at {file}")
+    return apart(_read_here, file, called or str(file), path=file)
+
+
+def _read_here(file: Path, called: str) -> Transform:
     try:
         read: Transform = simpleitk().ReadTransform(str(file))
     except RuntimeError as error:
         raise VolumeFormatError(
-            f"{called or file} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
+            f"{called} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
             "or .h5 as SimpleITK writes it"
         ) from None
     return read

@@ -43,11 +43,13 @@ class VolumeTraits:
     modality: str = ""
     """Modality as in DICOM, such as "CT"; "" where it is not known."""
     unit: str = ""
-    """Unit of the values: "HU" where that is known; else ""."""
+    """Unit of the values, such as "HU", "SUVbw", "Bq/ml" or "Gy"; "" where it is not known."""
     series: str = ""
     """SeriesInstanceUID, for DICOM."""
     frame: str = ""
     """FrameOfReferenceUID of DICOM; scans that share it have the same patient coordinates."""
+    patient: str = ""
+    """Name and number of the patient in DICOM, to compare with another scan's; never shown."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""
@@ -141,7 +143,7 @@ class Volume:
 
     @property
     def unit(self) -> str:
-        """Unit of the values: "HU" where that is known; else ""."""
+        """Unit of the values, such as "HU", "SUVbw", "Bq/ml" or "Gy"; "" where it is not known."""
         return self.traits.unit
 
     @property
