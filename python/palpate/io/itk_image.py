@@ -37,7 +37,7 @@ MILLIMETRES = {
 }  # fmt: skip
 """In units of length by the names that NRRD and MetaImage files have for them."""
 ALLOWED = "complete, undamaged image files, or a DICOM folder"
-VOLUMES = ("list", "time", "point")
+VOLUMES = ("list", "point")
 """Kinds of NRRD axes whose samples are volumes; those of others make one voxel together."""
 
 
@@ -57,7 +57,7 @@ class ItkImage:
         self.kind: str = simpleitk().GetPixelIDValueAsString(self.reader.GetPixelIDValue())
         self.kind = self.kind.removeprefix("vector of ")
         # samples of an axis beside those of space
-        self.listed = components > 1 and _is_list(path, format_name)
+        self.listed = components > 1 and _is_list(path, format_name, self.reader)
         self.size = (*self.reader.GetSize(), *([components] if self.listed else []))
         self.scale, self.told = unit_of(path, format_name)
         across, down, *along = (length * self.scale for length in self.reader.GetSpacing())
@@ -128,8 +128,11 @@ def _opened(path: Path, format_name: str) -> Reader:
     return opened
 
 
-def _is_list(path: Path, format_name: str) -> bool:
-    """Says whether the samples of a NRRD file's axis that is none of space are volumes."""
+def _is_list(path: Path, format_name: str, reader: Reader) -> bool:
+    """Says whether what ITK takes for numbers of one voxel are volumes, such as times."""
+    if format_name == "minc" and "dimension_order" in reader.GetMetaDataKeys():
+        order = reader.GetMetaData("dimension_order")
+        return "T" in order and "V" not in order
     if format_name != "nrrd":
         return False
     fields, _ = nrrd_header(path)

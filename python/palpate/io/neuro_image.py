@@ -6,6 +6,9 @@ Frame: nibabel gives RAS; here it becomes LPS [mm].
 from __future__ import annotations
 
 import math
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +27,11 @@ __all__ = ["NeuroImage", "open_mgh"]
 
 MGH_START = 284
 """Bytes before the voxels."""
-CLASSES = {"minc": "Minc1Image", "parrec": "PARRECImage", "afni": "AFNIImage"}
+CLASSES = {
+    "minc": ("minc1", "Minc1Image"), "parrec": ("parrec", "PARRECImage"),
+    "afni": ("brikhead", "AFNIImage"),
+}  # fmt: skip
+"""Each format's module and class in nibabel."""
 
 
 def open_mgh(path: Path) -> StoredImage:
@@ -69,16 +76,15 @@ class NeuroImage:
             VolumeFormatError: It is none, or tells a place that cannot be.
         """
         self.path = path
-        try:
-            self.image = getattr(nibabel(), CLASSES[format_name]).from_filename(str(path))
-            self.size = tuple(int(length) for length in self.image.shape)
-            affine = LPS_FROM_RAS @ self.image.affine
-        except Exception as error:  # noqa: BLE001  # nibabel raises whatever a header leads to
-            raise _unreadable(path, format_name, error) from None
+        self.format_name = format_name
+        with self._image() as image:
+            self.axes = _axes(image, format_name)
+            self.size = tuple(int(image.shape[axis]) for axis in self.axes)
+            self.kind = kind_of(np.dtype(image.get_data_dtype()))
+            affine = LPS_FROM_RAS @ image.affine
         checked(path, affine)
         self.place = Place(affine=affine)
         self.spacing: tuple[float, ...] = self.place.spacing
-        self.kind = kind_of(np.dtype(self.image.get_data_dtype()))
 
     def check(self) -> None:
         """Every number of these formats is an intensity."""
@@ -95,30 +101,47 @@ class NeuroImage:
         return self._part(frame, self.size[2] // 2).T
 
     def _part(self, frame: int, depth: slice | int) -> NDArray[Any]:
-        beyond = np.unravel_index(frame, self.size[3:], order="F")
-        try:
+        # time may stand before the axes of space
+        beyond = (int(one) for one in np.unravel_index(frame, self.size[3:], order="F"))
+        wanted = dict(zip(self.axes, (slice(None), slice(None), depth, *beyond), strict=True))
+        with self._image() as image:
             values: NDArray[Any] = np.asanyarray(
-                self.image.dataobj[(slice(None), slice(None), depth, *map(int, beyond))]
+                image.dataobj[tuple(wanted[axis] for axis in range(len(wanted)))]
             )
-        except FileNotFoundError as error:
-            name = Path(str(error.filename)).name
-            raise VolumeFormatError(
-                f"{self.path} names {name} as the file of its voxels, which does not exist; "
-                "allowed: both files in one folder"
-            ) from None
-        except Exception as error:  # noqa: BLE001  # nibabel raises whatever voxels lead to
-            raise VolumeFormatError(
-                f"{self.path} cannot be read ({_line(error)}); allowed: complete, undamaged files"
-            ) from None
         return values
+
+    @contextmanager
+    def _image(self) -> Iterator[Any]:
+        """Opens the file with nibabel, which raises whatever its bytes lead to."""
+        module, kind = CLASSES[self.format_name]
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                image = getattr(getattr(nibabel(), module), kind).from_filename(str(self.path))
+                try:
+                    yield image
+                finally:
+                    # Philips' voxels are left open
+                    if self.format_name == "parrec":
+                        image.dataobj.file_like.close()
+        except Exception as error:  # noqa: BLE001
+            raise _unreadable(self.path, self.format_name, error) from None
+
+
+def _axes(image: Any, format_name: str) -> tuple[int, ...]:  # noqa: ANN401  # nibabel's
+    """Returns which axes of a file's array are those of space, and then all others."""
+    names = image.dataobj.minc_file._dim_names if format_name == "minc" else ()  # noqa: SLF001
+    space = [axis for axis, name in enumerate(names) if name.endswith("space")] or [0, 1, 2]
+    return (*space, *(axis for axis in range(len(image.shape)) if axis not in space))
 
 
 def _unreadable(path: Path, format_name: str, error: Exception) -> VolumeFormatError:
+    if isinstance(error, FileNotFoundError):
+        return VolumeFormatError(
+            f"{path} names {Path(str(error.filename)).name} as the file of its voxels, which does "
+            "not exist; allowed: both files in one folder"
+        )
+    reason = " ".join(str(error).split())[:200] or type(error).__name__
     return VolumeFormatError(
-        f"{path} is no readable {format_name} file ({_line(error)}); allowed: complete, undamaged "
-        "files"
+        f"{path} is no readable {format_name} file ({reason}); allowed: complete, undamaged files"
     )
-
-
-def _line(error: Exception) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__

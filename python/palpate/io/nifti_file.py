@@ -29,6 +29,8 @@ MILLIMETRES = {0: 1.0, 1: 1000.0, 2: 1.0, 3: 0.001}
 """In units of length by their codes; 0 tells none."""
 VECTORS = {1004, 1005, 1006, 1007, 2003, 2004}
 """Intents whose fifth axis counts the numbers of one voxel: matrices, vectors, colours."""
+SURFACES = range(3000, 3100)
+"""Intents of CIFTI-2, whose voxels and vertices are listed."""
 NEAR = 0.1
 """Transforms that differ by more are told of [mm]."""
 MAGIC = {
@@ -62,6 +64,10 @@ def open_nifti(path: Path) -> StoredImage:
             "has them"
         ) from None
     intent = int(header["intent_code"]) if "intent_code" in header else 0
+    if intent in SURFACES:
+        raise VolumeFormatError(
+            f"{path} holds values on surfaces and connections (CIFTI-2); allowed: volumes"
+        )
     size = _size(path, header["dim"])
     return StoredImage(
         path=path,

@@ -14,13 +14,12 @@ from palpate.base.reader_process import apart
 from palpate.io.dicom.header import Series
 from palpate.io.dicom.series import called_of
 from palpate.io.raw_scan import RawScan, check_place
-from palpate.io.scan_at import VoxelSize, scan_at, series_at
-from palpate.io.upright import upright
+from palpate.io.scan_at import scan_at, series_at
 from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
-__all__ = ["find_scan", "list_series", "read"]
+__all__ = ["list_series", "read"]
 
 Place = str | PathLike[str]
 
@@ -74,16 +73,18 @@ def read(
     source = called_of(places)
     if unit is not None and unit not in UNITS:
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
-    scan = find_scan(
+    scan = apart(
+        scan_at,
         places,
+        path=source,
+        progress=progress,
         series=series,
         frame=frame,
         raw=raw,
         voxel_size=voxel_size,
         max_voxels=max_voxels,
-        progress=progress,
     )
-    scan = upright(str(source), scan, max_voxels=max_voxels, progress=progress)
+    check_place(str(source), scan)
     _apply_orientation(scan, orientation)
     if unit is not None:
         if scan.unit not in ("", unit):
@@ -155,37 +156,6 @@ def _places(path: Place | Sequence[Place]) -> list[Path]:
     if not places:
         raise OptionError("no path given; allowed: one, or several DICOM files")
     return places
-
-
-def find_scan(
-    places: Sequence[Path],
-    *,
-    series: str | None = None,
-    frame: int | None = None,
-    raw: str | None = None,
-    voxel_size: VoxelSize | None = None,
-    max_voxels: int = 1024**3,
-    progress: Progress,
-) -> RawScan:
-    """Reads a scan as it stands in its files, with the options of ``read``; axes may be sheared.
-
-    Raises:
-        PalpateError: As ``read`` raises it.
-    """
-    source = called_of(places)
-    scan = apart(
-        scan_at,
-        places,
-        path=source,
-        progress=progress,
-        series=series,
-        frame=frame,
-        raw=raw,
-        voxel_size=voxel_size,
-        max_voxels=max_voxels,
-    )
-    check_place(str(source), scan)
-    return scan
 
 
 def _apply_orientation(scan: RawScan, orientation: str | None) -> None:

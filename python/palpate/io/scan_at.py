@@ -20,9 +20,11 @@ from palpate.io.image_file import read_file
 from palpate.io.packed_images import image_of, read_unpacked
 from palpate.io.raw_scan import RawScan
 from palpate.io.raw_voxels import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
+from palpate.io.upright import squared, upright
 
-__all__ = ["scan_at", "series_at"]
+__all__ = ["scan_at", "series_at", "stored_scan_at"]
 
+MOST_VOXELS = 1024**3
 VoxelSize = tuple[float, float, float]
 
 
@@ -60,7 +62,19 @@ def scan_at(
         raise OptionError(
             f"voxel size given for {source}; allowed: for raw voxels and pictures, others tell it"
         )
-    return _read(source, series=series, frame=frame, max_voxels=max_voxels, progress=progress)
+    scan = _read(source, series=series, frame=frame, max_voxels=max_voxels, progress=progress)
+    return upright(str(source), scan, max_voxels=max_voxels, progress=progress)
+
+
+def stored_scan_at(path: Path, *, progress: Progress) -> RawScan:
+    """Reads the scan at a path as it stands there: its axes may be sheared.
+
+    Raises:
+        PalpateError: As ``scan_at``.
+    """
+    _check_options(path, series=None, max_voxels=MOST_VOXELS)
+    scan = _read(path, series=None, frame=None, max_voxels=MOST_VOXELS, progress=progress)
+    return squared(scan)
 
 
 def series_at(places: Sequence[Path], *, progress: Progress) -> list[Series]:

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, SeriesChoiceError
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart
 from palpate.io.image_file import is_beside
 from palpate.io.packed_file import unpacked_file
 from palpate.io.raw_scan import RawScan
-from palpate.io.reading import find_scan
-from palpate.io.upright import squared
+from palpate.io.scan_at import stored_scan_at
 from palpate.labels.grid import (
     RESAMPLED,
     Colour,
@@ -122,7 +122,7 @@ def read_mask_folder(
 def _image_of(path: Path, progress: Progress) -> RawScan:
     """Reads an image as it stands in its file, for labels are no values to be rounded."""
     try:
-        return squared(find_scan([path], progress=progress))
+        return apart(stored_scan_at, path, path=path, progress=progress)
     except SeriesChoiceError:
         raise OptionError(f"{path} holds several volumes; allowed: one of labels") from None
 

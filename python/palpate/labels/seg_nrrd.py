@@ -50,10 +50,12 @@ class _Image:
 
     layers: NDArray[Any]
     """Shape [z, y, x, layer]."""
-    spacing: tuple[float, float, float]
-    origin: tuple[float, float, float]
+    spacing: NDArray[np.float64]
+    origin: NDArray[np.float64]
     direction: NDArray[np.float64]
     fields: dict[str, str]
+    told: tuple[str, ...]
+    """What is not as it should be, in words."""
 
 
 def _image_at(path: Path, *, progress: Progress) -> _Image:
@@ -73,12 +75,14 @@ def _image_at(path: Path, *, progress: Progress) -> _Image:
         raise OptionError(f"{path} has {image.GetDimension()} axes; allowed: three, and layers")
     # layers come last
     voxels = sitk.GetArrayFromImage(image)
+    scale, told = unit_of(path, "nrrd")
     return _Image(
         layers=voxels[..., None] if voxels.ndim == 3 else voxels,
-        spacing=image.GetSpacing(),
-        origin=image.GetOrigin(),
+        spacing=np.multiply(image.GetSpacing(), scale),
+        origin=np.multiply(image.GetOrigin(), scale),
         direction=np.reshape(image.GetDirection(), (3, 3)),
-        fields={key: image.GetMetaData(key) for key in image.GetMetaDataKeys()},
+        fields={key: _text(image.GetMetaData(key)) for key in image.GetMetaDataKeys()},
+        told=told,
     )
 
 
@@ -92,16 +96,12 @@ def read_seg_nrrd(
         OptionError: It lies on another grid than the scan.
     """
     image = apart(_image_at, path, path=path, progress=progress)
-    layers = image.layers
-    scale, told = unit_of(path, "nrrd")
-    spacing = [length * scale for length in image.spacing]
-    origin = [coordinate * scale for coordinate in image.origin]
-    grid = patient_from_grid(spacing, origin, image.direction)
+    layers, fields = image.layers, image.fields
+    grid = patient_from_grid(image.spacing, image.origin, image.direction)
     place = placement(
         f"segmentation {path}", grid, layers.shape[:3], volume=volume, resample=resample
     )
 
-    fields = {key: _text(value) for key, value in image.fields.items()}
     stored = _stored_segments(path, fields, layers.shape[3])
     made: list[Label] = []
     outside = empty = 0
@@ -117,7 +117,7 @@ def read_seg_nrrd(
             made.append(Label(segment, _colour(fields, one.number)))
         else:
             empty += 1
-    said = [*told, *([f"{empty} segments are empty"] if empty else [])]
+    said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
     said += [RESAMPLED] if isinstance(place, Resampling) else []
     return Labels(tuple(made), tuple(said))

@@ -189,7 +189,9 @@ def test_voxels_of_a_size_that_cannot_be_are_refused(
     packed[80:84] = np.float32(pixel).tobytes()  # pixdim[1]
     packed[254:256] = bytes(2)  # sform_code
     path.write_bytes(packed)
-    with pytest.raises(VolumeFormatError, match=r"by its qform \(code 1\).*allowed"):
+    with pytest.raises(
+        VolumeFormatError, match=r"(by its qform \(code 1\)|pixdim .* cannot be).*allowed"
+    ):
         palpate.read(path)
 
 
@@ -206,7 +208,7 @@ def test_a_broken_transform_beside_a_good_one_is_told(tmp_path: Path, noise: np.
 # --- values -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("slope", [0.0, np.nan, np.inf])
+@pytest.mark.parametrize("slope", [0.0, np.nan])
 def test_a_slope_that_says_nothing_leaves_values_as_they_are(
     tmp_path: Path, noise: np.ndarray, slope: float
 ) -> None:
@@ -225,7 +227,7 @@ def test_scaled_values_are_those_of_nibabel(
 
 
 def test_a_slope_without_an_intercept_that_can_be_is_refused(tmp_path: Path, noise: Any) -> None:
-    with pytest.raises(VolumeFormatError, match="invalid intercept nan"):
+    with pytest.raises(VolumeFormatError, match="slope but invalid intercept nan"):
         palpate.read(written_with_scale(tmp_path, noise, 2.0, np.nan))
 
 
