@@ -99,6 +99,8 @@ class Header:
     """Of a stored number, those in use."""
     padding: tuple[int, int] | None
     """Lowest and highest stored number that stand for no value."""
+    subject: tuple[str, str, str] = ("", "", "")
+    """StudyInstanceUID, PatientID and PatientName."""
     number: int | None = None
     """Instance Number."""
     step: float | None = None
@@ -284,6 +286,11 @@ def _header(
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),
+        subject=(
+            str(dataset.get("StudyInstanceUID") or ""),
+            str(dataset.get("PatientID") or ""),
+            str(dataset.get("PatientName") or ""),
+        ),
         number=_number(dataset),
         step=_length(dataset, "SpacingBetweenSlices"),
         thickness=_length(dataset, "SliceThickness"),

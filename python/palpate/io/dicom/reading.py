@@ -243,6 +243,7 @@ def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:
         unit=series.headers[0].unit,
         series=series.uid,
         frame=series.headers[0].frame,
+        subject=series.headers[0].subject,
         file_scale=Scale(*scale) if scale else None,
         orientation_known=plan.stack is not None,
     )
