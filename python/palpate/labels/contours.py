@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import damage_told
+from palpate.io.dicom.mark import read_dataset
 from palpate.labels.belonging import check_belonging
 from palpate.labels.contour_fill import fill_contours
 from palpate.labels.contour_stack import ContourStack, planes_of
@@ -61,10 +62,8 @@ def read_rtstruct(
             scan's, or contours lie in no plane of the scan's voxels and neither says what frame it
             has.
     """
-    import pydicom
-
     with damage_told(path):
-        dataset = pydicom.dcmread(path)
+        dataset = read_dataset(path)
         names = {
             int(roi.ROINumber): str(roi.get("ROIName") or f"structure {roi.ROINumber}")
             for roi in dataset.get("StructureSetROISequence") or []

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, damage_told, frame_of
+from palpate.io.dicom.mark import read_dataset
 from palpate.io.dicom.pixels import stored_pixels
 from palpate.labels.belonging import check_belonging
 from palpate.labels.grid import (
@@ -66,10 +67,8 @@ def read_seg(
         VolumeFormatError: The file is damaged, or does not say where its frames lie.
         OptionError: It is another patient's, or lies on another grid than the scan.
     """
-    import pydicom
-
     with damage_told(path):
-        dataset = pydicom.dcmread(path, stop_before_pixels=True)
+        dataset = read_dataset(path, stop_before_pixels=True)
         told = [_told(item) for item in dataset.get("SegmentSequence") or [] if _is_part(item)]
         count = int(dataset.get("NumberOfFrames") or 1)
         frames = [frame_of(dataset, index) for index in range(count)]

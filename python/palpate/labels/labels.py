@@ -8,7 +8,7 @@ from pathlib import Path
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.io.dicom.header import damage_told
-from palpate.io.dicom.series import is_dicom
+from palpate.io.dicom.mark import is_dicom, read_dataset
 from palpate.labels.contours import read_rtstruct
 from palpate.labels.dicom_seg import read_seg
 from palpate.labels.grid import Label, Labels
@@ -88,8 +88,6 @@ def _read(
 
 def modality_of(path: Path) -> str:
     """Returns the modality of a DICOM file, such as "SEG"; "" where it has none."""
-    import pydicom
-
     with damage_told(path):
-        dataset = pydicom.dcmread(path, stop_before_pixels=True, specific_tags=["Modality"])
+        dataset = read_dataset(path, stop_before_pixels=True, specific_tags=["Modality"])
         return str(dataset.get("Modality") or "")

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.io.dicom.mark import has_mark, read_dataset
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
 
@@ -226,17 +227,13 @@ def read_header(path: Path) -> Header | None:
     Raises:
         VolumeFormatError: It is DICOM, and damaged.
     """
-    import pydicom
-    from pydicom.errors import InvalidDicomError
-
     with damage_told(path):
-        try:
-            with path.open("rb") as file:
-                dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
-                plain = _plain(file, dataset)
-                left = path.stat().st_size - file.tell()
-        except InvalidDicomError:
-            return None
+        with path.open("rb") as file:
+            if not has_mark(file):
+                return None
+            dataset = read_dataset(file, stop_before_pixels=True)
+            plain = _plain(file, dataset)
+            left = path.stat().st_size - file.tell()
         return _header(path, dataset, left=left, plain=plain)
 
 

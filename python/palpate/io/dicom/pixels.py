@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, Header, damage_told
+from palpate.io.dicom.mark import read_dataset
 from palpate.io.dicom.rescale import looked_up
 
 if TYPE_CHECKING:
@@ -194,10 +195,8 @@ def stored_pixels(path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
     Raises:
         VolumeFormatError: They cannot be decoded, or are not as many as announced.
     """
-    import pydicom
-
     with damage_told(path, allowed=READ):
-        dataset = pydicom.dcmread(path)
+        dataset = read_dataset(path)
         pixels = _decoded(dataset)
         native = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)
         return _used_bits(native, int(dataset.get("BitsStored") or 0)).reshape(shape)
