@@ -5,7 +5,8 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
-from palpate.base.errors import OptionError
+from palpate.base.damaged_file import damage_as
+from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
@@ -56,9 +57,11 @@ def read_labels(
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
     check_plain(source)
-    found = _read(
-        source, volume, resample=resample, another_patient=another_patient, progress=progress
-    )
+    damaged, allowed = f"{source} is damaged", "complete, undamaged files of segments"
+    with damage_as(VolumeFormatError, damaged, allowed=allowed):
+        found = _read(
+            source, volume, resample=resample, another_patient=another_patient, progress=progress
+        )
     if not found.labels:
         why = "; ".join(found.warnings) or "no labels"
         raise OptionError(f"{source} holds no segments ({why}); allowed: files with segments")
