@@ -132,13 +132,14 @@ def _choices() -> Iterator[tuple[int, ...]]:
 
 def _has_doubles(slices: Sequence[tuple[Header, int]]) -> bool:
     """Says whether two slices are at one place; copies of a file count once."""
-    places: dict[tuple[float, ...], tuple[str, int]] = {}
+    places: dict[tuple[float, ...], tuple[object, ...]] = {}
     for header, index in slices:
         position = header.frames[index].position
         if position is None:
             return False
         place = tuple(round(number, DIGITS) + 0.0 for number in position)
-        which = (header.instance or str(header.path), index)
+        # all slices may have one UID, where it was badly taken away
+        which = (header.instance or header.path, header.number, index, header.frames[index].phase)
         if places.setdefault(place, which) != which:
             return True
     return False
