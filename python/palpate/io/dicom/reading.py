@@ -21,8 +21,7 @@ from palpate.base.progress import Progress, silent
 from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
 from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
-from palpate.io.dicom.header import Header, Series, find_series, read_header
-from palpate.io.dicom.phases import phases_of
+from palpate.io.dicom.header import Header, Series, find_series, read_header, volumes_in
 from palpate.io.dicom.pixels import SlicePixels, read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
@@ -148,7 +147,7 @@ def volumes_of(path: Path) -> list[Series]:
         raise VolumeFormatError(
             f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
         )
-    return phases_of(Series(header.series, header.description, header.modality, (header,)))
+    return volumes_in(Series(header.series, header.description, header.modality, (header,)))
 
 
 def _listed(path: Path, progress: Progress) -> tuple[list[Series], list[Path]]:
@@ -225,7 +224,7 @@ def _told(series: Series) -> tuple[str, ...]:
     """Says what is wrong with headers, once for all that say the same."""
     found = Counter(words for header in series.headers for words in header.told)
     count = len(series.headers)
-    return tuple(
+    return _missing_parts(series) + tuple(
         words if times == count else f"{words} ({times} of {count} files)"
         for words, times in found.items()
     )
@@ -248,6 +247,17 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
     scan = _scan(plan, values)
     scan.warnings += [*plan.said, *told]
     return scan
+
+
+def _missing_parts(series: Series) -> tuple[str, ...]:
+    """Says which files of an image of many frames are missing."""
+    parts = [header.concatenation for header in series.headers if header.concatenation]
+    there = {part.number for part in parts}
+    total = max([0, *there, *(part.total or 0 for part in parts)])
+    missing = [str(number) for number in range(1, total + 1) if number not in there]
+    if not missing:
+        return ()
+    return (f"parts {', '.join(missing)} of {total} files of the scan are missing",)
 
 
 def _without_failed(what: str, plan: Plan, pixels: SlicePixels, *, max_voxels: int) -> Plan:

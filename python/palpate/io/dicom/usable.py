@@ -57,7 +57,8 @@ CUT = "shorter than its image"
 
 def _without_bad(what: str, series: Series) -> tuple[Series, list[str]]:
     bad = _unusable(series.headers)
-    if tolerable(len(bad), len(series.headers)):
+    single = all(len(header.frames) == 1 for header in series.headers)
+    if single and tolerable(len(bad), len(series.headers)):
         chosen = {id(header) for header, _ in bad}
         kept = tuple(header for header in series.headers if id(header) not in chosen)
         return replace(series, headers=kept), [left_out(bad, len(series.headers))]

@@ -82,7 +82,7 @@ def test_nothing_refers_to_slices_that_share_a_uid(write_series: Any, tmp_path: 
     )
     scene = Scene(volume, [volume.threshold(-800.0, name="a")])
     with pytest.raises(OptionError, match="have no SOPInstanceUID of their own"):
-        export_scene(scene, tmp_path / "kept.dcm", kind="rtstruct")
+        export_scene(scene, tmp_path / "kept.dcm", kind="rtstruct", keep_identity=True)
 
 
 # --- bad slices -----------------------------------------------------------------------------
