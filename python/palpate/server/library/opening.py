@@ -195,6 +195,7 @@ def _read(place: Place, progress: Progress) -> Opening:
     return opening(
         place.path,
         series=place.series,
+        frame=place.frame,
         raw=place.raw,
         voxel_size=place.voxel_size,
         progress=progress,
@@ -208,6 +209,7 @@ def _read_volume(place: Place, progress: Progress) -> Volume:
     return read(
         place.path,
         series=place.series,
+        frame=place.frame,
         raw=place.raw,
         voxel_size=place.voxel_size,
         progress=progress,
