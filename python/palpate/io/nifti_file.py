@@ -57,7 +57,7 @@ def open_nifti(path: Path) -> StoredImage:
     try:
         number = header.get_data_dtype()
         slope, intercept = header.get_slope_inter()
-        start = int(header.get_data_offset())
+        start = _start(header)
     except (module.spatialimages.HeaderDataError, ValueError, OverflowError) as error:
         raise VolumeFormatError(
             f"{path} has a header that cannot be right ({error}); allowed: headers as NIfTI "
@@ -75,9 +75,9 @@ def open_nifti(path: Path) -> StoredImage:
         size=size,
         number=np.dtype(number),
         # behind the header and the four bytes that tell of extensions
-        start=max(start, len(bytes(header.binaryblock)) + 4) if single else max(start, 0),
+        start=max(start, len(bytes(header.binaryblock)) + 4) if single else start,
         scale=_scale(slope, intercept),
-        place=_place(path, header, size),
+        place=_place(path, header, size, told=_scale_told(header)),
         vectors=intent in VECTORS and len(size) > 4 and size[4] > 1,
     )
 
@@ -127,10 +127,28 @@ def _size(path: Path, dim: NDArray[Any]) -> tuple[int, ...]:
     return tuple(size)
 
 
+def _start(header: Any) -> int:  # noqa: ANN401  # nibabel's
+    """Returns the byte at which voxels begin.
+
+    Raises:
+        ValueError: It is before the file or beyond any.
+    """
+    offset = float(header["vox_offset"])
+    if not 0.0 <= offset < 1e15:
+        raise ValueError(f"voxels from byte {offset:g} on")
+    return int(offset)
+
+
 def _scale(slope: float | None, intercept: float | None) -> Scale | None:
     if slope is None or (slope, intercept or 0.0) == (1.0, 0.0):
         return None
     return Scale(float(slope), float(intercept or 0.0))
+
+
+def _scale_told(header: Any) -> tuple[str, ...]:  # noqa: ANN401  # nibabel's
+    """Says so where a slope is no number; nibabel takes values as they stand, as for 0."""
+    slope = float(header["scl_slope"]) if "scl_slope" in header else 0.0
+    return (f"the slope of the values is {slope:g}: they are as stored",) if np.isinf(slope) else ()
 
 
 def _ending(path: Path) -> str:
@@ -149,15 +167,20 @@ def _beside(path: Path, ending: str) -> Path:
 # --- place --------------------------------------------------------------------------------
 
 
-def _place(path: Path, header: Any, size: tuple[int, ...]) -> Place:  # noqa: ANN401  # nibabel's
+def _place(
+    path: Path,
+    header: Any,  # noqa: ANN401  # nibabel's
+    size: tuple[int, ...],
+    *,
+    told: tuple[str, ...],
+) -> Place:
     """Returns where the grid lies: by the sform, else the qform, else unknown."""
     pixels = np.abs(np.float64(header["pixdim"][1:4]))
     if "sform_code" not in header:
-        return _unplaced(path, pixels, ())
+        return _unplaced(path, pixels, told)
     units = int(header["xyzt_units"]) & 7
-    told: tuple[str, ...] = ()
     if units not in (1, 2, 3):
-        told = ("the file tells no unit of length: mm are assumed",)
+        told += ("the file tells no unit of length: mm are assumed",)
     scale = np.diag([*[MILLIMETRES.get(units, 1.0)] * 3, 1.0])
     forms: list[tuple[str, NDArray[np.float64]]] = []
     broken: list[str] = []

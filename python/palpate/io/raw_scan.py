@@ -48,8 +48,8 @@ class RawScan:
     series: str = ""
     frame: str = ""
     """FrameOfReferenceUID, for DICOM."""
-    patient: str = ""
-    """Name and number, for DICOM."""
+    subject: tuple[str, str, str] = ("", "", "")
+    """StudyInstanceUID, PatientID and PatientName, for DICOM."""
     orientation_known: bool = True
     file_scale: Scale | None = None
     warnings: list[str] = field(default_factory=list)

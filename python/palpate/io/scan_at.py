@@ -13,9 +13,16 @@ from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.archive import is_archive, unpacked
+from palpate.io.dicom.dicomdir import is_dicomdir
 from palpate.io.dicom.header import Series
-from palpate.io.dicom.reading import read_dicom_file, read_dicom_files, read_dicom_folder
-from palpate.io.dicom.series import called_of, is_dicom, series_among, series_in
+from palpate.io.dicom.mark import is_dicom
+from palpate.io.dicom.reading import (
+    read_dicom_file,
+    read_dicom_files,
+    read_dicom_folder,
+    volumes_of,
+)
+from palpate.io.dicom.series import called_of, series_among, series_in
 from palpate.io.image_file import read_file
 from palpate.io.packed_images import image_of, read_unpacked
 from palpate.io.raw_scan import RawScan
@@ -94,7 +101,11 @@ def series_at(places: Sequence[Path], *, progress: Progress) -> list[Series]:
         with unpacked(source, progress) as folder:
             return series_in(folder, called=source, progress=progress)[0]
     if not source.is_dir():
-        raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
+        if is_dicom(source) and is_dicomdir(source):
+            return volumes_of(source)
+        raise VolumeFormatError(
+            f"{source} is one file; allowed: a DICOM folder, DICOMDIR or zip archive"
+        )
     return series_in(source, progress=progress)[0]
 
 

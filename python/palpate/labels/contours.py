@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import damage_told
+from palpate.labels.belonging import check_belonging
 from palpate.labels.contour_fill import fill_contours
 from palpate.labels.contour_stack import ContourStack, planes_of
 from palpate.labels.dicom_objects import dataset_of
@@ -45,15 +46,21 @@ Polygon = NDArray[np.float64]
 
 
 def read_rtstruct(
-    path: Path, volume: Volume, *, resample: bool = False, progress: Progress
+    path: Path,
+    volume: Volume,
+    *,
+    resample: bool = False,
+    another_patient: bool = False,
+    progress: Progress,
 ) -> Labels:
     """Reads the structures of a file, each as a part of the scan.
 
     Where ``resample`` is asked for, coordinates count whatever frame of reference they are told in.
 
     Raises:
-        OptionError: They are told in another frame of reference than the scan's, or contours lie in
-            no plane of the scan's voxels and neither says what frame it has.
+        OptionError: They are another patient's, or told in another frame of reference than the
+            scan's, or contours lie in no plane of the scan's voxels and neither says what frame it
+            has.
     """
     with damage_told(path):
         dataset = dataset_of(path)
@@ -63,10 +70,16 @@ def read_rtstruct(
         }
         rois = list(dataset.get("ROIContourSequence") or [])
         frames = _frames(dataset)
-    if not resample:
-        _check_frame(path, frames, volume.traits.frame)
+    foreign = check_belonging(
+        path,
+        dataset,
+        volume,
+        frames=frames,
+        resample=resample,
+        another_patient=another_patient,
+    )
     # any grid will do where both have the same coordinates
-    free = resample or frames == {volume.traits.frame}
+    free = resample or another_patient or frames == {volume.traits.frame}
     made: list[Label] = []
     aslant = False
     left_out: list[str] = []
@@ -85,7 +98,8 @@ def read_rtstruct(
             left_out.append(name)
         else:
             made.append(Label(volume.segment(mask, name=name), _colour(roi)))
-    said = [f"no closed contours on the scan: {', '.join(left_out)}"] if left_out else []
+    said = foreign
+    said += [f"no closed contours on the scan: {', '.join(left_out)}"] if left_out else []
     said += [RESAMPLED] if aslant else []
     return Labels(tuple(made), tuple(said))
 
@@ -97,16 +111,6 @@ def _frames(dataset: Dataset) -> set[str]:
         for roi in dataset.get("StructureSetROISequence") or []
     )
     return {str(uid) for uid in told if uid}
-
-
-def _check_frame(path: Path, frames: set[str], scan: str) -> None:
-    others = frames - {scan}
-    if scan and others:
-        raise OptionError(
-            f"{path} is drawn in frame of reference {min(others)}, the scan has {scan}: one place "
-            "in the patient may have other coordinates there; allowed: structures of the scan's "
-            "frame, or of others where they are asked to be resampled as they are (--resample)"
-        )
 
 
 def _polygons(roi: Dataset) -> list[Polygon]:

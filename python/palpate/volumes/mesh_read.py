@@ -9,7 +9,6 @@ are removed, and a mesh that is inside out is flipped; ``notes`` report all of t
 from __future__ import annotations
 
 import re
-import struct
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -19,6 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.damaged_file import damage_as
 from palpate.base.errors import MeshFormatError, OptionError
 from palpate.base.plain_file import check_plain
 from palpate.base.reader_process import apart
@@ -45,6 +45,7 @@ Unit = Literal["mm", "m"]
 FRAMES: dict[str, tuple[float, float, float]] = {"LPS": (1.0, 1.0, 1.0), "RAS": (-1.0, -1.0, 1.0)}
 UNITS = {"mm": 1.0, "m": 1000.0}
 
+ALLOWED = f"a whole mesh of {', '.join(SUFFIXES)}"
 HEAD_BYTES = 4096
 """Bytes of the file that are searched for a header."""
 SMALLEST_MM = 3.0
@@ -57,11 +58,6 @@ MOST_VOXELS = 1 << 25
 """Most voxels of a mesh, where no voxel size is given."""
 LARGEST = 1e9
 """Coordinate [mm]: a thousand kilometres are no patient."""
-BROKEN = (
-    *(ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, ImportError),
-    *(NotImplementedError, EOFError, AssertionError, ArithmeticError, RuntimeError),
-)
-"""Exceptions that readers of meshes raise for damaged files."""
 
 
 @dataclass(frozen=True)
@@ -203,17 +199,14 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         trimesh = import_module("trimesh")
     except ImportError:
         raise OptionError("trimesh is not installed; allowed: pip install trimesh") from None
-    try:
+    broken = f"{path.name!r} is no mesh that can be read"
+    with damage_as(MeshFormatError, broken, allowed=ALLOWED):
         # from its bytes alone: materials and textures would be sought in other files
         with path.open("rb") as file:
             kind = path.suffix.lower().removeprefix(".")
             loaded = trimesh.load(file, file_type=kind, force="mesh", process=False)
         vertices = np.array(loaded.vertices, dtype=np.float64)
         triangles = np.array(loaded.faces, dtype=np.int64)
-    except BROKEN as error:
-        raise MeshFormatError(
-            f"{path.name!r} is no mesh that can be read ({error}); allowed: {', '.join(SUFFIXES)}"
-        ) from None
     if len(triangles) == 0 or triangles.ndim != 2:
         raise MeshFormatError(f"{path.name!r} has no triangles; allowed: a mesh of triangles")
     if not (np.abs(vertices) < LARGEST).all():

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.reader_process import apart
 from palpate.base.simpleitk import Transform, image_on, reason_of, simpleitk
-from palpate.volumes.volume import Volume
+from palpate.volumes.volume import Volume, VolumeTraits
 
 __all__ = ["SecondScan", "doubts_of", "placed", "read_transform"]
 
@@ -74,7 +74,7 @@ def doubts_of(first: Volume, second: SecondScan) -> tuple[str, ...]:
     """Returns sentences on why a scan may not belong to the first one, or lie elsewhere in it."""
     one, other = first.traits, second.as_read.traits
     found = []
-    if one.patient and other.patient and one.patient.casefold() != other.patient.casefold():
+    if _patients_differ(one, other):
         found.append("its patient is not that of the first scan")
     if second.is_moved:
         return tuple(found)
@@ -86,6 +86,15 @@ def doubts_of(first: Volume, second: SecondScan) -> tuple[str, ...]:
     elif other.modality == "RTDOSE" and not (one.frame and other.frame):
         found.append("no frame of reference tells that this dose lies right in the first scan")
     return tuple(found)
+
+
+def _patients_differ(one: VolumeTraits, other: VolumeTraits) -> bool:
+    """Says whether two patients differ: by numbers where both have one, else by names."""
+    pair = (one.patient_id, other.patient_id)
+    if not all(pair):
+        pair = (one.patient_name, other.patient_name)
+    first, second = (told.strip(" ^").casefold() for told in pair)
+    return bool(first and second) and first != second
 
 
 def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:

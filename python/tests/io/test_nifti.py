@@ -227,7 +227,7 @@ def test_scaled_values_are_those_of_nibabel(
 
 
 def test_a_slope_without_an_intercept_that_can_be_is_refused(tmp_path: Path, noise: Any) -> None:
-    with pytest.raises(VolumeFormatError, match="slope and intercept 2, nan"):
+    with pytest.raises(VolumeFormatError, match="slope but invalid intercept nan"):
         palpate.read(written_with_scale(tmp_path, noise, 2.0, np.nan))
 
 

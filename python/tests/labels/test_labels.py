@@ -328,8 +328,11 @@ def test_fractions_are_cut_at_half_and_told(
 
 @pytest.mark.data
 def test_a_segmentation_of_another_scan_is_refused(data_folder: Path, liver_scan: Volume) -> None:
+    path = data_folder / "dcmqi_seg" / "24x38x3" / "seg" / "label.seg"
+    with pytest.raises(OptionError, match="is not of this scan"):
+        palpate.read_labels(path, liver_scan)
     with pytest.raises(OptionError, match="lies on another grid"):
-        palpate.read_labels(data_folder / "dcmqi_seg" / "24x38x3" / "seg" / "label.seg", liver_scan)
+        palpate.read_labels(path, liver_scan, another_patient=True)
 
 
 def test_colours_of_cielab_are_those_of_srgb() -> None:

@@ -21,6 +21,7 @@ __all__ = [
     "begin",
     "end",
     "expect",
+    "in_this_process",
     "inside",
     "looking_at",
     "room_for",
@@ -42,6 +43,8 @@ class _State:
 
     tell: Telling | None = None
     """None outside of workers."""
+    limited = False
+    """Whether memory is counted."""
     begun = 0
     """Memory before the call [bytes]."""
     file_bytes = 0
@@ -53,6 +56,11 @@ def inside() -> bool:
     return _State.tell is not None
 
 
+def in_this_process() -> None:
+    """Has files read in this process from now on, which is one for that purpose alone."""
+    _State.tell = lambda _: None
+
+
 def room_for(voxels: int, file_bytes: int) -> int:
     """Returns how much memory may be taken [bytes]."""
     return MEMORY + BYTES_PER_VOXEL * voxels + BYTES_PER_BYTE * file_bytes
@@ -60,7 +68,7 @@ def room_for(voxels: int, file_bytes: int) -> int:
 
 def begin(tell: Telling, *, file_bytes: int) -> None:
     """Begins a call in a worker."""
-    _State.tell = tell
+    _State.tell, _State.limited = tell, True
     _State.begun, _State.file_bytes = _held(), file_bytes
     _limit(room_for(0, file_bytes))
 
@@ -74,6 +82,7 @@ def expect(voxels: int) -> None:
     """Allows the memory and time that so many voxels need, once a header is known to be true."""
     if _State.tell is not None:
         _State.tell(("expect", voxels))
+    if _State.limited:
         _limit(room_for(voxels, _State.file_bytes))
 
 

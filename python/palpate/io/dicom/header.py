@@ -23,6 +23,7 @@ from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
+from palpate.io.dicom.mark import has_mark, read_dataset
 from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
@@ -103,6 +104,8 @@ class Header:
     """Of a stored number, those in use."""
     padding: tuple[int, int] | None
     """Lowest and highest stored number that stand for no value."""
+    subject: tuple[str, str, str] = ("", "", "")
+    """StudyInstanceUID, PatientID and PatientName."""
     number: int | None = None
     """Instance Number."""
     step: float | None = None
@@ -233,18 +236,14 @@ def read_header(path: Path) -> Header | None:
     Raises:
         VolumeFormatError: It is DICOM, and damaged.
     """
-    import pydicom
-    from pydicom.errors import InvalidDicomError
-
     with damage_told(path):
         check_deflated(path)
-        try:
-            with path.open("rb") as file:
-                dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
-                plain = _plain(file, dataset)
-                left = path.stat().st_size - file.tell()
-        except InvalidDicomError:
-            return None
+        with path.open("rb") as file:
+            if not has_mark(file):
+                return None
+            dataset = read_dataset(file, stop_before_pixels=True)
+            plain = _plain(file, dataset)
+            left = path.stat().st_size - file.tell()
         return _header(path, dataset, left=left, plain=plain)
 
 
@@ -297,6 +296,11 @@ def _header(
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),
+        subject=(
+            str(dataset.get("StudyInstanceUID") or ""),
+            str(dataset.get("PatientID") or ""),
+            str(dataset.get("PatientName") or ""),
+        ),
         number=_number(dataset),
         step=_length(dataset, "SpacingBetweenSlices"),
         thickness=_length(dataset, "SliceThickness"),

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, Header, damage_told
+from palpate.io.dicom.mark import read_dataset
 from palpate.io.dicom.promises import check_deflated, check_encoded, inflated
 from palpate.io.dicom.rescale import looked_up
 
@@ -194,11 +195,9 @@ def stored_pixels(path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
     Raises:
         VolumeFormatError: They cannot be decoded, or are not as many as announced.
     """
-    import pydicom
-
     with damage_told(path, allowed=READ):
         check_deflated(path)
-        dataset = pydicom.dcmread(path)
+        dataset = read_dataset(path)
         check_encoded(path, dataset)
         pixels = _decoded(dataset)
         native = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)

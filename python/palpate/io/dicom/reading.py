@@ -17,10 +17,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
-from palpate.base.progress import Progress
+from palpate.base.progress import Progress, silent
+from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
 from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
-from palpate.io.dicom.header import Header, Series, read_header
+from palpate.io.dicom.header import Header, Series, find_series, read_header
 from palpate.io.dicom.phases import phases_of
 from palpate.io.dicom.pixels import read_slices
 from palpate.io.dicom.promises import check_numbers
@@ -97,9 +98,21 @@ def _read_chosen(
     scan.warnings[:0] = warnings
     if damaged:
         scan.warnings.append(
-            f"{len(damaged)} files are damaged and were left out, such as {damaged[0].name}"
+            f"{len(damaged)} files are {_trouble(damaged)} and were left out, such as "
+            f"{damaged[0].name}"
         )
     return scan
+
+
+def _trouble(files: Sequence[Path]) -> str:
+    return " or ".join(
+        words
+        for words, found in (
+            ("damaged", any(path.exists() for path in files)),
+            ("missing", not all(path.exists() for path in files)),
+        )
+        if found
+    )
 
 
 def read_dicom_file(
@@ -111,6 +124,9 @@ def read_dicom_file(
         SeriesChoiceError: It holds several volumes, such as times, or not the one asked for.
         VolumeFormatError: The file holds one slice, no image, or no stack of slices.
     """
+    if is_dicomdir(path):
+        found = _listed(path, progress)
+        return _read_chosen(path, found, series=series, max_voxels=max_voxels, progress=progress)
     chosen, _ = choose_series(path, volumes_of(path), series)
     scan = _read_series(str(path), chosen, max_voxels=max_voxels, progress=progress)
     scan.description = chosen.description
@@ -119,17 +135,32 @@ def read_dicom_file(
 
 
 def volumes_of(path: Path) -> list[Series]:
-    """Lists the volumes that one file holds: one, or several times, echoes, ….
+    """Lists the volumes that one file holds, such as times and echoes; of a DICOMDIR its series.
 
     Raises:
         VolumeFormatError: The file holds no image.
     """
+    if is_dicomdir(path):
+        return _listed(path, silent)[0]
     header = read_header(path)
     if header is None:
         raise VolumeFormatError(
             f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
         )
     return phases_of(Series(header.series, header.description, header.modality, (header,)))
+
+
+def _listed(path: Path, progress: Progress) -> tuple[list[Series], list[Path]]:
+    """Lists the series that a DICOMDIR names, and what of them is damaged or missing."""
+    files, missing = listed_files(path)
+    found, damaged = find_series(files, progress)
+    if not found:
+        raise VolumeFormatError(
+            f"{path} lists no images of a scan that are there ({len(files)} of "
+            f"{len(files) + len(missing)} files found below its folder); allowed: a DICOMDIR with "
+            "the files that it lists, or their folder"
+        )
+    return found, damaged + missing
 
 
 @dataclass(frozen=True)
@@ -249,7 +280,7 @@ def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:
         unit=series.headers[0].unit,
         series=series.uid,
         frame=series.headers[0].frame,
-        patient=series.headers[0].patient,
+        subject=series.headers[0].subject,
         file_scale=Scale(*scale) if scale else None,
         orientation_known=plan.stack is not None,
     )
