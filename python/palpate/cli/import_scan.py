@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +11,7 @@ from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import (
     AnotherPatient,
     Fill,
+    Frame,
     MaxVoxels,
     Orientation,
     Raw,
@@ -24,7 +24,6 @@ from palpate.cli.reading_options import Reading
 
 if TYPE_CHECKING:
     from palpate.cli.import_scan_run import Writing
-    from palpate.io.browse import Choice
     from palpate.io.dicomweb.address import WebAddress
     from palpate.io.dicomweb.series import RemoteSeries
     from palpate.volumes.volume import Volume
@@ -69,6 +68,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     ] = None,
     study: Annotated[str | None, typer.Option(help="UID of the study, with --dicomweb.")] = None,
     series: Series = None,
+    frame: Frame = None,
     volume: Annotated[
         str | None,
         typer.Option(
@@ -126,6 +126,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         raise OptionError("--segments given; allowed: with --output FILE")
     reading = Reading(
         series=series if dicomweb is None else volume,
+        frame=frame,
         orientation=orientation,
         unit=unit,
         fill=fill,
@@ -163,6 +164,7 @@ def _import_files(
     as_json: bool,
 ) -> None:
     from palpate.cli.import_scan_run import read_or_list, write_import
+    from palpate.cli.series import of_choices
 
     files: list[dict[str, Any]] = []
     with quiet_libraries(), Display() as display:
@@ -170,7 +172,7 @@ def _import_files(
         if writing is not None and not isinstance(found, list):
             files = write_import(found, writing, progress=display)
     if isinstance(found, list):
-        rows = [_of_choice(*each) for each in enumerate(found, 1)]
+        rows = of_choices(found)
         _tell_list(rows, parts=None if every else [one.part for one in found], as_json=as_json)
     else:
         _tell_scan(found, files, as_json=as_json)
@@ -241,24 +243,6 @@ def _tell_scan(volume: Volume, files: list[dict[str, Any]], *, as_json: bool) ->
     print_table(volume)
     for file in files:
         typer.echo(f"{file['file']}: {file['bytes'] / 2**20:.1f} MiB, {file['holds']}")
-
-
-def _of_choice(number: int, one: Choice) -> dict[str, Any]:
-    columns, rows, slices = one.size or (None, None, None)
-    return {
-        "number": number,
-        "patient": one.patient,
-        "study": one.study,
-        "series": one.name,
-        "modality": one.modality,
-        "slices": slices,
-        "columns": columns,
-        "rows": rows,
-        "spacing_mm": None if one.spacing is None else list(one.spacing),
-        "bytes": 2 * math.prod(one.size) if one.size else None,
-        "uid": one.uid,
-        "refused": one.refused,
-    }
 
 
 def _of_remote(number: int, one: RemoteSeries) -> dict[str, Any]:

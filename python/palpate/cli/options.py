@@ -10,6 +10,7 @@ import typer
 __all__ = [
     "Browser",
     "Fill",
+    "Frame",
     "MaxVoxels",
     "Mesh",
     "MeshFrame",
@@ -35,7 +36,7 @@ __all__ = [
 Scan = Annotated[
     Path,
     typer.Argument(
-        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage, MINC or other image file; "
         "folder of PNG or TIFF slices.",
         metavar="PATH",
     ),
@@ -43,7 +44,7 @@ Scan = Annotated[
 ScanOrNone = Annotated[
     Path | None,
     typer.Argument(
-        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage, MINC or other image file; "
         "folder of PNG or TIFF slices; saved scene. Without a path, the page asks "
         "for a scan.",
         metavar="[PATH]",
@@ -51,6 +52,10 @@ ScanOrNone = Annotated[
 ]
 Series = Annotated[
     str | None, typer.Option(help="DICOM series to read: UID, description, or number in the list.")
+]
+Frame = Annotated[
+    int | None,
+    typer.Option(help="Volume of an image file that holds several, such as times; 1 is the first."),
 ]
 Orientation = Annotated[
     str | None,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 from palpate.base.typed_numbers import parse_voxel_size
-from palpate.cli.options import Fill, MaxVoxels, Orientation, Raw, Series, Unit, VoxelSize
+from palpate.cli.options import Fill, Frame, MaxVoxels, Orientation, Raw, Series, Unit, VoxelSize
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
@@ -30,6 +30,7 @@ class Reading:
     """
 
     series: Series = None
+    frame: Frame = None
     orientation: Orientation = None
     unit: Unit = None
     fill: Fill = None
@@ -52,6 +53,7 @@ class Reading:
         return read(
             path,
             series=self.series,
+            frame=self.frame,
             orientation=self.orientation,
             unit=self.unit,
             fill=self.fill,

@@ -89,6 +89,7 @@ def _scan(recipe: Recipe, written: list[Path], progress: Progress) -> Volume:
     return read(
         step.path,
         series=None if step.series is None else str(step.series),
+        frame=step.frame,
         orientation=step.orientation,
         unit=step.unit,
         fill=step.fill,
