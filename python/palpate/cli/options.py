@@ -91,6 +91,13 @@ Resample = Annotated[
         help="Resample segments from another grid to that of the scan (nearest neighbour).",
     ),
 ]
+AnotherPatient = Annotated[
+    bool,
+    typer.Option(
+        "--another-patient",
+        help="Take DICOM segments of another patient, study or frame of reference as they are.",
+    ),
+]
 With = Annotated[
     Path | None,
     typer.Option(

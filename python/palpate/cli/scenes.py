@@ -45,6 +45,7 @@ def wanted_scene(
     bounds: Bounds | None,
     label_map: Path | None,
     resample: bool = False,
+    another_patient: bool = False,
     progress: Progress,
 ) -> Scene:
     """Returns a scan with the segments asked for, and no others.
@@ -58,7 +59,13 @@ def wanted_scene(
     if bounds is not None:
         scene.add(volume.threshold(*bounds, name="threshold"))
     if label_map is not None:
-        add_labels(scene, label_map, resample=resample, progress=progress)
+        add_labels(
+            scene,
+            label_map,
+            resample=resample,
+            another_patient=another_patient,
+            progress=progress,
+        )
     return scene
 
 
@@ -68,6 +75,7 @@ def scene_of(
     bounds: Bounds | None,
     label_map: Path | None,
     resample: bool = False,
+    another_patient: bool = False,
     progress: Progress,
 ) -> Scene:
     """Returns a scene with the segments asked for, or with the one offered as bone.
@@ -78,16 +86,34 @@ def scene_of(
         OptionError: The label map does not fit the scan.
     """
     scene = wanted_scene(
-        volume, bounds=bounds, label_map=label_map, resample=resample, progress=progress
+        volume,
+        bounds=bounds,
+        label_map=label_map,
+        resample=resample,
+        another_patient=another_patient,
+        progress=progress,
     )
     if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
         warn(told)
     return scene
 
 
-def add_labels(scene: Scene, path: Path, *, resample: bool, progress: Progress) -> None:
+def add_labels(
+    scene: Scene,
+    path: Path,
+    *,
+    resample: bool,
+    another_patient: bool = False,
+    progress: Progress,
+) -> None:
     """Adds the segments of a file or folder, and says what was changed or left out."""
-    found = read_labels(path, scene.volume, resample=resample, progress=progress)
+    found = read_labels(
+        path,
+        scene.volume,
+        resample=resample,
+        another_patient=another_patient,
+        progress=progress,
+    )
     for label in found.labels:
         # smooth bodies are read at a glance; until its surface is made, one is drawn from voxels
         scene.add(label.segment, colour=label.colour, shown_as="surface")

@@ -7,7 +7,7 @@ axis. Points are (x, y, z); arrays are [z, y, x], x fastest in memory.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -48,8 +48,12 @@ class VolumeTraits:
     """SeriesInstanceUID, for DICOM."""
     frame: str = ""
     """FrameOfReferenceUID of DICOM; scans that share it have the same patient coordinates."""
-    patient: str = ""
-    """Name and number of the patient in DICOM, to compare with another scan's; never shown."""
+    study: str = field(default="", repr=False)
+    """StudyInstanceUID, for DICOM."""
+    patient_id: str = field(default="", repr=False)
+    """Of DICOM; only compared, and neither shown nor saved."""
+    patient_name: str = field(default="", repr=False)
+    """Of DICOM; only compared, and neither shown nor saved."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""

@@ -76,8 +76,8 @@ def test_what_is_no_transform_of_space_is_refused(tmp_path: Path) -> None:
 
 def test_another_patient_and_frame_of_reference_are_told() -> None:
     first, same, other = slopes(), slopes(), slopes()
-    first.traits = same.traits = VolumeTraits(patient="Doe^Jane 17", frame="1.2.3")
-    other.traits = VolumeTraits(patient="Doe^John 18", frame="1.2.4")
+    first.traits = same.traits = VolumeTraits(patient_id="Doe^Jane 17", frame="1.2.3")
+    other.traits = VolumeTraits(patient_id="Doe^John 18", frame="1.2.4")
     assert doubts_of(first, placed(first, same)) == ()
     patient, frame = doubts_of(first, placed(first, other))
     assert "patient is not that of the first scan" in patient
