@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palpate.base.console import Display, quiet_libraries
-from palpate.cli.options import Fill, MaxVoxels, Orientation, Raw, Resample, Series, Unit, VoxelSize
+from palpate.cli.options import (
+    Fill,
+    MaxVoxels,
+    Orientation,
+    Raw,
+    Resample,
+    Series,
+    Strict,
+    Unit,
+    VoxelSize,
+)
 from palpate.cli.reading_options import Reading
 
 if TYPE_CHECKING:
@@ -89,6 +99,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     orientation: Orientation = None,
     unit: Unit = None,
     fill: Fill = None,
+    strict: Strict = False,
     raw: Raw = None,
     voxel_size: VoxelSize = None,
     max_voxels: MaxVoxels = 1024**3,
@@ -118,6 +129,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         orientation=orientation,
         unit=unit,
         fill=fill,
+        strict=strict,
         raw=raw,
         voxel_size=voxel_size,
         max_voxels=max_voxels,

@@ -164,6 +164,7 @@ def _export_folder(
             "the scan is as it was read, and there are no segments to write; allowed: with "
             "--segments FILE or --threshold LOW,HIGH, or without --keep-identity to share the scan"
         )
+    lost: list[str] = []
     with (
         dicom_source(scene.volume, complete=not keep, progress=progress) as source,
         whole_folder(path) as folder,
@@ -177,12 +178,17 @@ def _export_folder(
             for number, made in enumerate(make_series(scene.volume, source)):
                 progress(f"writing {count} edited slices", number / count)
                 _save(made, folder / "edited" / f"{number + 1:05}.dcm", share)
+            if scene.volume.exact is not None:
+                lost.append(
+                    f"values of edited slices are rounded to steps of {scene.volume.slope:.4g}; "
+                    ".nrrd keeps them"
+                )
         if segments:
             progress("writing segments", None)
             made = make_seg(segments, scene.volume, source, kind="BINARY")
             _save(made, folder / "segments.dcm", share)
             _save(make_rtstruct(segments, scene.volume, source), folder / "structures.dcm", share)
-    return []
+    return lost
 
 
 def _copy_scan(

@@ -37,6 +37,7 @@ def read(
     orientation: str | None = None,
     unit: str | None = None,
     fill: float | None = None,
+    strict: bool = False,
     raw: str | None = None,
     voxel_size: tuple[float, float, float] | None = None,
     max_voxels: int = 1024**3,
@@ -53,7 +54,10 @@ def read(
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not state them or is wrong.
         unit: "HU" where the values are known to be HU.
-        fill: Replacement for NaN and infinite values.
+        fill: Replacement for NaN and infinite values; without it such voxels have no value: they
+            are transparent, cannot be touched, and are left out of thresholds and statistics.
+        strict: Whether a scan with NaN or infinite values is refused instead, if there is no
+            ``fill``.
         raw: Layout of raw voxels, as SIZE,TYPE[,ORDER[,SKIP]], such as "256x256x113,int16,big"; for
             a folder, each file holds slices.
         voxel_size: Voxel size along x, y, z [mm], for raw voxels and pictures that do not state it.
@@ -95,10 +99,11 @@ def read(
         stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
     except PalpateError as error:
         raise type(error)(f"{source}: {error}") from None
-    if stored.error > 0.0:
-        scan.warnings.append(
-            f"values are rounded to steps of {stored.scale.slope:.4g} {scan.unit}".rstrip()
-            + f", by at most {stored.error:.4g}, to fit 16 bits"
+    if strict and stored.missing:
+        raise VolumeFormatError(
+            f"{source}: {stored.missing} of {stored.values.size} values are NaN or infinite; "
+            "allowed: finite values, a value to put in their place (fill), or no value there "
+            "(not strict)"
         )
     if stored.filled:
         scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
@@ -111,6 +116,7 @@ def read(
         direction=scan.direction,
         slope=stored.scale.slope,
         intercept=stored.scale.intercept,
+        exact=stored.exact,
         traits=VolumeTraits(
             name=scan.name,
             description=scan.description,
@@ -128,6 +134,7 @@ def read(
         "orientation": orientation,
         "unit": unit,
         "fill": fill,
+        "strict": strict or None,
         "raw": raw,
         "voxel_size": voxel_size,
     }
