@@ -25,7 +25,7 @@ from palpate.export.image import IMAGE_SUFFIXES, write_label_map, write_scan
 from palpate.export.masks import written_segments
 from palpate.export.seg_nrrd import write_seg_nrrd
 from palpate.io.dicom.header import damage_told
-from palpate.volumes.scene import Scene, SceneSegment
+from palpate.volumes.scene import Scene, SceneSegment, require_scene
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -120,6 +120,7 @@ def export_scene(
         StillIdentifiedError: De-identified files would still contain the patient's name.
         OSError: The file cannot be written; an existing one stays as it was.
     """
+    require_scene(scene)
     target = Path(path)
     chosen = kind_of(target, has_segments=len(scene) > 0) if kind is None else kind
     check_export(target, chosen, keep_identity=keep_identity)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from palpate import Scene, ScriptedPath, Segment, Session, SessionOptions, TouchSettings, Volume
 
 DEEP = 1.5
@@ -17,14 +18,16 @@ def slab(high: int = 1000, low: int = 0) -> Volume:
     return Volume(values, spacing=(1.0, 1.0, 1.0))
 
 
-def force_on(segment: Segment) -> np.ndarray:
+def force_on(segment: Segment) -> NDArray[np.float64]:
     """The force in the end on what is pressed from above, at 1 N/mm."""
     path = ScriptedPath((32.0, 32.0, TOP + 3.0)).move((32.0, 32.0, TOP - DEEP), seconds=0.6)
     path = path.move((32.0, 32.0, TOP - DEEP), seconds=0.4)
     options = SessionOptions(real_time=False, touch=TouchSettings(stiffness=1.0, damping=0.0))
     scene = Scene(segment.volume, [segment])
     with Session(scene, device=path, options=options) as session:
-        return np.asarray(session.run(0.9).forces)[-1]
+        forces: NDArray[np.float64] = session.run(0.9).forces
+    last: NDArray[np.float64] = forces[-1]
+    return last
 
 
 def test_metal_at_the_end_of_the_range_pushes_as_hard_as_its_stiffness_says() -> None:

@@ -15,7 +15,8 @@ from palpate.segmentation.multi_otsu import otsu
 from palpate.volumes.downsample import merged
 from palpate.volumes.scan_slice import ScanSlice
 
-SMALL = np.float32([0.0, 0.0007, 0.0011, 0.003])
+SMALL = np.array([0.0, 0.0007, 0.0011, 0.003], np.float32)
+LARGEST = float(SMALL[-1])
 """Of a map of diffusion [mm²/s]."""
 
 
@@ -38,7 +39,7 @@ def diffusion(*, nan: int = 0) -> NDArray[np.float32]:
 def test_small_numbers_of_files_are_not_rounded(data_folder: Path, name: str) -> None:
     case = data_folder.parent / "cases" / "01-small-floats-become-zero" / "input"
     volume = palpate.read(case / name)
-    assert volume.range == (0.0, np.float32(0.003))
+    assert volume.range == (0.0, LARGEST)
     lesion = volume.threshold(0.002)
     slices, rows, columns = np.nonzero(lesion.mask())
     middle = [columns.mean() + 0.5, rows.mean() + 0.5, slices.mean() + 0.5, 1.0]
@@ -87,12 +88,12 @@ def test_no_value_is_exported_as_no_value(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     "values",
     [
-        np.uint16([0, 40000]),
-        np.int32([0, 70000]),
-        np.int64([-1, 2**40]),
-        np.uint8([0, 255]),
-        np.float32([0.0, 0.5, 1.0]),
-        np.float64([0.0, 0.1, 2.0**24 + 1.0]),
+        np.array([0, 40000], np.uint16),
+        np.array([0, 70000], np.int32),
+        np.array([-1, 2**40], np.int64),
+        np.array([0, 255], np.uint8),
+        np.array([0.0, 0.5, 1.0], np.float32),
+        np.array([0.0, 0.1, 2.0**24 + 1.0], np.float64),
         np.array([False, True]),
     ],
 )
@@ -111,7 +112,7 @@ def test_whole_floats_beyond_single_precision_are_kept() -> None:
 
 
 def test_slope_and_intercept_are_those_of_any_numbers_given() -> None:
-    given = np.uint16([[[0, 40000, 65535]]])
+    given = np.array([[[0, 40000, 65535]]], np.uint16)
     volume = volume_of(given, slope=0.1, intercept=-5.0)
     np.testing.assert_allclose(volume.values(), given * 0.1 - 5.0, rtol=1e-6)
 
@@ -197,6 +198,8 @@ def test_otsu_parts_all_values_with_none_between() -> None:
     values[:2] = np.nan
     volume = volume_of(values)
     lower, upper = otsu(volume, classes=3)
+    assert lower.range is not None
+    assert upper.range is not None
     counted = lower.voxel_count + upper.voxel_count
     assert counted == (values >= lower.range[0]).sum()
     assert upper.range[1] == np.nanmax(values)
@@ -222,7 +225,7 @@ def test_stored_values_that_changed_change_the_values_there_only() -> None:
 def test_voxels_without_a_value_are_left_out_and_told() -> None:
     values = diffusion(nan=10)
     volume = volume_of(values)
-    assert volume.range == (0.0, np.float32(0.003))
+    assert volume.range == (0.0, LARGEST)
     assert volume.histogram.counts.sum() == values.size - 10
     assert volume.threshold(-1.0).voxel_count == values.size - 10
     assert not volume.threshold(0.0).mask().ravel()[:10].any()
