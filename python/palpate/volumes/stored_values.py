@@ -190,13 +190,15 @@ def _convert(
     stored = np.empty(values.shape, np.int16)
     # a step below all others
     nothing = round((survey.low - scale.intercept) / scale.slope) - 1
+    # whole numbers and whole steps: always the same
+    certain = survey.whole and scale.slope == 1.0 and float(scale.intercept).is_integer()
     for part, target in zip(values, stored, strict=True):
         wanted = part.astype(np.float64)
         bad = ~np.isfinite(wanted) if survey.not_finite else None
         if bad is not None:
             wanted[bad] = survey.low if fill is None else fill
         steps = np.rint((wanted - scale.intercept) / scale.slope)
-        if exactly and not _is_same(scale, steps, wanted):
+        if exactly and not certain and not _is_same(scale, steps, wanted):
             return stored, False
         if bad is not None and fill is None:
             steps[bad] = nothing
