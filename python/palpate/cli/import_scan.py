@@ -10,6 +10,7 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import (
+    AnotherPatient,
     Fill,
     MaxVoxels,
     Orientation,
@@ -96,6 +97,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         ),
     ] = None,
     resample: Resample = False,
+    another_patient: AnotherPatient = False,
     orientation: Orientation = None,
     unit: Unit = None,
     fill: Fill = None,
@@ -136,7 +138,13 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     )
     writing = None
     if output is not None and target is not None:
-        writing = Writing(out=output, target=target, segments=segments, resample=resample)
+        writing = Writing(
+            out=output,
+            target=target,
+            segments=segments,
+            resample=resample,
+            another_patient=another_patient,
+        )
     if dicomweb is None:
         _import_files(given, reading, writing, every=every, as_json=as_json)
         return

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, damage_told, frame_of
-from palpate.io.dicom.pixels import stored_pixels
+from palpate.labels.belonging import check_belonging
+from palpate.labels.dicom_objects import dataset_of, pixels_of
 from palpate.labels.grid import (
     RESAMPLED,
     Colour,
@@ -51,24 +52,37 @@ class _Told:
     terminology: Terminology | None
 
 
-def read_seg(path: Path, volume: Volume, *, resample: bool = False, progress: Progress) -> Labels:
+def read_seg(
+    path: Path,
+    volume: Volume,
+    *,
+    resample: bool = False,
+    another_patient: bool = False,
+    progress: Progress,
+) -> Labels:
     """Reads the segments of a file, each as a part of the scan.
 
     Raises:
         VolumeFormatError: The file is damaged, or does not say where its frames lie.
-        OptionError: It lies on another grid than the scan.
+        OptionError: It is another patient's, or lies on another grid than the scan.
     """
-    import pydicom
-
     with damage_told(path):
-        dataset = pydicom.dcmread(path, stop_before_pixels=True)
+        dataset = dataset_of(path)
         told = [_told(item) for item in dataset.get("SegmentSequence") or [] if _is_part(item)]
-        count = int(dataset.get("NumberOfFrames") or 1)
+        count = _frame_count(path, dataset)
         frames = [frame_of(dataset, index) for index in range(count)]
         of_frame = [_number(dataset, index) for index in range(count)]
+    foreign = check_belonging(
+        path,
+        dataset,
+        volume,
+        frames={str(dataset.get("FrameOfReferenceUID") or "")} - {""},
+        resample=resample,
+        another_patient=another_patient,
+    )
     progress(f"reading {count} frames", None)
     shape = (count, int(dataset.Rows), int(dataset.Columns))
-    stored = stored_pixels(path, shape=shape)
+    stored = pixels_of(path, shape=shape)
     places = _places(path, frames, shape, volume=volume, resample=resample)
 
     kind = str(dataset.get("SegmentationType") or "BINARY")
@@ -89,11 +103,24 @@ def read_seg(path: Path, volume: Volume, *, resample: bool = False, progress: Pr
             made.append(Label(part, segment.colour))
         else:
             empty += 1
-    said = ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
+    said = foreign
+    said += ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
     said += [f"{empty} segments are empty"] if empty else []
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
     said += [RESAMPLED] if any(isinstance(place, Resampling) for place in places) else []
     return Labels(tuple(made), tuple(said))
+
+
+def _frame_count(path: Path, dataset: Dataset) -> int:
+    """Returns how many frames a file announces, once each has a description of its own."""
+    count = int(dataset.get("NumberOfFrames") or 1)
+    described = len(dataset.get("PerFrameFunctionalGroupsSequence") or [])
+    if not 1 <= count <= max(1, described):
+        raise VolumeFormatError(
+            f"{path} announces {count} frames and describes {described}; allowed: as many as are "
+            "described"
+        )
+    return count
 
 
 def _solid(pixels: NDArray[Any], *, kind: str, number: int, most: int) -> NDArray[np.uint8]:

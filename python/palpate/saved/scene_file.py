@@ -24,6 +24,7 @@ from typing import Any
 
 import msgspec
 
+from palpate.base.damaged_file import damage_as
 from palpate.base.errors import PalpateError, SceneFormatError
 from palpate.base.package_version import package_version
 from palpate.base.progress import Progress, silent
@@ -54,6 +55,7 @@ MOST_JSON_BYTES = 1 << 24
 MOST_SEGMENTS_BYTES = 1 << 31
 """Most bytes of ``segments.journal``; all bones of a CT of the trunk take about 10 MB."""
 
+SAVED = "a file that Palpate saved"
 ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
 
 
@@ -106,6 +108,10 @@ class SavedScene:
         Raises:
             SceneFormatError: The file is damaged.
         """
+        with damage_as(SceneFormatError, f"{self.path} is damaged", allowed=SAVED):
+            self._restore(session)
+
+    def _restore(self, session: Session) -> None:
         with TemporaryDirectory(prefix="palpate-") as folder:
             journal = Path(folder) / SEGMENTS
             with opened(self.path) as archive:
@@ -184,7 +190,7 @@ def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
     Raises:
         SceneFormatError: The file is not a scene, is damaged, or its scan is missing.
     """
-    with opened(path) as archive:
+    with damage_as(SceneFormatError, f"{path} is damaged", allowed=SAVED), opened(path) as archive:
         about = _about(path, archive)
         # before a scan that is open makes room for this one
         check_whole(path, archive, SEGMENTS)
@@ -249,5 +255,5 @@ def _about(path: Path, archive: zipfile.ZipFile) -> _About:
         if given != FORMAT:
             raise SceneFormatError(f"{path}: format {given!r} given; allowed: {FORMAT!r}")
         return msgspec.json.decode(text, type=_About)
-    except msgspec.DecodeError as error:
+    except (msgspec.DecodeError, RecursionError) as error:
         raise SceneFormatError(f"{path}: {ABOUT} cannot be read: {error}") from None

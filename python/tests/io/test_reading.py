@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from pathlib import Path
 from typing import Any
@@ -226,11 +227,13 @@ def test_a_colour_picture_is_refused(write_image: Any) -> None:
     assert "3 numbers per voxel" in refused(path)
 
 
-def test_a_4d_image_is_refused(tmp_path: Path, small_values: np.ndarray) -> None:
+def test_a_4d_image_is_refused_where_no_volume_is_chosen(
+    tmp_path: Path, small_values: np.ndarray
+) -> None:
     image = SimpleITK.GetImageFromArray(small_values)
     path = tmp_path / "four.nii"
     SimpleITK.WriteImage(SimpleITK.JoinSeries([image, image]), str(path))
-    assert "4-D image" in refused(path)
+    assert "4-D image of 2 volumes" in refused(path)
 
 
 def test_a_sheared_image_is_refused(tmp_path: Path) -> None:
@@ -244,14 +247,16 @@ def test_a_sheared_image_is_refused(tmp_path: Path) -> None:
 
 
 def test_too_many_voxels_are_refused_before_they_are_read(tmp_path: Path) -> None:
-    # a header alone: 2^36 voxels announced, none there
+    # 2^31 voxels that take no room on the disk
     header = (
-        "NRRD0004\ntype: short\ndimension: 3\nspace: LPS\nsizes: 4096 4096 4096\nencoding: raw\n"
+        "NRRD0004\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: 2048 1024 1024\nencoding: raw\n"
         "endian: little\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n"
     )
     path = tmp_path / "huge.nrrd"
     path.write_text(header)
-    assert "4096 x 4096 x 4096 = 68719476736 voxels" in refused(path)
+    assert f"announces {len(header) + (1 << 31)} bytes" in refused(path)
+    os.truncate(path, len(header) + (1 << 31))
+    assert "2048 x 1024 x 1024 = 2147483648 voxels" in refused(path)
 
 
 @pytest.mark.parametrize("compressed", [False, True])
