@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from palpate.base.errors import VolumeFormatError
 
@@ -49,6 +49,11 @@ class Scale:
 
     slope: float
     intercept: float
+
+    def rounding(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Returns by how much ``slope * stored + intercept`` may be off by rounding to float32."""
+        error = FLOAT_ERROR * (np.abs(values) + abs(self.intercept))
+        return np.minimum(error, ROUNDING * abs(self.slope))
 
 
 @dataclass(frozen=True)
@@ -208,8 +213,7 @@ def _convert(
 
 def _is_same(scale: Scale, steps: NDArray[np.float64], wanted: NDArray[np.float64]) -> bool:
     off = np.abs(scale.slope * steps + scale.intercept - wanted)
-    allowed = FLOAT_ERROR * (np.abs(wanted) + abs(scale.intercept))
-    return bool((off <= np.minimum(allowed, ROUNDING * scale.slope)).all())
+    return bool((off <= scale.rounding(wanted)).all())
 
 
 def _kept(values: NDArray[Any], survey: _Survey, fill: float | None) -> NDArray[Any]:

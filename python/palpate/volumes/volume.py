@@ -26,8 +26,6 @@ __all__ = ["Source", "Volume", "VolumeTraits"]
 
 AXES = 3
 HISTOGRAM_BINS = 512
-SAME = 1e-6
-"""Of a step: limits of thresholds that are as near to a stored value are meant to be it."""
 Region = Any
 """Part of an array [z, y, x] as NumPy's indices take it, such as a tuple of slices."""
 UNKNOWN_SIDES = (
@@ -260,6 +258,11 @@ class Volume:
             values[none] = self.array[region][none] * self.slope + self.intercept
         return values
 
+    @property
+    def scale(self) -> Scale:
+        """How stored numbers become values."""
+        return Scale(self.slope, self.intercept)
+
     @cached_property
     def missing(self) -> int:
         """Number of voxels without a value."""
@@ -355,9 +358,8 @@ class Volume:
 
     def _nearby(self, limit: float) -> float:
         """Returns the value of a stored number where a limit is that but for rounding."""
-        stored = round((limit - self.intercept) / self.slope)
-        value = self.value_of(stored)
-        return value if abs(value - limit) <= SAME * abs(self.slope) else limit
+        value = self.value_of(round((limit - self.intercept) / self.slope))
+        return value if abs(value - limit) <= self.scale.rounding(limit) else limit
 
     def offered_bone(self) -> Segment:
         """Returns bone by a default threshold: 250 HU, or one estimated from the histogram."""

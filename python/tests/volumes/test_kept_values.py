@@ -169,12 +169,15 @@ def test_thresholds_compare_values_as_they_were_read() -> None:
         volume.threshold(0.0008, 0.001)
 
 
-def test_limits_are_closed_where_products_are_rounded() -> None:
+# as Python and as the header of a NIfTI file know it
+@pytest.mark.parametrize("slope", [0.1, float(np.float32(0.1))])
+def test_limits_are_closed_where_products_are_rounded(slope: float) -> None:
     stored = np.arange(1000, dtype=np.int16).reshape(10, 10, 10)
-    volume = volume_of(stored, slope=0.1)
+    volume = volume_of(stored, slope=slope)
     for high, last in [(0.3, 3), (0.7, 7), (30.7, 307)]:
         assert volume.threshold(0.0, high).voxel_count == last + 1
         assert volume.threshold(high).voxel_count == 1000 - last
+        assert volume.threshold(0.0, high - 0.001).voxel_count == last
 
 
 # --- everything that reads them ---------------------------------------------------------
