@@ -17,6 +17,7 @@ from palpate.cli.options import (
     Raw,
     Resample,
     Series,
+    Strict,
     Unit,
     VoxelSize,
 )
@@ -100,6 +101,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     orientation: Orientation = None,
     unit: Unit = None,
     fill: Fill = None,
+    strict: Strict = False,
     raw: Raw = None,
     voxel_size: VoxelSize = None,
     max_voxels: MaxVoxels = 1024**3,
@@ -130,6 +132,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         orientation=orientation,
         unit=unit,
         fill=fill,
+        strict=strict,
         raw=raw,
         voxel_size=voxel_size,
         max_voxels=max_voxels,

@@ -26,6 +26,7 @@ __all__ = [
     "ScanOrNone",
     "Segments",
     "Series",
+    "Strict",
     "Threshold",
     "Transform",
     "Unit",
@@ -80,6 +81,9 @@ VoxelSize = Annotated[
     ),
 ]
 Fill = Annotated[float | None, typer.Option(help="Value that replaces NaN and infinity.")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse scans with NaN or infinity, without --fill.")
+]
 MaxVoxels = Annotated[int, typer.Option(help="Refuse scans with more voxels than this.")]
 Threshold = Annotated[
     str | None,

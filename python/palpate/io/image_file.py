@@ -188,7 +188,10 @@ def _unknown(path: Path) -> VolumeFormatError:
     """Says what a file is that ITK knows and this module does not: it may be a picture."""
     from palpate.io.itk_image import ItkImage
 
-    image = ItkImage(path, "")
+    try:
+        image = ItkImage(path, "")
+    except VolumeFormatError:
+        return VolumeFormatError(f"{path} is no image; allowed: {ALLOWED}")
     image.check()
     check_shape(str(path), image.size, max_voxels=1 << 62)
     return VolumeFormatError(f"{path} is an image of another format; allowed: {ALLOWED}")

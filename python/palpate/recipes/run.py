@@ -93,6 +93,7 @@ def _scan(recipe: Recipe, written: list[Path], progress: Progress) -> Volume:
         orientation=step.orientation,
         unit=step.unit,
         fill=step.fill,
+        strict=step.strict,
         raw=step.raw,
         voxel_size=parse_voxel_size(step.voxel_size),
         progress=progress,

@@ -30,6 +30,7 @@ class ImportStep(Step, frozen=True, kw_only=True):
     orientation: str | None = None
     unit: str | None = None
     fill: float | None = None
+    strict: bool = False
     raw: str | None = None
     voxel_size: str | None = None
 
