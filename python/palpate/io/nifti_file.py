@@ -55,7 +55,15 @@ def open_nifti(path: Path) -> StoredImage:
     header, single = _header(path, block)
     module = nibabel()
     try:
-        number = header.get_data_dtype()
+        number = np.dtype(header.get_data_dtype())
+        if not number.itemsize:
+            raise TypeError
+    except (KeyError, TypeError):
+        raise VolumeFormatError(
+            f"{path} holds numbers of the kind (datatype) {int(header['datatype'])}, which is "
+            "none; allowed: whole numbers of 8 to 64 bits and floats"
+        ) from None
+    try:
         slope, intercept = header.get_slope_inter()
         start = _start(header)
     except (module.spatialimages.HeaderDataError, ValueError, OverflowError) as error:
@@ -73,7 +81,7 @@ def open_nifti(path: Path) -> StoredImage:
         path=path,
         voxels=named if single else _beside(named, ".img"),
         size=size,
-        number=np.dtype(number),
+        number=number,
         # behind the header and the four bytes that tell of extensions
         start=max(start, len(bytes(header.binaryblock)) + 4) if single else start,
         scale=_scale(slope, intercept),

@@ -110,7 +110,7 @@ def _registered(
     """Brings another scan to the first one; returns the one to go on with."""
     told, written = log
     series = None if step.moving_series is None else str(step.moving_series)
-    moving = read(step.moving, series=series, progress=progress)
+    moving = read(step.moving, series=series, frame=step.moving_frame, progress=progress)
     found = register(
         fixed, moving, kind=step.kind, metric=step.metric, start=step.start, progress=progress
     )

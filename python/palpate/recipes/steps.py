@@ -66,6 +66,7 @@ class RegisterStep(Step, frozen=True, kw_only=True):
 
     moving: Path
     moving_series: str | int | None = None
+    moving_frame: int | None = None
     kind: RegistrationKind = "rigid"
     metric: Metric = "mutual-information"
     start: Literal["geometry", "centre", "moments"] = "centre"
