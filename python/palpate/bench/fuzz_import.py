@@ -29,13 +29,23 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, PalpateError
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import in_this_process
 from palpate.base.simpleitk import simpleitk
+from palpate.bench.structured_damage import restructured
 from palpate.io.browse import browsed, previews
 from palpate.io.dicom.series import is_dicom
+from palpate.io.headerless import headerless_pictures
 from palpate.io.image_file import FORMATS
 from palpate.io.reading import read
+from palpate.labels.kind import labels_told
 from palpate.labels.labels import read_labels
+from palpate.recipes.recipe import read_recipe
+from palpate.saved.scene_file import open_scene, save_scene
+from palpate.session.appearance import appearances_of, keep_appearances
+from palpate.session.session import Session, SessionOptions
 from palpate.volumes.mesh_read import read_mesh
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 
 __all__ = ["Found", "Limits", "Sample", "damaged", "measure", "samples_in", "tried"]
 
@@ -43,8 +53,23 @@ LARGEST_SAMPLE = 600_000
 """Largest file [bytes]; larger ones take long and would be damaged in the same places."""
 MOST_VOXELS = 1 << 25
 MOST_OF_A_FOLDER = 6
-ENDINGS = tuple(ending for _, some in FORMATS.values() for ending in some)
+ENDINGS = tuple(ending for some in FORMATS.values() for ending in some)
 MESHES = (".stl", ".ply", ".obj", ".glb")
+RECIPE = """import:
+  path: scan.mha
+  unit: HU
+segment:
+  - threshold: [200, 400]
+    keep-largest: true
+    name: ball
+surface:
+  - segment: ball
+    out: ball.stl
+export:
+  - out: labels.nii.gz
+    only: [ball]
+report: report.html
+"""
 EXTREMES = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF)
 """Extreme numbers that replace lengths and sizes."""
 
@@ -55,7 +80,7 @@ class Sample:
 
     path: Path
     kind: str
-    """scan, series, archive, labels or mesh."""
+    """scan, series, archive, labels, mesh, pictures, scene or recipe."""
     scan: Path | None = None
     """Scan to which labels belong."""
 
@@ -157,6 +182,7 @@ def samples_in(folder: Path, made: Path) -> list[Sample]:
     samples += [Sample(path, "mesh") for path in files if path.suffix in MESHES]
     for scan in scans:
         samples.append(Sample(_archive(scan, made / f"{scan.parent.name}.zip"), "archive"))
+    samples += _made(made)
     small = [path for path in images if path.name.endswith(".nii.gz")][:1]
     samples += [Sample(path, "scan") for image in small for path in _rewritten(image, made)]
     if not samples:
@@ -177,13 +203,17 @@ def sample_of(samples: list[Sample], seed: int) -> Sample:
 
 
 def damaged(content: bytes, seed: int) -> bytes:
-    """Returns content with one to three damages, decided by the seed alone."""
+    """Returns content with one to three damages, decided by the seed alone.
+
+    In half of the cases they know what the file is made of.
+    """
     generator = np.random.default_rng([seed, 1])
+    structured = bool(generator.integers(2))
     for _ in range(int(generator.integers(1, 4))):
         if not content:
             break
         damage = DAMAGES[int(generator.integers(len(DAMAGES)))]
-        content = damage(content, generator)
+        content = (restructured if structured else damage)(content, generator)
     return content
 
 
@@ -252,6 +282,38 @@ def _archive(folder: Path, target: Path) -> Path:
     return target
 
 
+def _made(made: Path) -> list[Sample]:
+    """Writes pictures, a scene, a recipe and a label map with its table."""
+    sitk = simpleitk()
+    values = np.arange(12 * 10 * 8, dtype=np.int16).reshape(8, 10, 12)
+    pages, picture, scene, recipe, scan, labels = (
+        made / name
+        for name in ("p.tif", "p.png", "s.palpate", "r.yaml", "labels/scan.mha", "labels/a.mha")
+    )
+    scan.parent.mkdir()
+    sitk.WriteImage(sitk.GetImageFromArray(values), str(pages))
+    sitk.WriteImage(sitk.GetImageFromArray(values[0].astype(np.uint8)), str(picture))
+    sitk.WriteImage(sitk.GetImageFromArray(values), str(scan))
+    sitk.WriteImage(sitk.GetImageFromArray(values // 300), str(labels))
+    volume = Volume(values, spacing=(1.0, 1.0, 2.0))
+    with Session(
+        Scene(volume, [volume.threshold(500.0)]), options=SessionOptions(real_time=False)
+    ) as session:
+        looks = keep_appearances(session, appearances_of(session).__getitem__)
+        save_scene(scene, session, looks=looks, copy=True)
+    recipe.write_text(RECIPE, "utf-8")
+    table = scan.with_name("a.csv")
+    table.write_text("id,structure,red,green,blue\n1,one,1,0,0\n2,two,0,1,0.5\n", "utf-8")
+    return [
+        Sample(pages, "pictures"),
+        Sample(picture, "pictures"),
+        Sample(scene, "scene"),
+        Sample(recipe, "recipe"),
+        Sample(labels, "labels", scan),
+        Sample(table, "labels", scan),
+    ]
+
+
 def _rewritten(image: Path, made: Path) -> Iterator[Path]:
     """Writes a corner of an image in each format."""
     sitk = simpleitk()
@@ -294,7 +356,7 @@ def _laid(sample: Sample, seed: int, folder: Path) -> Path:
     """Writes a damaged sample with the files that belong to it; returns the path to read."""
     content = damaged(sample.path.read_bytes(), seed)
     place = folder / sample.path.name
-    if sample.kind == "series":
+    if sample.kind == "series" or sample.scan == sample.path.with_name("scan.mha"):
         for path in sorted(sample.path.parent.iterdir())[:MOST_OF_A_FOLDER]:
             shutil.copyfile(path, folder / path.name)
     for ending in (".raw", ".zraw"):
@@ -302,6 +364,9 @@ def _laid(sample: Sample, seed: int, folder: Path) -> Path:
         if voxels.is_file():
             shutil.copyfile(voxels, folder / voxels.name)
     place.write_bytes(content)
+    if sample.path.suffix == ".csv":
+        # a table is read with the map beside it
+        return place.with_suffix(".mha")
     return folder if sample.kind == "series" else place
 
 
@@ -310,6 +375,7 @@ def _child(laid: tuple[Sample, Path], limits: Limits, results: Connection) -> No
     import resource
 
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    in_this_process()
     held = resource.getrlimit(resource.RLIMIT_AS)[1]
     begun = _address_space() + limits.memory
     most = begun if held == resource.RLIM_INFINITY else min(begun, held)
@@ -337,12 +403,22 @@ def _address_space() -> int:
 
 def _read(sample: Sample, place: Path) -> None:
     if sample.kind == "mesh":
-        read_mesh(place)
+        read_mesh(place, frame="LPS", unit="mm")
+    elif sample.kind == "scene":
+        open_scene(place)
+    elif sample.kind == "recipe":
+        read_recipe(place)
+    elif sample.kind == "pictures":
+        try:
+            headerless_pictures(place)
+        finally:
+            read(place, voxel_size=(1.0, 1.0, 1.0), max_voxels=MOST_VOXELS, fill=0.0)
     elif sample.scan is not None:
         read_labels(place, read(sample.scan))
     else:
         try:
             read(place, max_voxels=MOST_VOXELS, fill=0.0)
         finally:
+            labels_told(place)
             with browsed(place) as choices:
                 list(previews(choices))

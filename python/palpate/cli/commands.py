@@ -15,6 +15,7 @@ from typer.exceptions import TyperException
 
 from palpate.base.console import WRONG_INPUT, fail
 from palpate.base.errors import PalpateError
+from palpate.base.reader_process import warm
 from palpate.cli.bench import (
     bench_deform,
     bench_edit,
@@ -63,12 +64,17 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+READING = {"open", "import", "export", "info", "record", "register", "run", "segment", "series"}
+"""Commands that read files in most cases."""
 STOPPED_BY_PERSON = 130
 """Exit code after Ctrl-C, as shells expect it."""
 
 
 def main() -> None:
     """Runs the command line and ends the process."""
+    if READING.intersection(sys.argv[1:2]) and not {"-h", "--help"}.intersection(sys.argv):
+        # it starts while the modules of the command do
+        warm()
     sys.exit(run(sys.argv[1:]))
 
 

@@ -25,7 +25,7 @@ from palpate.volumes.mesh_read import (
     suitable_spacing,
 )
 from palpate.volumes.scene import Scene
-from palpate.volumes.second_scan import placed, read_transform
+from palpate.volumes.second_scan import doubts_of, placed, read_transform
 from palpate.volumes.volume import Volume
 
 __all__ = [
@@ -135,10 +135,10 @@ def add_second(
             raise OptionError(f"--transform {transform} given; allowed: together with --with")
         return
     volume = read(path, progress=progress)
-    for warning in volume.warnings:
-        warn(f"{path.name}: {warning}")
     known = None if transform is None else read_transform(transform)
     scene.second = placed(scene.volume, volume, known)
+    for warning in (*doubts_of(scene.volume, scene.second), *volume.warnings):
+        warn(f"{path.name}: {warning}")
 
 
 def saved_scene(path: Path, progress: Progress) -> Opening:

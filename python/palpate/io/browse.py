@@ -6,7 +6,7 @@ Headers tell the list; pictures are middle slices, decoded on request, several a
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import PalpateError, VolumeFormatError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart, apart_each, looking_at
 from palpate.io.archive import is_archive, unpacked
-from palpate.io.dicom.header import Series
+from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import read_slice
 from palpate.io.dicom.reading import plan_of, volumes_of
 from palpate.io.dicom.series import MOST_FILES, called_of, is_dicom, series_among, series_in
@@ -29,12 +31,40 @@ __all__ = ["Choice", "browsed", "choices_among", "previews"]
 
 MOST_IMAGES = 200
 """Image files of one folder that are listed."""
+MOST_PICTURED = 32
+"""Volumes of one image file that have pictures: each is unpacked from the start of the file."""
 MOST_THREADS = 4
 LARGEST = 1024**3
 """Voxels, as ``palpate.io.read`` has it."""
 
 Picture = Callable[[], NDArray[np.uint8]]
+"""Makes a small picture; it may raise what reading raises."""
 Fetch = Callable[[Path, Progress], None]
+
+
+@dataclass(frozen=True)
+class MiddleOf:
+    """Makes the small picture of a scan's middle slice, in a worker."""
+
+    path: Path
+    header: Header | None = None
+    """Of DICOM; None for image files."""
+    frame: int = 0
+    """Of its frames from 0; of the volumes of image files from 1."""
+    pixel: tuple[float, float] = (1.0, 1.0)
+    """Between columns, between rows [mm], of image files."""
+
+    def __call__(self) -> NDArray[np.uint8]:
+        """Returns the picture."""
+        return apart(self.draw, path=self.path)
+
+    def draw(self) -> NDArray[np.uint8]:
+        """Returns the picture, made in this process."""
+        if self.header is not None:
+            between = self.header.frames[self.frame].pixel_spacing or (1.0, 1.0)
+            return preview(read_slice(self.header, self.frame), (between[1], between[0]))
+        with looking_at(self.path, "an image file"):
+            return preview(middle_of(self.path, max(1, self.frame)), self.pixel)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +75,8 @@ class Choice:
     """What ``palpate.io.read`` takes."""
     series: str | None = None
     """Which series of it, as ``read`` takes it."""
+    frame: int | None = None
+    """Which volume of an image file with several, as ``read`` takes it."""
     patient: str = ""
     study: str = ""
     name: str
@@ -60,7 +92,7 @@ class Choice:
     refused: str | None = None
     """Why it cannot be opened."""
     picture: Picture = field(compare=False)
-    """Makes the small picture of its middle; it may raise what reading raises."""
+    """Of its middle."""
     fetch: Fetch | None = field(default=None, compare=False)
     """Brings its files into a folder; None where they are at ``path``."""
 
@@ -75,35 +107,78 @@ def browsed(path: Path, *, progress: Progress = silent) -> Iterator[list[Choice]
     """
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist; allowed: an existing file or folder")
-    if path.is_dir():
-        yield _in_folder(path, progress)
-    elif is_archive(path):
+    check_plain(path)
+    if is_archive(path):
         with unpacked(path, progress) as folder:
-            yield _in_archive(path, folder, progress)
-    elif is_dicom(path):
+            yield apart(_in_archive, path, folder, path=path, progress=progress)
+    else:
+        yield apart(_at, path, path=path, progress=progress)
+
+
+def _at(path: Path, *, progress: Progress) -> list[Choice]:
+    """Lists the scans in a folder or file."""
+    if path.is_dir():
+        return _in_folder(path, progress=progress)
+    if is_dicom(path):
         found = volumes_of(path)
         # a single one needs no name
-        yield _series(path, found) if len(found) > 1 else [_of_series(path, found[0], None)]
-    else:
-        yield [_image(path, path.name)]
+        return _series(path, found) if len(found) > 1 else [_of_series(path, found[0], None)]
+    return _image(path, path.name)
 
 
 def previews(
     choices: Sequence[Choice], *, progress: Progress = silent
 ) -> Iterator[tuple[int, NDArray[np.uint8]]]:
     """Yields pictures of choices as they are made, with the number of each; none that fail."""
-    wanted = [number for number, choice in enumerate(choices) if choice.refused is None]
+    wanted = {
+        number: choice.picture
+        for number, choice in enumerate(choices)
+        if choice.refused is None and choice.picture is not _nothing
+    }
+    here = {number: one for number, one in wanted.items() if isinstance(one, MiddleOf)}
+    left = dict(here)
+    try:
+        for number, picture in apart_each(_drawn, here, path=Path("a list"), progress=progress):
+            del left[number]
+            if picture is not None:
+                yield number, picture
+    except PalpateError:
+        # one of them has ended its reader: each of the others has one more try, alone
+        yield from _drawn_alone(left, progress)
+    # those of servers are fetched by this process
+    for number, picture in _drawn(
+        {number: one for number, one in wanted.items() if number not in here}, progress=progress
+    ):
+        if picture is not None:
+            yield number, picture
+
+
+def _drawn(
+    wanted: Mapping[int, Picture], *, progress: Progress
+) -> Iterator[tuple[int, NDArray[np.uint8] | None]]:
+    """Yields pictures as they are made, several at a time; None for those that fail."""
     with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
         try:
-            made = {pool.submit(choices[number].picture): number for number in wanted}
+            made = {pool.submit(picture): number for number, picture in wanted.items()}
             for done, future in enumerate(as_completed(made)):
                 progress("drawing slices", done / len(wanted))
                 try:
                     yield made[future], future.result()
                 except (PalpateError, OSError, MemoryError):
-                    continue
+                    yield made[future], None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _drawn_alone(
+    wanted: Mapping[int, MiddleOf], progress: Progress
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    for done, (number, middle) in enumerate(wanted.items()):
+        progress("drawing slices", done / len(wanted))
+        try:
+            yield number, apart(middle.draw, path=middle.path)
+        except (PalpateError, OSError, MemoryError):
+            continue
 
 
 def choices_among(paths: Sequence[Path], *, progress: Progress = silent) -> list[Choice]:
@@ -114,13 +189,17 @@ def choices_among(paths: Sequence[Path], *, progress: Progress = silent) -> list
         OptionError: One of them is neither a folder nor a DICOM file.
         VolumeFormatError: They hold no scan.
     """
+    return apart(_among, paths, path=called_of(paths), progress=progress)
+
+
+def _among(paths: Sequence[Path], *, progress: Progress) -> list[Choice]:
     return _series(called_of(paths), series_among(paths, progress=progress)[0])
 
 
 # --- DICOM --------------------------------------------------------------------------------
 
 
-def _in_folder(folder: Path, progress: Progress, called: Path | None = None) -> list[Choice]:
+def _in_folder(folder: Path, *, progress: Progress, called: Path | None = None) -> list[Choice]:
     images = image_files(folder, among=MOST_FILES)[:MOST_IMAGES]
     try:
         found, _ = series_in(folder, called=called, progress=progress)
@@ -131,17 +210,20 @@ def _in_folder(folder: Path, progress: Progress, called: Path | None = None) -> 
     return [
         *_series(called or folder, found),
         *(
-            _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
+            one
             for path in images
+            for one in _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
         ),
     ]
 
 
-def _in_archive(archive: Path, folder: Path, progress: Progress) -> list[Choice]:
-    listed = _in_folder(folder, progress, archive)
+def _in_archive(archive: Path, folder: Path, *, progress: Progress) -> list[Choice]:
+    listed = _in_folder(folder, progress=progress, called=archive)
     # an image file is one of the archive's, by its name in it
     return [
-        one if one.path == archive else replace(one, path=archive, series=one.name)
+        one
+        if one.path == archive
+        else replace(one, path=archive, series=one.path.relative_to(folder).as_posix())
         for one in listed
     ]
 
@@ -166,12 +248,6 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
     else:
         size, middle = plan.size, plan.middle
         spacing = None if plan.stack is None else plan.grid.spacing
-
-    def picture() -> NDArray[np.uint8]:
-        header, frame = middle
-        pixel = header.frames[frame].pixel_spacing or (1.0, 1.0)
-        return preview(read_slice(header, frame), (pixel[1], pixel[0]))
-
     return Choice(
         path=path,
         series=series,
@@ -184,27 +260,43 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
         size=size,
         spacing=spacing,
         refused=refused,
-        picture=picture,
+        picture=MiddleOf(middle[0].path, *middle),
     )
 
 
 # --- image files --------------------------------------------------------------------------
 
 
-def _image(path: Path, name: str, *, packed: bool = False) -> Choice:
+def _image(path: Path, name: str, *, packed: bool = False) -> list[Choice]:
+    """Lists the volumes of an image file; most files hold one."""
     try:
         if packed:
             check_own_voxels(path)
-        header = header_of(path)
+        with looking_at(path, "an image file"):
+            header = header_of(path)
     except VolumeFormatError as error:
-        return Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)
-    return Choice(
+        return [Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)]
+    one = Choice(
         path=path,
         name=name,
         size=header.size,
         spacing=header.spacing,
-        picture=lambda: preview(middle_of(path), header.spacing[:2]),
+        picture=MiddleOf(path, pixel=header.spacing[:2]),
     )
+    if header.frames == 1:
+        return [one]
+    return [
+        replace(
+            one,
+            name=f"{name}, volume {frame}",
+            part=f"volume {frame}",
+            frame=frame,
+            picture=MiddleOf(path, frame=frame, pixel=header.spacing[:2])
+            if frame <= MOST_PICTURED
+            else _nothing,
+        )
+        for frame in range(1, header.frames + 1)
+    ]
 
 
 def _nothing() -> NDArray[np.uint8]:

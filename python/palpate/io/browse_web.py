@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart
 from palpate.io.browse import Choice
 from palpate.io.dicom.header import read_header
 from palpate.io.dicom.pixels import read_slice
@@ -43,13 +44,18 @@ def browsed_web(given: str, *, progress: Progress = silent) -> Iterator[list[Cho
         yield [_choice(address, one, Path(folder)) for one in listed]
 
 
+def _middle_of(file: Path) -> NDArray[np.uint8]:
+    header = read_header(file)
+    if header is None or header.samples != 1:
+        raise VolumeFormatError("no image of a scan; allowed: CT, MR and other scans")
+    pixel = header.frames[0].pixel_spacing or (1.0, 1.0)
+    return preview(read_slice(header, len(header.frames) // 2), (pixel[1], pixel[0]))
+
+
 def _choice(address: WebAddress, one: RemoteSeries, folder: Path) -> Choice:
     def picture() -> NDArray[np.uint8]:
-        header = read_header(fetch_middle(address, one, folder))
-        if header is None or header.samples != 1:
-            raise VolumeFormatError("no image of a scan; allowed: CT, MR and other scans")
-        pixel = header.frames[0].pixel_spacing or (1.0, 1.0)
-        return preview(read_slice(header, len(header.frames) // 2), (pixel[1], pixel[0]))
+        file = fetch_middle(address, one, folder)
+        return apart(_middle_of, file, path=file)
 
     def fetch(target: Path, progress: Progress) -> None:
         fetch_series(address, one, target, progress=progress)

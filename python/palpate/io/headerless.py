@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.reader_process import apart
 from palpate.io.archive import is_archive
 from palpate.io.dicom.series import is_dicom
 from palpate.io.image_file import FORMATS, image_files
@@ -102,7 +103,7 @@ def headerless_pictures(path: Path) -> Headerless | None:
     if not (holds_pictures(path) if path.is_dir() else is_picture(path)):
         return None
     files = picture_files(path)
-    size, pixel = picture_size(path)
+    size, pixel = apart(picture_size, path, path=path)
     if size[2] < 2:
         return None
     across, down = pixel or (None, None)
@@ -140,8 +141,8 @@ def laid_out(
         return size, raw_slice(path, layout, size[2] // 2)
     if not picture_files(path) or not is_picture(picture_files(path)[0]):
         raise OptionError(f"no layout given for {path}; allowed: for pictures")
-    size, _ = picture_size(path)
-    return size, picture_at(path, size[2] // 2)
+    size, _ = apart(picture_size, path, path=path)
+    return size, apart(picture_at, path, size[2] // 2, path=path)
 
 
 def _headerless(
@@ -175,7 +176,7 @@ def _beginning(names: Sequence[str]) -> str:
 def _is_raw(file: Path) -> bool:
     """Says whether a file may be voxels and nothing else: no format that is known, and no text."""
     name, held = file.name.lower(), file.stat().st_size
-    others = tuple(ending for _, endings in FORMATS.values() for ending in endings)
+    others = tuple(ending for endings in FORMATS.values() for ending in endings)
     # the voxels of a NIfTI pair are called .img, and so are many that have no header
     lone = name.endswith(".img") and not file.with_suffix(".hdr").exists()
     if held < LEAST_BYTES or is_picture(file) or (name.endswith(others) and not lone):

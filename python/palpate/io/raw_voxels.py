@@ -9,6 +9,7 @@ names, with numbers read as numbers. Arrays are [z, y, x].
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -40,7 +41,17 @@ __all__ = [
 ]
 
 TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64")
-PICTURES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg")
+PICTURES = {
+    ".png": "PNGImageIO",
+    ".tif": "TIFFImageIO",
+    ".tiff": "TIFFImageIO",
+    ".bmp": "BMPImageIO",
+    ".jpg": "JPEGImageIO",
+    ".jpeg": "JPEGImageIO",
+}
+"""Endings of pictures, and each format's reader in ITK: it would try others by their bytes."""
+MOST_PACKED = 5000
+"""Times that a picture may be larger than its file: runs of one grey reach 2700 (LZW)."""
 
 Size = tuple[float, float, float]
 
@@ -199,7 +210,7 @@ def _fits(held: int, layout: RawLayout, wanted: int | None) -> list[str]:
 
 def is_picture(path: Path) -> bool:
     """Says whether a file is named as a picture."""
-    return path.name.lower().endswith(PICTURES) and path.is_file()
+    return path.suffix.lower() in PICTURES and path.is_file()
 
 
 def holds_pictures(folder: Path) -> bool:
@@ -222,12 +233,7 @@ def picture_size(path: Path) -> tuple[tuple[int, int, int], tuple[float, float] 
         VolumeFormatError: The first of them cannot be read.
     """
     files = picture_files(path)
-    reader = simpleitk().ImageFileReader()
-    reader.SetFileName(str(files[0]))
-    try:
-        reader.ReadImageInformation()
-    except RuntimeError as error:
-        raise _damaged(files[0], error) from None
+    reader = _opened(files[0])
     columns, rows, *pages = reader.GetSize()
     across, down = reader.GetSpacing()[:2]
     # 1 is what readers say where a file says nothing
@@ -265,6 +271,8 @@ def read_pictures(
     parts: list[NDArray[Any]] = []
     for number, file in enumerate(files):
         progress(f"reading {len(files)} pictures", number / len(files))
+        size = _opened(file).GetSize()
+        check_shape(str(path), (*size[:2], max(len(files), *size[2:], 2)), max_voxels)
         parts.append(_picture(file))
         if parts[-1].shape[1:] != parts[0].shape[1:]:
             first, other = ("{2} x {1}".format(*part.shape) for part in (parts[0], parts[-1]))
@@ -277,11 +285,30 @@ def read_pictures(
     return _scan(path, np.concatenate(parts), spacing)
 
 
+def _opened(file: Path) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    """Returns a reader that has read a picture's header, which its file can hold."""
+    reader = simpleitk().ImageFileReader()
+    reader.SetFileName(str(file))
+    reader.SetImageIO(PICTURES[file.suffix.lower()])
+    try:
+        reader.ReadImageInformation()
+    except RuntimeError as error:
+        raise _damaged(file, error) from None
+    size, held = reader.GetSize(), file.stat().st_size
+    if math.prod(size) > MOST_PACKED * held:
+        raise VolumeFormatError(
+            f"{file} announces {' x '.join(map(str, size))} pixels in {held} bytes; allowed: at "
+            f"most {MOST_PACKED} for each byte"
+        )
+    return reader
+
+
 def _picture(file: Path) -> NDArray[Any]:
     """Returns a picture's pages, shape [pages, rows, columns]; grey ones also from colour files."""
     sitk = simpleitk()
+    reader = _opened(file)
     try:
-        image = sitk.ReadImage(str(file))
+        image = reader.Execute()
     except RuntimeError as error:
         raise _damaged(file, error) from None
     values: NDArray[Any] = sitk.GetArrayFromImage(image)

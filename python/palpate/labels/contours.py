@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import damage_told
-from palpate.io.dicom.mark import read_dataset
 from palpate.labels.belonging import check_belonging
 from palpate.labels.contour_fill import fill_contours
 from palpate.labels.contour_stack import ContourStack, planes_of
+from palpate.labels.dicom_objects import dataset_of
 from palpate.labels.grid import RESAMPLED, Colour, Label, Labels
 from palpate.labels.oblique_contours import NotFlatError, filled_aslant
 from palpate.volumes.volume import Volume
@@ -63,7 +63,7 @@ def read_rtstruct(
             has.
     """
     with damage_told(path):
-        dataset = read_dataset(path)
+        dataset = dataset_of(path)
         names = {
             int(roi.ROINumber): str(roi.get("ROIName") or f"structure {roi.ROINumber}")
             for roi in dataset.get("StructureSetROISequence") or []

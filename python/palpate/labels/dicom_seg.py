@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, damage_told, frame_of
-from palpate.io.dicom.mark import read_dataset
-from palpate.io.dicom.pixels import stored_pixels
 from palpate.labels.belonging import check_belonging
+from palpate.labels.dicom_objects import dataset_of, pixels_of
 from palpate.labels.grid import (
     RESAMPLED,
     Colour,
@@ -68,9 +67,9 @@ def read_seg(
         OptionError: It is another patient's, or lies on another grid than the scan.
     """
     with damage_told(path):
-        dataset = read_dataset(path, stop_before_pixels=True)
+        dataset = dataset_of(path)
         told = [_told(item) for item in dataset.get("SegmentSequence") or [] if _is_part(item)]
-        count = int(dataset.get("NumberOfFrames") or 1)
+        count = _frame_count(path, dataset)
         frames = [frame_of(dataset, index) for index in range(count)]
         of_frame = [_number(dataset, index) for index in range(count)]
     foreign = check_belonging(
@@ -83,7 +82,7 @@ def read_seg(
     )
     progress(f"reading {count} frames", None)
     shape = (count, int(dataset.Rows), int(dataset.Columns))
-    stored = stored_pixels(path, shape=shape)
+    stored = pixels_of(path, shape=shape)
     places = _places(path, frames, shape, volume=volume, resample=resample)
 
     kind = str(dataset.get("SegmentationType") or "BINARY")
@@ -110,6 +109,18 @@ def read_seg(
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
     said += [RESAMPLED] if any(isinstance(place, Resampling) for place in places) else []
     return Labels(tuple(made), tuple(said))
+
+
+def _frame_count(path: Path, dataset: Dataset) -> int:
+    """Returns how many frames a file announces, once each has a description of its own."""
+    count = int(dataset.get("NumberOfFrames") or 1)
+    described = len(dataset.get("PerFrameFunctionalGroupsSequence") or [])
+    if not 1 <= count <= max(1, described):
+        raise VolumeFormatError(
+            f"{path} announces {count} frames and describes {described}; allowed: as many as are "
+            "described"
+        )
+    return count
 
 
 def _solid(pixels: NDArray[Any], *, kind: str, number: int, most: int) -> NDArray[np.uint8]:

@@ -5,10 +5,14 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
-from palpate.base.errors import OptionError
+from palpate.base.damaged_file import damage_as
+from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart
 from palpate.io.dicom.header import damage_told
 from palpate.io.dicom.mark import is_dicom, read_dataset
+from palpate.io.dicom.promises import check_deflated
 from palpate.labels.contours import read_rtstruct
 from palpate.labels.dicom_seg import read_seg
 from palpate.labels.grid import Label, Labels
@@ -52,9 +56,12 @@ def read_labels(
     source = Path(path)
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
-    found = _read(
-        source, volume, resample=resample, another_patient=another_patient, progress=progress
-    )
+    check_plain(source)
+    damaged, allowed = f"{source} is damaged", "complete, undamaged files of segments"
+    with damage_as(VolumeFormatError, damaged, allowed=allowed):
+        found = _read(
+            source, volume, resample=resample, another_patient=another_patient, progress=progress
+        )
     if not found.labels:
         why = "; ".join(found.warnings) or "no labels"
         raise OptionError(f"{source} holds no segments ({why}); allowed: files with segments")
@@ -88,6 +95,11 @@ def _read(
 
 def modality_of(path: Path) -> str:
     """Returns the modality of a DICOM file, such as "SEG"; "" where it has none."""
+    return apart(_modality_of, path, path=path)
+
+
+def _modality_of(path: Path) -> str:
     with damage_told(path):
+        check_deflated(path)
         dataset = read_dataset(path, stop_before_pixels=True, specific_tags=["Modality"])
         return str(dataset.get("Modality") or "")

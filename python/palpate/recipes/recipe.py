@@ -17,7 +17,9 @@ from pathlib import Path
 import msgspec
 import yaml
 
+from palpate.base.damaged_file import BROKEN
 from palpate.base.errors import OptionError, PalpateError
+from palpate.base.plain_file import check_plain
 from palpate.base.typed_numbers import parse_voxel_size
 from palpate.base.whole_file import check_target
 from palpate.export.export import check_export, kind_of
@@ -37,6 +39,8 @@ from palpate.volumes.mesh_write import SUFFIXES
 
 __all__ = ["Recipe", "read_recipe"]
 
+DEEPEST = 16
+"""Of lists and options in one another."""
 MOST_BYTES = 1 << 20
 """A larger file is no recipe."""
 
@@ -84,6 +88,7 @@ def read_recipe(path: Path) -> Recipe:
         FileNotFoundError: The recipe does not exist.
         OptionError: Something in it is wrong; the message says where.
     """
+    check_plain(path)
     if path.stat().st_size > MOST_BYTES:
         raise OptionError(f"{path} is larger than {MOST_BYTES} bytes; allowed: a recipe")
     try:
@@ -95,8 +100,10 @@ def read_recipe(path: Path) -> Recipe:
         mark = error.problem_mark
         line = 1 if mark is None else mark.line + 1
         raise OptionError(f"{path}, line {line}: {error.problem or error.context}") from None
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise OptionError(f"{path} is no YAML: {error}") from None
+    except PalpateError:
+        raise
+    except (yaml.YAMLError, *BROKEN) as error:
+        raise OptionError(f"{path} is no YAML: {' '.join(str(error).split())}") from None
     if root is None:
         raise OptionError(f"{path} is empty; allowed: a recipe, as `palpate run --help` shows one")
     source = Source(path, dict(_lines(root, "$")))
@@ -256,8 +263,16 @@ def _refuse_same_file(recipe: Recipe, source: Source) -> None:
 
 
 def _refuse_aliases(path: Path, text: str) -> None:
-    """Refuses what stands for another part of the file: it can hold itself, or become huge."""
+    """Refuses what stands for another part of the file, and lists in lists without end."""
+    depth = 0
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            line = event.start_mark.line + 1
+            raise OptionError(
+                f"{path}, line {line}: lists and options {depth} deep; allowed: {DEEPEST}"
+            )
         if isinstance(event, yaml.AliasEvent):
             line = event.start_mark.line + 1
             raise OptionError(f"{path}, line {line}: *{event.anchor} given; allowed: no aliases")
@@ -284,6 +299,8 @@ def _refuse_twice(node: yaml.Node | None, where: str, source: Source) -> None:
     if isinstance(node, yaml.MappingNode):
         seen: set[str] = set()
         for key, value in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                raise source.wrong(where, "a list as the name of an option; allowed: a word")
             if key.value in seen:
                 raise source.wrong(f"{where}.{key.value}", f"{key.value!r} is given twice")
             seen.add(str(key.value))

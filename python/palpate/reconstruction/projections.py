@@ -5,6 +5,7 @@ Layout: arrays are [angle, v, u].
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +16,9 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart, expect
 from palpate.base.simpleitk import reason_of, simpleitk
+from palpate.io.header_check import check_header
 from palpate.io.image_file import FORMATS, image_files
 from palpate.io.raw_voxels import in_order
 
@@ -30,7 +33,7 @@ __all__ = [
 Values = NDArray[np.float32]
 
 TIFFS = (".tif", ".tiff")
-IMAGES = tuple(ending for _, endings in FORMATS.values() for ending in endings)
+IMAGES = tuple(ending for endings in FORMATS.values() for ending in endings)
 NAMED = re.compile(
     r"(?i)(?:^|[^a-z])(?:proj(?:ection)?s?|sino(?:gram)?s?|radiographs?)(?:[^a-z]|$)"
 )
@@ -77,7 +80,7 @@ def are_projections(path: Path) -> bool:
     if named is None or NAMED.search(named.name) is None:
         return False
     if named.suffix.lower() in TIFFS:
-        return _shape_of(_opened([named]), 1)[0] >= LEAST_IMAGES
+        return apart(_stack_of, path, [named], path=path).shape[0] >= LEAST_IMAGES
     return named.name.lower().endswith(IMAGES)
 
 
@@ -89,6 +92,10 @@ def stack_at(path: Path) -> ProjectionStack:
         VolumeFormatError: It is not a stack of images.
     """
     files = _files(path)
+    return apart(_stack_of, path, files, path=path)
+
+
+def _stack_of(path: Path, files: list[Path]) -> ProjectionStack:
     reader = _opened(files)
     kind = simpleitk().GetPixelIDValueAsString(reader.GetPixelIDValue())
     u, v = (edge if 0.0 < edge < np.inf else 1.0 for edge in reader.GetSpacing()[:2])
@@ -116,15 +123,21 @@ def read_projections(path: Path, *, sinograms: bool = False, progress: Progress 
         VolumeFormatError: It is not a stack of images.
     """
     files = _files(path)
-    _shape_of(_opened(files), len(files))
+    array = apart(_values_of, path, files, path=path, progress=progress)
+    stacked = array.transpose(1, 0, 2) if sinograms else array
+    return np.ascontiguousarray(stacked, np.float32)
+
+
+def _values_of(path: Path, files: list[Path], *, progress: Progress) -> NDArray[Any]:
+    shape = _shape_of(_opened(files), len(files))
+    expect(math.prod(shape))
     progress(f"reading {path.name}", None)
     given: Any = [str(file) for file in files] if len(files) > 1 else str(files[0])
     try:
-        array = simpleitk().GetArrayFromImage(simpleitk().ReadImage(given))
+        array: NDArray[Any] = simpleitk().GetArrayFromImage(simpleitk().ReadImage(given))
     except RuntimeError as error:
         raise _unreadable(path, error) from None
-    stacked = array.transpose(1, 0, 2) if sinograms else array
-    return np.ascontiguousarray(stacked, np.float32)
+    return array
 
 
 def integrals_of(counts: Values, unattenuated: float) -> Values:
@@ -173,6 +186,7 @@ def _file(path: Path) -> Path | None:
 
 def _opened(files: list[Path]) -> Any:  # noqa: ANN401  # SimpleITK has no types
     """Returns a reader that has read the header of the first file."""
+    check_header(files[0])
     reader = simpleitk().ImageFileReader()
     reader.SetFileName(str(files[0]))
     try:

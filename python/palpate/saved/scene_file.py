@@ -7,7 +7,8 @@ A zip archive with
 - ``segments.journal``: voxels of segments, edits of the scan, poses and touch settings, as the head
   of a journal (``crates/tools/src/journal/file.rs``);
 - ``scan.i16``: the scan's stored values, x fastest, where the file is to be self-contained;
-- ``second.i16``: those of a second scan that is shown with it.
+- ``second.i16``: those of a second scan that is shown with it;
+- ``scan.exact``, ``second.exact``: the values themselves, where stored ones are rounded.
 
 Otherwise scans are links (``scene_scan``).
 """
@@ -23,6 +24,7 @@ from typing import Any
 
 import msgspec
 
+from palpate.base.damaged_file import damage_as
 from palpate.base.errors import PalpateError, SceneFormatError
 from palpate.base.package_version import package_version
 from palpate.base.progress import Progress, silent
@@ -32,6 +34,7 @@ from palpate.saved.scene_scan import (
     SavedScan,
     check_same,
     copied_scan,
+    exact_member,
     linked_scan,
     saved_scan,
 )
@@ -52,6 +55,7 @@ MOST_JSON_BYTES = 1 << 24
 MOST_SEGMENTS_BYTES = 1 << 31
 """Most bytes of ``segments.journal``; all bones of a CT of the trunk take about 10 MB."""
 
+SAVED = "a file that Palpate saved"
 ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
 
 
@@ -104,6 +108,10 @@ class SavedScene:
         Raises:
             SceneFormatError: The file is damaged.
         """
+        with damage_as(SceneFormatError, f"{self.path} is damaged", allowed=SAVED):
+            self._restore(session)
+
+    def _restore(self, session: Session) -> None:
         with TemporaryDirectory(prefix="palpate-") as folder:
             journal = Path(folder) / SEGMENTS
             with opened(self.path) as archive:
@@ -182,7 +190,7 @@ def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
     Raises:
         SceneFormatError: The file is not a scene, is damaged, or its scan is missing.
     """
-    with opened(path) as archive:
+    with damage_as(SceneFormatError, f"{path} is damaged", allowed=SAVED), opened(path) as archive:
         about = _about(path, archive)
         # before a scan that is open makes room for this one
         check_whole(path, archive, SEGMENTS)
@@ -230,6 +238,9 @@ def _second(
 
 def _write_values(archive: zipfile.ZipFile, name: str, volume: Volume) -> None:
     archive.writestr(name, volume.array.astype("<i2", copy=False).tobytes())
+    if (exact := volume.exact) is not None:
+        little = exact.astype(exact.dtype.newbyteorder("<"), copy=False)
+        archive.writestr(exact_member(name), little.tobytes())
 
 
 def _about(path: Path, archive: zipfile.ZipFile) -> _About:
@@ -244,5 +255,5 @@ def _about(path: Path, archive: zipfile.ZipFile) -> _About:
         if given != FORMAT:
             raise SceneFormatError(f"{path}: format {given!r} given; allowed: {FORMAT!r}")
         return msgspec.json.decode(text, type=_About)
-    except msgspec.DecodeError as error:
+    except (msgspec.DecodeError, RecursionError) as error:
         raise SceneFormatError(f"{path}: {ABOUT} cannot be read: {error}") from None

@@ -9,7 +9,6 @@ are removed, and a mesh that is inside out is flipped; ``notes`` report all of t
 from __future__ import annotations
 
 import re
-import struct
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -19,7 +18,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.damaged_file import damage_as
 from palpate.base.errors import MeshFormatError, OptionError
+from palpate.base.plain_file import check_plain
+from palpate.base.reader_process import apart
+from palpate.volumes.mesh_promises import STL_HEADER, check_promises
 from palpate.volumes.mesh_write import GLTF_FROM_PATIENT, SUFFIXES
 from palpate.volumes.segment import Segment
 from palpate.volumes.surface import Mesh, voxelise
@@ -42,6 +45,7 @@ Unit = Literal["mm", "m"]
 FRAMES: dict[str, tuple[float, float, float]] = {"LPS": (1.0, 1.0, 1.0), "RAS": (-1.0, -1.0, 1.0)}
 UNITS = {"mm": 1.0, "m": 1000.0}
 
+ALLOWED = f"a whole mesh of {', '.join(SUFFIXES)}"
 HEAD_BYTES = 4096
 """Bytes of the file that are searched for a header."""
 SMALLEST_MM = 3.0
@@ -52,13 +56,8 @@ THICK_IN_VOXELS = 4
 """Thickness of a plate in voxels, where no voxel size is given."""
 MOST_VOXELS = 1 << 25
 """Most voxels of a mesh, where no voxel size is given."""
-STL_HEADER, STL_TRIANGLE = 84, 50
-
-BROKEN = (
-    *(ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, ImportError),
-    *(NotImplementedError, EOFError, AssertionError, OverflowError),
-)
-"""Exceptions that readers of meshes raise for damaged files."""
+LARGEST = 1e9
+"""Coordinate [mm]: a thousand kilometres are no patient."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +87,9 @@ def read_mesh(path: Path, *, frame: Frame | None = None, unit: Unit | None = Non
     """
     if path.suffix.lower() not in SUFFIXES:
         raise MeshFormatError(f"{path.name!r} given; allowed: a file with {', '.join(SUFFIXES)}")
-    _check_size(path)
-    vertices, triangles = _load(path)
+    check_plain(path)
+    check_promises(path)
+    vertices, triangles = apart(_load, path, path=path, error=MeshFormatError)
     if path.suffix.lower() == ".glb":
         in_patient = np.linalg.inv(GLTF_FROM_PATIENT)[:3, :3]
         vertices = vertices @ in_patient.T
@@ -193,44 +193,27 @@ def segment_of_mesh(file: MeshFile, volume: Volume, *, as_shell: bool = False) -
 # --- what a file says ----------------------------------------------------------------------
 
 
-def _check_size(path: Path) -> None:
-    """Refuses a binary STL file whose number of triangles does not fit its length."""
-    length = path.stat().st_size
-    if length == 0:
-        raise MeshFormatError(f"{path.name!r} is empty; allowed: a mesh")
-    if path.suffix.lower() != ".stl":
-        return
-    with path.open("rb") as file:
-        head = file.read(STL_HEADER)
-    is_text = head.lstrip().startswith(b"solid") and b"\0" not in head
-    if is_text:
-        return
-    count = int.from_bytes(head[80:84], "little") if len(head) == STL_HEADER else -1
-    if length != STL_HEADER + STL_TRIANGLE * count:
-        raise MeshFormatError(
-            f"{path.name!r} declares {max(count, 0)} triangles and has {length} bytes; allowed: "
-            f"{STL_HEADER} bytes and {STL_TRIANGLE} for each triangle"
-        )
-
-
 def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Returns vertices and triangles of a file, with equal vertices merged."""
     try:
         trimesh = import_module("trimesh")
     except ImportError:
         raise OptionError("trimesh is not installed; allowed: pip install trimesh") from None
-    try:
-        loaded = trimesh.load(path, force="mesh", process=False)
+    broken = f"{path.name!r} is no mesh that can be read"
+    with damage_as(MeshFormatError, broken, allowed=ALLOWED):
+        # from its bytes alone: materials and textures would be sought in other files
+        with path.open("rb") as file:
+            kind = path.suffix.lower().removeprefix(".")
+            loaded = trimesh.load(file, file_type=kind, force="mesh", process=False)
         vertices = np.array(loaded.vertices, dtype=np.float64)
         triangles = np.array(loaded.faces, dtype=np.int64)
-    except BROKEN as error:
-        raise MeshFormatError(
-            f"{path.name!r} is no mesh that can be read ({error}); allowed: {', '.join(SUFFIXES)}"
-        ) from None
     if len(triangles) == 0 or triangles.ndim != 2:
         raise MeshFormatError(f"{path.name!r} has no triangles; allowed: a mesh of triangles")
-    if not np.isfinite(vertices).all():
-        raise MeshFormatError(f"{path.name!r} has vertices that are no numbers; allowed: numbers")
+    if not (np.abs(vertices) < LARGEST).all():
+        raise MeshFormatError(
+            f"{path.name!r} has vertices that are no numbers, or far beyond any patient; allowed: "
+            f"coordinates below {LARGEST:g}"
+        )
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise MeshFormatError(
             f"{path.name!r} has triangles of vertices up to {triangles.max()}; allowed: up to "

@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
-from palpate.base.simpleitk import Transform, image_on, reason_of, simpleitk
-from palpate.volumes.volume import Volume
+from palpate.base.reader_process import apart
+from palpate.base.simpleitk import Transform, reason_of, simpleitk
+from palpate.volumes.resampled import resampled
+from palpate.volumes.volume import Volume, VolumeTraits
 
-__all__ = ["SecondScan", "placed", "read_transform"]
+__all__ = ["SecondScan", "doubts_of", "placed", "read_transform"]
 
 LEAST_DETERMINANT = 1e-6
 """Least determinant of a transform: one that flattens more cannot be inverted."""
@@ -66,7 +68,34 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
         raise OptionError(f"a transform of {dimension} dimensions given; allowed: of 3")
     if transform.IsLinear():
         return SecondScan(second, _matrix_of(transform))
-    return SecondScan(_resampled(first, second, transform), before_resampling=second)
+    return SecondScan(resampled(second, first, transform), before_resampling=second)
+
+
+def doubts_of(first: Volume, second: SecondScan) -> tuple[str, ...]:
+    """Returns sentences on why a scan may not belong to the first one, or lie elsewhere in it."""
+    one, other = first.traits, second.as_read.traits
+    found = []
+    if _patients_differ(one, other):
+        found.append("its patient is not that of the first scan")
+    if second.is_moved:
+        return tuple(found)
+    if one.frame and other.frame and one.frame != other.frame:
+        found.append(
+            "its frame of reference is not that of the first scan, so it may lie elsewhere until "
+            "it is registered"
+        )
+    elif other.modality == "RTDOSE" and not (one.frame and other.frame):
+        found.append("no frame of reference tells that this dose lies right in the first scan")
+    return tuple(found)
+
+
+def _patients_differ(one: VolumeTraits, other: VolumeTraits) -> bool:
+    """Says whether two patients differ: by numbers where both have one, else by names."""
+    pair = (one.patient_id, other.patient_id)
+    if not all(pair):
+        pair = (one.patient_name, other.patient_name)
+    first, second = (told.strip(" ^").casefold() for told in pair)
+    return bool(first and second) and first != second
 
 
 def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:
@@ -79,11 +108,15 @@ def read_transform(path: str | PathLike[str], *, called: str | None = None) -> T
     file = Path(path)
     if not file.is_file():
         raise FileNotFoundError(f"no transform at {file}")
+    return apart(_read_here, file, called or str(file), path=file)
+
+
+def _read_here(file: Path, called: str) -> Transform:
     try:
         read: Transform = simpleitk().ReadTransform(str(file))
     except RuntimeError as error:
         raise VolumeFormatError(
-            f"{called or file} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
+            f"{called} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
             "or .h5 as SimpleITK writes it"
         ) from None
     return read
@@ -99,21 +132,3 @@ def _matrix_of(transform: Transform) -> NDArray[np.float64]:
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < LEAST_DETERMINANT:
         raise OptionError("a transform that flattens the scan given; allowed: one with an inverse")
     return matrix
-
-
-def _resampled(first: Volume, second: Volume, transform: Transform) -> Volume:
-    """Returns the second scan on the grid of the first one, with its lowest value outside of it."""
-    module = simpleitk()
-    reference = image_on(first, first.array)
-    moving = image_on(second, second.array)
-    lowest = float(second.array.min())
-    image = module.Resample(moving, reference, transform, module.sitkLinear, lowest)
-    return Volume(
-        module.GetArrayFromImage(image),
-        spacing=first.spacing,
-        origin=first.origin,
-        direction=first.direction,
-        slope=second.slope,
-        intercept=second.intercept,
-        traits=second.traits,
-    )

@@ -10,6 +10,7 @@ import numpy as np
 import palpate
 import pytest
 from palpate.base.errors import VolumeFormatError
+from palpate.base.progress import silent
 from palpate.io import archive as io_archive
 from palpate.io.browse import browsed
 
@@ -71,8 +72,9 @@ def test_archives_are_bounded(
     write_series: Any, monkeypatch: pytest.MonkeyPatch, limit: str, value: int, said: str
 ) -> None:
     monkeypatch.setattr(io_archive, limit, value)
-    with pytest.raises(VolumeFormatError, match=said):
-        palpate.read(archive_of(write_series()))
+    path = archive_of(write_series())
+    with pytest.raises(VolumeFormatError, match=said), io_archive.unpacked(path, silent):
+        pass
 
 
 def test_damaged_archives_are_refused(write_series: Any) -> None:

@@ -21,9 +21,13 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
+from palpate.base.reader_process import looking_at
 from palpate.io.dicom.detector import detector_place
+from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
 from palpate.io.dicom.mark import has_mark, read_dataset
+from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
+from palpate.io.dicom.promises import check_deflated, frame_count
 from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
 from palpate.io.dicom.stacks import stacks_of
 
@@ -43,7 +47,7 @@ __all__ = [
     "volumes_in",
 ]
 
-DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
+DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
 PARALLEL = 2e-3
 """By how much the cosines of parallel slices differ at most: writers leave three digits."""
@@ -122,6 +126,10 @@ class Header:
     """Which part of several files of many frames it is."""
     taken: tuple[int, ...] | None = None
     """Which of the file's frames ``frames`` are; None for all of them."""
+    pet: PetTags | None = None
+    """What a file of PET says about its values."""
+    dose: DoseTags | None = None
+    """What a dose says of itself."""
 
 
 @dataclass(frozen=True)
@@ -193,8 +201,9 @@ def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series]
         for headers in (sorted(group, key=_part_number) for group in alike)
     ]
     found = [part for series in whole for part in volumes_in(series)]
-    # phases of one series keep their order
-    return sorted(found, key=lambda series: (-series.slices, series.uid)), damaged
+    # phases of one series keep their order; doses come after the scans that they belong to
+    found.sort(key=lambda series: (series.modality == RTDOSE, -series.slices, series.uid))
+    return found, damaged
 
 
 def volumes_in(series: Series) -> list[Series]:
@@ -233,7 +242,7 @@ def damage_told(path: Path, *, allowed: str = "complete, undamaged files") -> It
     from pydicom.errors import BytesLengthException
 
     try:
-        with warnings.catch_warnings():
+        with looking_at(path, "DICOM"), warnings.catch_warnings():
             # sloppy values are common and judged where they matter
             warnings.simplefilter("ignore")
             yield
@@ -257,6 +266,7 @@ def read_header(path: Path) -> Header | None:
         VolumeFormatError: It is DICOM, and damaged.
     """
     with damage_told(path):
+        check_deflated(path)
         with path.open("rb") as file:
             if not has_mark(file):
                 return None
@@ -287,21 +297,24 @@ def _header(
     if not rows or not columns or modality in DERIVED_OBJECTS:
         return None
     samples = int(dataset.get("SamplesPerPixel") or 1)
-    count = int(dataset.get("NumberOfFrames") or 1)
-    stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * count // 8
+    count = frame_count(dataset, left=left)
+    told = int(dataset.get("NumberOfFrames") or 1)
+    stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * told // 8
     syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
     packed = bool(syntax is not None and (syntax.is_compressed or syntax.is_deflated))
+    frames = tuple(frame_of(dataset, index) for index in range(count))
+    dose = dose_tags_of(dataset, frames) if modality == RTDOSE else None
     return Header(
         path=path,
         series=str(dataset.get("SeriesInstanceUID") or ""),
         description=str(dataset.get("SeriesDescription") or ""),
         modality=modality,
-        unit=_unit(dataset, modality),
+        unit=_unit(dataset, modality) if dose is None else dose.unit,
         rows=int(rows),
         columns=int(columns),
         # numbers that a table turns into colours are no intensities either
         samples=3 if dataset.get("PhotometricInterpretation") == "PALETTE COLOR" else samples,
-        frames=tuple(frame_of(dataset, index) for index in range(count)),
+        frames=frames if dose is None else dose.frames,
         truncated=not packed and left < stored,
         plain=plain,
         instance=str(dataset.get("SOPInstanceUID") or ""),
@@ -323,6 +336,8 @@ def _header(
         thickness=_length(dataset, "SliceThickness"),
         table=table_of(dataset),
         told=_told(dataset, count),
+        pet=pet_tags_of(dataset, modality),
+        dose=dose,
     )
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import os
 import warnings
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -26,6 +25,7 @@ from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, Header, damage_told
 from palpate.io.dicom.mark import read_dataset
+from palpate.io.dicom.promises import check_deflated, check_encoded, inflated
 from palpate.io.dicom.rescale import looked_up
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def file_values(header: Header) -> NDArray[Any]:
 
 def _values(header: Header, stored: NDArray[Any]) -> NDArray[Any]:
     """Returns the values of numbers as they are stored, shape [frames, rows, columns]."""
-    turned = header.inverted and header.unit != "HU"
+    turned = header.inverted and not header.unit
     if header.table is not None:
         values = looked_up(stored, header.table)
         # over the range of a table of 16 bits
@@ -231,7 +231,9 @@ def stored_pixels(path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
         VolumeFormatError: They cannot be decoded, or are not as many as announced.
     """
     with damage_told(path, allowed=READ):
+        check_deflated(path)
         dataset = read_dataset(path)
+        check_encoded(path, dataset)
         pixels = _decoded(dataset)
         native = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)
         return _used_bits(native, int(dataset.get("BitsStored") or 0)).reshape(shape)
@@ -252,8 +254,9 @@ def _inflated(dataset: Dataset) -> NDArray[Any]:
 
     count = int(dataset.get("NumberOfFrames") or 1)
     frames = generate_frames(dataset.PixelData, number_of_frames=count)
-    plain = [zlib.decompress(frame, -zlib.MAX_WBITS) for frame in frames]
     size = dataset.Rows * dataset.Columns
+    most = size * -(-dataset.BitsAllocated // 8)
+    plain = [inflated(frame, size=most) for frame in frames]
     if dataset.BitsAllocated == 1:
         return np.stack([_bits(np.frombuffer(frame, np.uint8), size) for frame in plain])
     sign = "i" if dataset.PixelRepresentation else "u"

@@ -19,11 +19,14 @@ from numpy.typing import NDArray
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress, silent
 from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
+from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
 from palpate.io.dicom.header import Header, Series, find_series, read_header, volumes_in
 from palpate.io.dicom.pixels import SlicePixels, read_slices
+from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
 from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.suv import quantified
 from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
 from palpate.io.dicom.usable import left_out, tolerable, usable
 from palpate.io.raw_scan import RawScan, check_shape
@@ -199,7 +202,9 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
         )
     check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
     series, said = usable(what, series)
+    said += dose_told(what, series)
     check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
+    check_numbers(what, series.headers)
     stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
     if stack is None:
         ordered, order = in_told_order(series.headers)
@@ -228,7 +233,9 @@ def _told(series: Series) -> tuple[str, ...]:
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
     # where the slices lie, before the long work
     plan = plan_of(what, series, max_voxels=max_voxels)
-    pixels = read_slices(plan.series.headers, progress=progress)
+    series, told = quantified(what, plan.series)
+    plan = replace(plan, series=series)
+    pixels = read_slices(series.headers, progress=progress)
     if pixels.failed:
         plan = _without_failed(what, plan, pixels, max_voxels=max_voxels)
     values = pixels.values
@@ -238,7 +245,7 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
         if plan.grid.resampled:
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
     scan = _scan(plan, values)
-    scan.warnings += plan.said
+    scan.warnings += [*plan.said, *told]
     return scan
 
 
@@ -295,7 +302,7 @@ def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:
     if series.headers[0].inverted:
         scan.warnings.append(
             "the files want low values bright (MONOCHROME1): "
-            + ("HU are kept as they are" if scan.unit == "HU" else "values are turned around")
+            + (f"{scan.unit} are kept as they are" if scan.unit else "values are turned around")
         )
     if grid.told:
         scan.warnings.append("; ".join(grid.told))

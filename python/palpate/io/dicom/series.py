@@ -8,7 +8,9 @@ from itertools import islice
 from pathlib import Path
 
 from palpate.base.errors import OptionError, SeriesChoiceError, VolumeFormatError
+from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
+from palpate.io.dicom.dose import RTDOSE
 from palpate.io.dicom.header import Series, find_series
 from palpate.io.dicom.mark import is_dicom
 from palpate.io.dicom.series_folds import folds
@@ -53,6 +55,7 @@ def series_among(paths: Sequence[Path], *, progress: Progress) -> tuple[list[Ser
     for path in paths:
         if not path.exists():
             raise FileNotFoundError(f"{path} does not exist; allowed: existing files and folders")
+        check_plain(path)
         if not path.is_dir() and not is_dicom(path):
             raise OptionError(
                 f"{path} is one of {len(paths)}; allowed together: DICOM files and folders, "
@@ -133,13 +136,14 @@ def choose_series(
             f"allowed with --series: a number, UID or description of {listed}"
         )
 
-    # a scout of one or two slices beside a scan leaves no doubt which one is meant
-    volumes = [series for series in found if series.slices > MOST_ODD]
-    if len(found) > 1 and len(volumes) != 1:
+    # a scout of one or two slices or a dose beside a scan leaves no doubt which one is meant
+    scans = [series for series in found if series.modality != RTDOSE] or found
+    volumes = [series for series in scans if series.slices > MOST_ODD]
+    if len(scans) > 1 and len(volumes) != 1:
         raise SeriesChoiceError(
             f"{folder} holds {len(found)} series; choose one with --series NUMBER or UID: {listed}"
         )
-    chosen_one = volumes[0] if volumes else found[0]
+    chosen_one = volumes[0] if volumes else scans[0]
     left_out = [
         f"left out series {series}{_files_told(series)}"
         for series in found

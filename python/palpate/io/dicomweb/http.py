@@ -142,6 +142,7 @@ def _trouble_told(address: WebAddress) -> Iterator[None]:
         DicomWebError: The server is not there, refuses, or does not speak DICOMweb.
     """
     import requests
+    import urllib3
     from pydicom.errors import BytesLengthException, InvalidDicomError
 
     # it logs what servers warn of
@@ -167,9 +168,9 @@ def _trouble_told(address: WebAddress) -> Iterator[None]:
     except requests.ConnectionError:
         raise DicomWebError(f"no server answers at {address}; {SERVICE}") from None
     except (
-        ArithmeticError, AttributeError, EOFError, LookupError, NotImplementedError, TypeError,
-        ValueError, struct.error, requests.RequestException, BytesLengthException,
-        InvalidDicomError,
+        ArithmeticError, AttributeError, EOFError, LookupError, RuntimeError, TypeError,
+        ValueError, struct.error, requests.RequestException, urllib3.exceptions.HTTPError,
+        BytesLengthException, InvalidDicomError,
     ):  # fmt: skip
         raise DicomWebError(
             f"the server at {address} answers, but not as DICOMweb; {SERVICE}"

@@ -1,0 +1,43 @@
+"""What libraries raise at damaged files, told as one kind of error in one line."""
+
+from __future__ import annotations
+
+import csv
+import struct
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from palpate.base.errors import PalpateError
+
+__all__ = ["BROKEN", "damage_as"]
+
+BROKEN = (
+    *(ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, RuntimeError),
+    *(StopIteration, TypeError, ValueError, ImportError),
+    *(csv.Error, struct.error, zipfile.BadZipFile, zlib.error),
+)
+"""Exceptions of Python and its libraries where values are not what they should be."""
+MOST_LETTERS = 200
+
+
+@contextmanager
+def damage_as(kind: type[PalpateError], what: str, *, allowed: str) -> Iterator[None]:
+    """Tells such exceptions as an error of a kind; errors that are told already stay as they are.
+
+    Args:
+        kind: Of the error.
+        what: The file and what is wrong with it.
+        allowed: What would have been right.
+
+    Raises:
+        PalpateError: The file is damaged.
+    """
+    try:
+        yield
+    except PalpateError:
+        raise
+    except BROKEN as error:
+        why = " ".join(str(error).split())[:MOST_LETTERS] or type(error).__name__
+        raise kind(f"{what} ({why}); allowed: {allowed}") from None

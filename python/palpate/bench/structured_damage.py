@@ -1,0 +1,227 @@
+"""Damage that knows what a file is made of: fields of headers, elements, lines, members.
+
+Random bytes seldom get past the first check of a reader. Here a field keeps its place and its form,
+and takes a value that cannot be, or is lost, doubled or told with another length.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import re
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+
+__all__ = ["restructured"]
+
+Value = TypeVar("Value")
+
+TEXTS = (
+    b"", b"0", b"-1", b"-0", b"1e308", b"1e400", b"nan", b"inf", b"-inf", b"0x10", b"1.5",
+    b"99999999", b"2147483648", b"4294967296", b"18446744073709551616", b"9" * 400, b"%n%s%d",
+    b"%99999d 0 9 0", b"LIST", b"/etc/services", b"../../x", b"\\", b"1\\2", b"1 2", b"none",
+    b"\x00", b"\xff\xfe", b"null", b"[]", b"{}", b"[[1]]", b'""', b"true", b"word",
+)  # fmt: skip
+"""Values of fields that are written as text."""
+NUMBERS = (0, 1, -1, 2, 7, 127, 128, 255, 32767, 32768, 65535, 2**31 - 1, 2**31, 2**32 - 1)
+FLOATS = (0.0, -0.0, -1.0, float("nan"), float("inf"), 1e30, -1e30, 1e-40, 1e300)
+NIFTI_FIELDS = (
+    ("<h", range(40, 56, 2)), ("<h", (70, 72, 252, 254)), ("<f", range(76, 120, 4)),
+    ("<f", range(256, 328, 4)), ("<i", (0,)), ("<B", (123, 344, 345, 348)),
+)  # fmt: skip
+"""Forms and places of the fields of NIfTI-1."""
+LONG_LENGTH = (b"OB", b"OW", b"OF", b"OD", b"SQ", b"UN", b"UT", b"UC", b"UR", b"OL", b"SV", b"UV")
+"""Value representations of DICOM with a length of four bytes (PS3.5, 7.1.2)."""
+TEXT_HEADER = 1 << 16
+MOST_MEMBER = 1 << 22
+"""Of an archive, that is unpacked [bytes]."""
+
+Generator = np.random.Generator
+
+
+def restructured(content: bytes, generator: Generator) -> bytes:
+    """Returns content with one field of it made wrong; as it is where nothing is known of it."""
+    for begins, change in (
+        (lambda head: head[128:132] == b"DICM", _element),
+        (lambda head: head[:2] == b"\x1f\x8b", _unzipped),
+        (lambda head: head[:2] == b"PK", _member),
+        (lambda head: head[:4] == b"\x5c\x01\x00\x00", _nifti),
+        (lambda head: head[:8] == b"\x89PNG\r\n\x1a\n", _png),
+        (lambda head: head[:4] in (b"II*\0", b"MM\0*"), _tiff),
+        (lambda head: head[:4] == b"glTF", _glb),
+    ):
+        if begins(content[:256]):
+            return change(content, generator)
+    return _line(content, generator)
+
+
+def _one_of(values: Sequence[Value], generator: Generator) -> Value:
+    return values[int(generator.integers(len(values)))]
+
+
+def _packed(form: str, generator: Generator) -> bytes:
+    """Returns a number that hardly can be, in a form."""
+    if form[1] in "fd":
+        value: float = _one_of(FLOATS, generator)
+        return struct.pack(form, value if form[1] == "d" else np.float32(value).item())
+    width = 8 * struct.calcsize(form)
+    number = _one_of(NUMBERS, generator) & (1 << width) - 1
+    return number.to_bytes(width // 8, "big" if form[0] == ">" else "little")
+
+
+# --- DICOM --------------------------------------------------------------------------------
+
+
+def _elements(content: bytes) -> list[tuple[int, int, int]]:
+    """Lists elements of explicit little endian at the top level: begin, begin of value, end."""
+    found, place = [], 132
+    while place + 8 <= len(content):
+        kind = content[place + 4 : place + 6]
+        if not kind.isupper():
+            break
+        if kind in LONG_LENGTH:
+            value, length = place + 12, int.from_bytes(content[place + 8 : place + 12], "little")
+        else:
+            value, length = place + 8, int.from_bytes(content[place + 6 : place + 8], "little")
+        end = min(len(content), value + length)
+        found.append((place, value, end))
+        place = end
+    return found
+
+
+def _element(content: bytes, generator: Generator) -> bytes:
+    elements = _elements(content)
+    if not elements:
+        return content
+    begin, value, end = _one_of(elements, generator)
+    kind = content[begin + 4 : begin + 6]
+    width = 4 if kind in LONG_LENGTH else 2
+    other = _one_of((b"US", b"DS", b"IS", b"FD", b"UI", b"AT", b"SS"), generator)
+    changed = (
+        # lost, doubled, of another kind, of another length than its own
+        content[:begin] + content[end:],
+        content[:end] + content[begin:],
+        content[: begin + 4] + other + content[begin + 6 :],
+        content[: value - width] + _packed(("<I", "<H")[width == 2], generator) + content[value:],
+    )
+    what = int(generator.integers(6))
+    return changed[what] if what < 4 else _with_value(content, (begin, value, end), generator)
+
+
+def _with_value(content: bytes, place: tuple[int, int, int], generator: Generator) -> bytes:
+    """Returns content with a value that an element hardly can have."""
+    begin, value, end = place
+    kind = content[begin + 4 : begin + 6]
+    forms = {b"US": "<H", b"SS": "<H", b"UL": "<I", b"SL": "<I", b"FD": "<d", b"FL": "<f"}
+    put = _packed(forms[kind], generator) if kind in forms else _one_of(TEXTS, generator)
+    if kind in (b"DS", b"IS") and generator.integers(2):
+        put = b"\\".join([put] * int(generator.integers(1, 8)))
+    put += b" " * (len(put) % 2)
+    if kind in LONG_LENGTH:
+        return content[: value - 4] + struct.pack("<I", len(put)) + put + content[end:]
+    return content[: value - 2] + struct.pack("<H", len(put)) + put + content[end:]
+
+
+# --- packed files -------------------------------------------------------------------------
+
+
+def _unzipped(content: bytes, generator: Generator) -> bytes:
+    try:
+        plain = gzip.decompress(content)
+    except (OSError, EOFError, zlib.error):
+        return content
+    return gzip.compress(restructured(plain, generator), 1, mtime=0)
+
+
+def _member(content: bytes, generator: Generator) -> bytes:
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            members = [(one, archive.read(one)) for one in archive.infolist()
+                       if one.file_size < MOST_MEMBER]  # fmt: skip
+    except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError, zlib.error):
+        return content
+    if not members:
+        return content
+    chosen = int(generator.integers(len(members)))
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number, (info, held) in enumerate(members):
+            changed = restructured(held, generator) if number == chosen else held
+            archive.writestr(zipfile.ZipInfo(info.filename), changed)
+    return target.getvalue()
+
+
+# --- binary headers -----------------------------------------------------------------------
+
+
+def _nifti(content: bytes, generator: Generator) -> bytes:
+    form, places = _one_of(NIFTI_FIELDS, generator)
+    place = _one_of(list(places), generator)
+    put = _packed(form, generator)
+    return content[:place] + put + content[place + len(put) :]
+
+
+def _png(content: bytes, generator: Generator) -> bytes:
+    """Changes a field of the first chunk, and its checksum with it."""
+    place = _one_of((16, 20, 24, 25, 26, 28), generator)
+    put = _packed(">I" if place < 24 else ">B", generator)
+    head = content[12:place] + put + content[place + len(put) : 29]
+    return content[:12] + head + struct.pack(">I", zlib.crc32(head)) + content[33:]
+
+
+def _tiff(content: bytes, generator: Generator) -> bytes:
+    """Changes an entry of the first directory, or where that is."""
+    order = "<" if content[:2] == b"II" else ">"
+    directory = struct.unpack_from(f"{order}I", content, 4)[0]
+    if directory + 14 > len(content) or generator.random() < 0.1:
+        return content[:4] + _packed(f"{order}I", generator) + content[8:]
+    count = struct.unpack_from(f"{order}H", content, directory)[0]
+    place = directory + 2 + 12 * int(generator.integers(max(1, count)))
+    place += _one_of((0, 2, 4, 8), generator)
+    put = _packed(f"{order}I" if place % 4 == (directory + 2) % 4 else f"{order}H", generator)
+    return content[:place] + put + content[place + len(put) :]
+
+
+def _glb(content: bytes, generator: Generator) -> bytes:
+    size = int.from_bytes(content[12:16], "little")
+    text = _line(content[20 : 20 + size], generator)
+    text += b" " * (-len(text) % 4)
+    rest = content[20 + size :]
+    head = content[:8] + struct.pack("<II", 20 + len(text) + len(rest), len(text)) + b"JSON"
+    return head + text + rest
+
+
+# --- text ---------------------------------------------------------------------------------
+
+
+def _line(content: bytes, generator: Generator) -> bytes:
+    """Changes a value of a header of lines, of JSON, of YAML or of a table; or a whole line."""
+    head, rest = content[:TEXT_HEADER], content[TEXT_HEADER:]
+    change: Callable[[bytes, Generator], bytes] = _token if generator.random() < 0.8 else _whole
+    return change(head, generator) + rest
+
+
+def _token(head: bytes, generator: Generator) -> bytes:
+    # what stands behind the first bytes that are no text is left as it is
+    plain = re.match(rb"[\t\r\n -~]*", head)
+    values = [*re.finditer(rb'"[^"]*"|[^\s,:=()\[\]{}"]+', plain[0] if plain else b"")]
+    if not values:
+        return head
+    chosen = _one_of(values, generator)
+    return head[: chosen.start()] + _one_of(TEXTS, generator) + head[chosen.end() :]
+
+
+def _whole(head: bytes, generator: Generator) -> bytes:
+    ends = [found.end() for found in re.finditer(rb"\n", head)][:200]
+    if len(ends) < 2:
+        return head
+    number = int(generator.integers(1, len(ends)))
+    begin, end = ends[number - 1], ends[number]
+    if generator.integers(2):
+        return head[:begin] + head[end:]
+    return head[:end] + head[begin:end] + head[end:]

@@ -1,0 +1,31 @@
+"""Headers of MetaImage and NRRD, held against their files before a library sees them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from palpate.io.metaimage_header import check_metaimage
+from palpate.io.nrrd_header import check_nrrd
+
+__all__ = ["check_header"]
+
+CHECKS = (
+    ((".mha", ".mhd"), check_metaimage),
+    ((".nrrd", ".nhdr"), check_nrrd),
+)
+
+
+def check_header(path: Path) -> None:
+    """Refuses a header that promises what its file does not hold, or names other files.
+
+    Formats are told by names, as the libraries do.
+
+    Raises:
+        VolumeFormatError: It does.
+    """
+    name = path.name.lower()
+    if not path.is_file():
+        return
+    for endings, check in CHECKS:
+        if name.endswith(endings):
+            check(path)
