@@ -153,7 +153,7 @@ def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) ->
             for name in NEEDED:
                 if name not in image:
                     setattr(image, name, "")
-            if "SliceThickness" not in image:
+            if not image.get("SliceThickness"):
                 image.SliceThickness = f"{volume.spacing[2]:.6g}"
 
 

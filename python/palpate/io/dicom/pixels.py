@@ -179,7 +179,7 @@ def _stored(header: Header) -> NDArray[Any]:
 def _plain(header: Header) -> NDArray[Any] | None:
     """Returns pixels that stand in a file as they are; None where they do not."""
     # of a file of several phases the pixels in between would be counted wrong
-    if header.plain is None or header.taken is not None:
+    if header.plain is None or header.taken is not None or header.truncated:
         return None
     start, kind = header.plain
     shape = (len(header.frames), header.rows, header.columns)

@@ -53,6 +53,7 @@ def left_out(bad: Sequence[tuple[Header, str]], among: int) -> str:
 # --- bad slices -----------------------------------------------------------------------------
 
 CUT = "shorter than its image"
+UNPLACED = "without a position"
 
 
 def _without_bad(what: str, series: Series) -> tuple[Series, list[str]]:
@@ -73,25 +74,24 @@ def _without_bad(what: str, series: Series) -> tuple[Series, list[str]]:
 
 def _unusable(headers: Sequence[Header]) -> list[tuple[Header, str]]:
     """Lists files that are cut off, or do not lie where nearly all others do."""
-    usual, count = Counter(map(_geometry, headers)).most_common(1)[0]
-    # where no kind is the rule, whoever lays out the slices says what is wrong
-    odd = count < len(headers) and tolerable(len(headers) - count, len(headers))
-    found: list[tuple[Header, str]] = []
+    placed = [header for header in headers if _is_placed(header)]
+    spacings = Counter(header.frames[0].pixel_spacing for header in placed)
+    usual = spacings.most_common(1)[0][0] if spacings else None
+    bad = []
     for header in headers:
+        spacing = header.frames[0].pixel_spacing
         if header.truncated:
-            found.append((header, CUT))
-        elif odd and _geometry(header) != usual:
-            placed, spacing = _geometry(header)
-            other = "other pixel spacing" if placed and spacing else "no place"
-            found.append((header, other if usual[0] else "another kind of header"))
-    return found
+            bad.append((header, CUT))
+        elif placed and not _is_placed(header):
+            bad.append((header, UNPLACED))
+        elif usual is not None and (spacing is None or not np.allclose(spacing, usual, rtol=1e-3)):
+            # 1e-3: writers round the same spacing in different ways
+            bad.append((header, "other pixel spacing"))
+    return bad
 
 
-def _geometry(header: Header) -> tuple[bool, tuple[float, ...] | None]:
-    """Returns whether a file tells its place, and its pixel spacing as writers round it."""
-    placed = all(frame.position and frame.orientation for frame in header.frames)
-    spacing = header.frames[0].pixel_spacing
-    return placed, None if spacing is None else tuple(float(f"{part:.3g}") for part in spacing)
+def _is_placed(header: Header) -> bool:
+    return all(frame.position and frame.orientation for frame in header.frames)
 
 
 # --- doubles ----------------------------------------------------------------------------------

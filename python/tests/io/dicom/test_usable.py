@@ -137,3 +137,24 @@ def test_a_bad_slice_of_three_is_no_odd_one(write_series: Any, kind: str) -> Non
     bad_slice(folder, kind)
     with pytest.raises(PalpateError, match="allowed"):
         palpate.read(folder)
+
+
+def test_spacings_that_writers_round_are_one(write_series: Any) -> None:
+    def change(number: int, dataset: FileDataset) -> None:
+        dataset.PixelSpacing = [0.48849 if number == 3 else 0.4885, 0.4885]
+
+    volume = palpate.read(write_series(positions=PLACES, each=change))
+    assert volume.dimensions[2] == 12
+    assert not said(volume, "left out")
+
+
+@pytest.mark.parametrize("placed", [0, 1, 6])
+def test_series_that_mostly_lack_positions_keep_all_slices(write_series: Any, placed: int) -> None:
+    def change(number: int, dataset: FileDataset) -> None:
+        dataset.InstanceNumber = number + 1
+        if number >= placed:
+            del dataset.ImagePositionPatient
+
+    volume = palpate.read(write_series(positions=PLACES, each=change))
+    assert (volume.dimensions[2], volume.orientation) == (12, "unknown")
+    np.testing.assert_array_equal(values_of(volume)[:, 0, 0], np.arange(12) * 100 - 1024)
