@@ -28,6 +28,16 @@ ENGINE_READY := $(VENV)/.engine
 QUICK_ENGINE_READY := $(VENV)/.quick-engine
 VIEWER_READY := python/palpate/viewer/index.html
 WHEEL_READY := dist/.wheel
+QUICK_WHEEL_READY := dist/quick/.wheel
+
+# tests take the engine that is compiled in half the time; their long form, what users get
+ifdef PALPATE_LONG
+TESTED_ENGINE_READY := $(ENGINE_READY)
+TESTED_WHEEL_READY := $(WHEEL_READY)
+else
+TESTED_ENGINE_READY := $(QUICK_ENGINE_READY)
+TESTED_WHEEL_READY := $(QUICK_WHEEL_READY)
+endif
 
 # first line of a recipe: its name; the rest is one script, timed (scripts/stage.sh)
 step = @source scripts/stage.sh "$(1)"
@@ -65,7 +75,7 @@ $(NODE_READY): viewer/package.json viewer/package-lock.json
 	(cd viewer && npm install --no-save --no-audit --no-fund --loglevel=error)
 	touch $@
 
-# the engine as in the wheel, for tests and figures; it serves as well where any engine will do
+# the engine as in the wheel, for figures; it serves as well where any engine will do
 $(ENGINE_READY): $(VENV_READY) $(RUST_SOURCES)
 	$(call step,engine)
 	export VIRTUAL_ENV=$(CURDIR)/$(VENV) PIP_QUIET=1
@@ -95,9 +105,16 @@ wheel: prerequisites $(WHEEL_READY) ## build the wheel: engine, package and view
 
 $(WHEEL_READY): $(VENV_READY) $(VIEWER_READY) $(RUST_SOURCES) $(PACKAGE_SOURCES)
 	$(call step,wheel)
-	rm -rf dist
+	rm -f dist/*.whl
 	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --manifest-path python/Cargo.toml --out dist --quiet
 	ls -lh dist
+	touch $@
+
+# of the engine for development, which is compiled already
+$(QUICK_WHEEL_READY): $(QUICK_ENGINE_READY) $(VIEWER_READY) $(PACKAGE_SOURCES)
+	$(call step,wheel for tests)
+	rm -rf dist/quick
+	$(BIN)/maturin build --profile quick --locked --interpreter $(BIN)/python --manifest-path python/Cargo.toml --out dist/quick --quiet
 	touch $@
 
 lock: ## pin the Python packages anew (ARGS=--upgrade for the newest)
@@ -189,8 +206,9 @@ ifeq ($(TOGETHER),everything)
 prerequisites: | chromium data
 endif
 
-test-long: export PALPATE_LONG := 1
-test-long: test ## the same with the long form of statistical tests
+# anew, so that the engine and the wheel are those of this form
+test-long: ## the same with the long form of statistical tests, on the engine and the wheel that users get
+	@$(MAKE) --no-print-directory test PALPATE_LONG=1
 
 # a missing browser and missing scans are told before all other tests
 .PHONY: chromium data
@@ -202,9 +220,10 @@ data:
 
 test-rust: ## tests of the crates
 	$(call step,Rust: tests)
-	cargo test --locked --workspace --exclude palpate-benches --no-fail-fast --quiet
+	cargo test --locked --workspace --exclude palpate-benches --lib --tests --no-fail-fast --quiet
+	cargo test --locked --workspace --exclude palpate-benches --doc --no-fail-fast --quiet
 
-test-python: $(ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository
+test-python: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository
 	$(call step,Python: tests)
 	$(BIN)/pytest -q -m "not wheel and not browser" --numprocesses 2 --dist loadfile
 
@@ -214,14 +233,15 @@ test-viewer: $(NODE_READY) ## unit tests of the page, its shaders in a browser
 	cd viewer
 	npm run test --silent
 
-test-wheel: $(WHEEL_READY) ## the wheel in an empty environment: install, start, open the page
+test-wheel: $(TESTED_WHEEL_READY) ## the wheel in an empty environment: install, start, open the page
 	$(call step,wheel: in an empty environment)
+	export PALPATE_WHEELS=$(CURDIR)/$(dir $(TESTED_WHEEL_READY))
 	$(BIN)/pytest -q -m wheel tests
 
-test-browser: $(ENGINE_READY) $(VIEWER_READY) ## a real scan in a real browser: picture, contact, force
+test-browser: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## a real scan in a real browser: picture, contact, force
 	$(call step,browser: tests)
 	export PALPATE_CHROMIUM="$$(scripts/chromium.sh)"
-	$(BIN)/pytest -q -m browser
+	$(BIN)/pytest -q -m browser --numprocesses 2 --dist loadfile
 
 # --- figures ----------------------------------------------------------------------------
 

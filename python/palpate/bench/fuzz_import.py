@@ -53,7 +53,7 @@ LARGEST_SAMPLE = 600_000
 """Largest file [bytes]; larger ones take long and would be damaged in the same places."""
 MOST_VOXELS = 1 << 25
 MOST_OF_A_FOLDER = 6
-ENDINGS = tuple(ending for _, some in FORMATS.values() for ending in some)
+ENDINGS = tuple(ending for some in FORMATS.values() for ending in some)
 MESHES = (".stl", ".ply", ".obj", ".glb")
 RECIPE = """import:
   path: scan.mha

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import Resample, Segments
+from palpate.cli.options import AnotherPatient, Resample, Segments
 from palpate.cli.reading_options import Reading, with_reading
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def export(
     ] = None,
     segments: Segments = None,
     resample: Resample = False,
+    another_patient: AnotherPatient = False,
     threshold: Annotated[
         str | None,
         typer.Option(help="Make a segment of the values from LOW to HIGH.", metavar="LOW[,HIGH]"),
@@ -102,7 +103,12 @@ def export(
             for warning in volume.warnings:
                 warn(warning)
             scene = wanted_scene(
-                volume, bounds=bounds, label_map=segments, resample=resample, progress=display
+                volume,
+                bounds=bounds,
+                label_map=segments,
+                resample=resample,
+                another_patient=another_patient,
+                progress=display,
             )
         notes = export_scene(
             scene, out, kind=known, only=only, keep_identity=keep_identity, progress=display

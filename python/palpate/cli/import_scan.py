@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palpate.base.console import Display, quiet_libraries
-from palpate.cli.options import Fill, MaxVoxels, Orientation, Raw, Resample, Series, Unit, VoxelSize
+from palpate.cli.options import (
+    AnotherPatient,
+    Fill,
+    MaxVoxels,
+    Orientation,
+    Raw,
+    Resample,
+    Series,
+    Unit,
+    VoxelSize,
+)
 from palpate.cli.reading_options import Reading
 
 if TYPE_CHECKING:
@@ -86,6 +96,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         ),
     ] = None,
     resample: Resample = False,
+    another_patient: AnotherPatient = False,
     orientation: Orientation = None,
     unit: Unit = None,
     fill: Fill = None,
@@ -124,7 +135,13 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     )
     writing = None
     if output is not None and target is not None:
-        writing = Writing(out=output, target=target, segments=segments, resample=resample)
+        writing = Writing(
+            out=output,
+            target=target,
+            segments=segments,
+            resample=resample,
+            another_patient=another_patient,
+        )
     if dicomweb is None:
         _import_files(given, reading, writing, every=every, as_json=as_json)
         return

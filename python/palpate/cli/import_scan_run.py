@@ -149,6 +149,7 @@ class Writing:
     target: Target
     segments: Path | None = None
     resample: bool = False
+    another_patient: bool = False
     """Whether segments may lie on another grid."""
 
 
@@ -164,11 +165,25 @@ def write_import(volume: Volume, wanted: Writing, *, progress: Progress) -> list
     """
     out, file, resample = wanted.out, wanted.segments, wanted.resample
     if wanted.target == "scene":
-        scene = scene_of(volume, bounds=None, label_map=file, resample=resample, progress=progress)
+        scene = scene_of(
+            volume,
+            bounds=None,
+            label_map=file,
+            resample=resample,
+            another_patient=wanted.another_patient,
+            progress=progress,
+        )
         progress(f"writing {out.name}", None)
         _write_scene(scene, out)
         return [_written(out, f"scan and {_counted(scene)}")]
-    scene = wanted_scene(volume, bounds=None, label_map=file, resample=resample, progress=progress)
+    scene = wanted_scene(
+        volume,
+        bounds=None,
+        label_map=file,
+        resample=resample,
+        another_patient=wanted.another_patient,
+        progress=progress,
+    )
     export_scene(scene, out, kind="scan", progress=progress)
     files = [_written(out, "scan")]
     if file is not None:

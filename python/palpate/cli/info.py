@@ -69,7 +69,7 @@ def _rows(volume: Volume) -> list[tuple[str, str]]:
         ("size", " x ".join(f"{length:.0f}" for length in size) + " mm"),
         ("orientation", volume.orientation),
         ("values", f"{low:g} to {high:g}{unit or ' (unit unknown)'}"),
-        ("bone from", f"{volume.anchors.bone:.0f}{unit}"),
+        ("bone from", f"{volume.anchors.bone:.4g}{unit}"),
         ("memory", f"{volume.memory_bytes / 2**20:.1f} MiB"),
         *([("series", volume.traits.series)] if volume.traits.series else []),
         *(("warning", warning) for warning in volume.warnings),

@@ -8,6 +8,7 @@ import typer
 
 from palpate.base.console import quiet_libraries
 from palpate.cli.options import (
+    AnotherPatient,
     Browser,
     Mesh,
     MeshFrame,
@@ -38,6 +39,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     threshold: Threshold = None,
     segments: Segments = None,
     resample: Resample = False,
+    another_patient: AnotherPatient = False,
     second: With = None,
     transform: Transform = None,
     mesh: Mesh = None,
@@ -91,7 +93,12 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             return saved_scene(given, progress)
         volume = reading.read(given, progress)
         scene = scene_of(
-            volume, bounds=bounds, label_map=segments, resample=resample, progress=progress
+            volume,
+            bounds=bounds,
+            label_map=segments,
+            resample=resample,
+            another_patient=another_patient,
+            progress=progress,
         )
         add_second(scene, second, transform, progress=progress)
         if mesh is not None:

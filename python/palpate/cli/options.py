@@ -91,9 +91,19 @@ Resample = Annotated[
         help="Resample segments from another grid to that of the scan (nearest neighbour).",
     ),
 ]
+AnotherPatient = Annotated[
+    bool,
+    typer.Option(
+        "--another-patient",
+        help="Take DICOM segments of another patient, study or frame of reference as they are.",
+    ),
+]
 With = Annotated[
     Path | None,
-    typer.Option("--with", help="Second scan to show together with the first, such as MR with CT."),
+    typer.Option(
+        "--with",
+        help="Second scan to show together with the first, such as MR or RTDOSE with CT.",
+    ),
 ]
 Transform = Annotated[
     Path | None,

@@ -25,7 +25,7 @@ from palpate.volumes.mesh_read import (
     suitable_spacing,
 )
 from palpate.volumes.scene import Scene
-from palpate.volumes.second_scan import placed, read_transform
+from palpate.volumes.second_scan import doubts_of, placed, read_transform
 from palpate.volumes.volume import Volume
 
 __all__ = [
@@ -45,6 +45,7 @@ def wanted_scene(
     bounds: Bounds | None,
     label_map: Path | None,
     resample: bool = False,
+    another_patient: bool = False,
     progress: Progress,
 ) -> Scene:
     """Returns a scan with the segments asked for, and no others.
@@ -58,7 +59,13 @@ def wanted_scene(
     if bounds is not None:
         scene.add(volume.threshold(*bounds, name="threshold"))
     if label_map is not None:
-        add_labels(scene, label_map, resample=resample, progress=progress)
+        add_labels(
+            scene,
+            label_map,
+            resample=resample,
+            another_patient=another_patient,
+            progress=progress,
+        )
     return scene
 
 
@@ -68,6 +75,7 @@ def scene_of(
     bounds: Bounds | None,
     label_map: Path | None,
     resample: bool = False,
+    another_patient: bool = False,
     progress: Progress,
 ) -> Scene:
     """Returns a scene with the segments asked for, or with the one offered as bone.
@@ -78,16 +86,34 @@ def scene_of(
         OptionError: The label map does not fit the scan.
     """
     scene = wanted_scene(
-        volume, bounds=bounds, label_map=label_map, resample=resample, progress=progress
+        volume,
+        bounds=bounds,
+        label_map=label_map,
+        resample=resample,
+        another_patient=another_patient,
+        progress=progress,
     )
     if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
         warn(told)
     return scene
 
 
-def add_labels(scene: Scene, path: Path, *, resample: bool, progress: Progress) -> None:
+def add_labels(
+    scene: Scene,
+    path: Path,
+    *,
+    resample: bool,
+    another_patient: bool = False,
+    progress: Progress,
+) -> None:
     """Adds the segments of a file or folder, and says what was changed or left out."""
-    found = read_labels(path, scene.volume, resample=resample, progress=progress)
+    found = read_labels(
+        path,
+        scene.volume,
+        resample=resample,
+        another_patient=another_patient,
+        progress=progress,
+    )
     for label in found.labels:
         # smooth bodies are read at a glance; until its surface is made, one is drawn from voxels
         scene.add(label.segment, colour=label.colour, shown_as="surface")
@@ -109,10 +135,10 @@ def add_second(
             raise OptionError(f"--transform {transform} given; allowed: together with --with")
         return
     volume = read(path, progress=progress)
-    for warning in volume.warnings:
-        warn(f"{path.name}: {warning}")
     known = None if transform is None else read_transform(transform)
     scene.second = placed(scene.volume, volume, known)
+    for warning in (*doubts_of(scene.volume, scene.second), *volume.warnings):
+        warn(f"{path.name}: {warning}")
 
 
 def saved_scene(path: Path, progress: Progress) -> Opening:

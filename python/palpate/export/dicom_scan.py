@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.base.errors import OptionError
 from palpate.base.package_version import package_version
 from palpate.export.dicom_object import (
     MAKER,
@@ -25,6 +26,8 @@ from palpate.export.dicom_object import (
     series_number,
 )
 from palpate.export.dicom_source import IMAGE_CLASSES, SECONDARY, DicomSource
+from palpate.io.dicom.dose import RTDOSE
+from palpate.io.dicom.suv import unit_tags
 from palpate.volumes.terminology import Code
 from palpate.volumes.volume import Volume
 
@@ -61,6 +64,11 @@ def make_series(volume: Volume, source: DicomSource) -> Iterator[Dataset]:
     """
     from pydicom.uid import generate_uid
 
+    if volume.modality == RTDOSE:
+        raise OptionError(
+            "a changed dose is none of a plan, and DICOM has no other kind for it; allowed: NIfTI, "
+            "NRRD or MetaImage"
+        )
     series, moment = generate_uid(), now()
     for number in range(volume.shape[0]):
         with header_told("a derived series"):
@@ -148,8 +156,19 @@ def _fill(made: Dataset, volume: Volume, number: int) -> None:
     made.PixelRepresentation = 1
     made.RescaleSlope, made.RescaleIntercept = _decimal(volume.slope), _decimal(volume.intercept)
     made.RescaleType = volume.unit or "US"
+    _tell_unit(made, volume.unit)
     made.PixelData = volume.array[number].astype("<i2", copy=False).tobytes()
     made["PixelData"].VR = "OW"
+
+
+def _tell_unit(made: Dataset, unit: str) -> None:
+    """Tells the unit of PET, whose values may be SUV by now."""
+    found = unit_tags(unit)
+    if made.get("Modality") != "PT" or found is None:
+        return
+    made.Units = found[0]
+    if found[1]:
+        made.SUVType = found[1]
 
 
 def _decimal(number: float) -> str:

@@ -18,6 +18,7 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.io.archive import is_archive, unpacked
 from palpate.io.dicom.header import Header, damage_told, frame_of
+from palpate.io.dicom.mark import read_dataset
 from palpate.io.dicom.reading import volumes_of
 from palpate.io.dicom.series import choose_series, is_dicom, series_in
 from palpate.volumes.volume import Volume
@@ -122,10 +123,8 @@ def _source(volume: Volume, headers: tuple[Header, ...], *, complete: bool) -> D
 
 
 def _read(path: Path) -> Dataset:
-    import pydicom
-
     with damage_told(path):
-        return pydicom.dcmread(path, stop_before_pixels=True)
+        return read_dataset(path, stop_before_pixels=True)
 
 
 def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) -> None:

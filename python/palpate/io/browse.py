@@ -237,7 +237,7 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
         refused = str(error)
     else:
         size, middle = plan.size, plan.middle
-        spacing = None if plan.grid is None else plan.grid.spacing
+        spacing = None if plan.stack is None else plan.grid.spacing
     return Choice(
         path=path,
         series=series,

@@ -1,11 +1,10 @@
-"""Headers of image files, held against their files before a library sees them."""
+"""Headers of MetaImage and NRRD, held against their files before a library sees them."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from palpate.io.metaimage_header import check_metaimage
-from palpate.io.nifti_header import check_nifti
 from palpate.io.nrrd_header import check_nrrd
 
 __all__ = ["check_header"]
@@ -13,7 +12,6 @@ __all__ = ["check_header"]
 CHECKS = (
     ((".mha", ".mhd"), check_metaimage),
     ((".nrrd", ".nhdr"), check_nrrd),
-    ((".nii", ".nii.gz", ".hdr", ".hdr.gz"), check_nifti),
 )
 
 
@@ -31,6 +29,3 @@ def check_header(path: Path) -> None:
     for endings, check in CHECKS:
         if name.endswith(endings):
             check(path)
-    for voxels, header in ((".img", ".hdr"), (".img.gz", ".hdr.gz")):
-        if name.endswith(voxels):
-            check_header(path.with_name(path.name[: -len(voxels)] + header))

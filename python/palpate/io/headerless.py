@@ -176,7 +176,7 @@ def _beginning(names: Sequence[str]) -> str:
 def _is_raw(file: Path) -> bool:
     """Says whether a file may be voxels and nothing else: no format that is known, and no text."""
     name, held = file.name.lower(), file.stat().st_size
-    others = tuple(ending for _, endings in FORMATS.values() for ending in endings)
+    others = tuple(ending for endings in FORMATS.values() for ending in endings)
     # the voxels of a NIfTI pair are called .img, and so are many that have no header
     lone = name.endswith(".img") and not file.with_suffix(".hdr").exists()
     if held < LEAST_BYTES or is_picture(file) or (name.endswith(others) and not lone):

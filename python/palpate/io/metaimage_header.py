@@ -15,6 +15,7 @@ from pathlib import Path
 
 from palpate.base.errors import VolumeFormatError
 from palpate.io.detached_voxels import DEFLATE_RATIO, check_held, numbered, voxel_file
+from palpate.io.payload import header_text
 
 __all__ = ["check_metaimage"]
 
@@ -65,7 +66,7 @@ def _fields(path: Path) -> tuple[dict[str, str], list[str]]:
         head = file.read(MOST_HEADER)
     lines = iter(head.split(b"\n"))
     for line in lines:
-        text = line.decode("latin-1").rstrip("\r")
+        text = header_text(line).rstrip("\r")
         key, value = _parted(text)
         if "elementdatafile" in text.lower() and (key != "ElementDataFile" or not value):
             raise VolumeFormatError(
@@ -75,7 +76,7 @@ def _fields(path: Path) -> tuple[dict[str, str], list[str]]:
             raise VolumeFormatError(f"{path} tells {key} twice; allowed: once")
         fields[key] = value
         if key == "ElementDataFile":
-            named = [each.decode("latin-1").strip() for each in islice(lines, 1 << 16)]
+            named = [header_text(each).strip() for each in islice(lines, 1 << 16)]
             return fields, named if value.split()[0] == "LIST" else []
     raise VolumeFormatError(
         f"{path} is no readable metaimage file (no ElementDataFile in its header); allowed: "

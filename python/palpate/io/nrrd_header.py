@@ -13,6 +13,7 @@ from pathlib import Path
 
 from palpate.base.errors import VolumeFormatError
 from palpate.io.detached_voxels import DEFLATE_RATIO, check_held, numbered, voxel_file
+from palpate.io.payload import header_text
 
 __all__ = ["check_nrrd"]
 
@@ -83,7 +84,7 @@ def _fields(path: Path) -> tuple[dict[str, str], list[str], int]:
                 "complete, undamaged files"
             )
         while (line := file.readline(MOST_HEADER)) and file.tell() <= MOST_HEADER:
-            text = line.decode("latin-1").strip()
+            text = header_text(line).strip()
             if listed is not None:
                 listed += [text] if text else []
                 continue

@@ -57,7 +57,13 @@ def _count_of_series(folder: Path, progress: Progress) -> int:
 
 
 def read_unpacked(
-    image: Path, folder: Path, *, called: Path, max_voxels: int, progress: Progress
+    image: Path,
+    folder: Path,
+    *,
+    called: Path,
+    frame: int | None = None,
+    max_voxels: int,
+    progress: Progress,
 ) -> RawScan:
     """Reads an image file of an unpacked archive; messages name it as one of the archive.
 
@@ -67,6 +73,6 @@ def read_unpacked(
     """
     try:
         check_own_voxels(image)
-        return read_file(image, max_voxels=max_voxels, progress=progress)
+        return read_file(image, frame=frame, max_voxels=max_voxels, progress=progress)
     except VolumeFormatError as error:
-        raise VolumeFormatError(str(error).replace(f"{folder}/", f"{called}: ")) from None
+        raise type(error)(str(error).replace(f"{folder}/", f"{called}: ")) from None

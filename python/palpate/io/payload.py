@@ -1,28 +1,23 @@
 """Checks that an image file holds all the bytes its header announces, undamaged.
 
-SimpleITK fills what is missing of a truncated NIfTI file with zeros, and takes damaged zlib
-data of any format without a word; so sizes and checksums are compared here, before reading. It
-also turns NaN and infinity of NIfTI files into zeros, so they are looked for here as well.
+SimpleITK takes damaged zlib data of any format without a word; so sizes and checksums are compared
+here, before reading.
 
 Sources of the formats: MetaIO documentation (Kitware), "MetaImage"; NRRD 5 definition (teem),
-"Data file"; NIfTI-1 header (R. Cox et al. 2004), ``vox_offset``; RFC 1950 and 1952.
+"Data file"; RFC 1950 and 1952.
 """
 
 from __future__ import annotations
 
-import gzip
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, BinaryIO
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import BinaryIO
 
 from palpate.base.errors import VolumeFormatError
 
-__all__ = ["Payload", "check_payload", "metaimage_header", "nifti_not_finite", "nrrd_header"]
+__all__ = ["Payload", "check_payload", "header_text", "metaimage_header", "nrrd_header"]
 
 CHUNK = 1 << 20
 ZLIB, GZIP = 15, 31
@@ -48,28 +43,24 @@ class Payload:
 
     path: Path
     start: int
-    """Bytes before them, counted in the decompressed stream where ``compressed_all``."""
+    """Bytes before them."""
     size: int
     """Bytes of all voxels, decompressed."""
     wrapper: int | None = None
     """Window bits of the compression; None for plain bytes."""
-    compressed_all: bool = False
-    """Whether the compression covers the header too, as in ``.nii.gz``."""
 
 
-def check_payload(path: Path, metadata: Mapping[str, str], format_name: str) -> None:
+def check_payload(path: Path, format_name: str) -> None:
     """Refuses a file whose voxels are incomplete or damaged.
 
     Args:
         path: The file, or the header where the voxels stand in another.
-        metadata: What SimpleITK read from the header.
-        format_name: ``nifti``, ``metaimage`` or ``nrrd``.
+        format_name: ``metaimage`` or ``nrrd``.
 
     Raises:
         VolumeFormatError: Bytes are missing, or a checksum differs.
     """
-    find = {"nifti": _nifti, "metaimage": _metaimage, "nrrd": _nrrd}[format_name]
-    payload = find(path, metadata)
+    payload = {"metaimage": _metaimage, "nrrd": _nrrd}[format_name](path)
     if payload is None:
         return
     if not payload.path.is_file():
@@ -80,7 +71,7 @@ def check_payload(path: Path, metadata: Mapping[str, str], format_name: str) -> 
     if payload.wrapper is None:
         held = payload.path.stat().st_size - payload.start
     else:
-        held = _decompressed_size(payload) - (payload.start if payload.compressed_all else 0)
+        held = _decompressed_size(payload)
     if held < payload.size:
         raise VolumeFormatError(
             f"{payload.path} is truncated: its header announces {payload.size} bytes of voxels, "
@@ -91,7 +82,7 @@ def check_payload(path: Path, metadata: Mapping[str, str], format_name: str) -> 
 def _decompressed_size(payload: Payload) -> int:
     """Decompresses all members of a stream and returns how many bytes came out."""
     with payload.path.open("rb") as file:
-        file.seek(0 if payload.compressed_all else payload.start)
+        file.seek(payload.start)
         try:
             return sum(_sizes(file, payload.wrapper or ZLIB))
         except zlib.error as error:
@@ -116,50 +107,12 @@ def _sizes(file: BinaryIO, wrapper: int) -> Iterator[int]:
                 stream = zlib.decompressobj(wrapper)
 
 
-# --- NIfTI ------------------------------------------------------------------------------
-
-
-def _nifti(path: Path, metadata: Mapping[str, str]) -> Payload | None:
-    if "bitpix" not in metadata:
-        return None
-    voxels = 1
-    for axis in range(1, 1 + int(metadata["dim[0]"])):
-        voxels *= max(1, int(metadata[f"dim[{axis}]"]))
-    size = voxels * int(metadata["bitpix"]) // 8
-    zipped = path.name.endswith(".gz")
-
-    # a pair has its voxels in another file
-    start = int(float(metadata["vox_offset"]))
-    name = path.name
-    if ".hdr" in name:
-        path, start = path.with_name(name.replace(".hdr", ".img")), 0
-    return Payload(path, start, size, GZIP if zipped else None, compressed_all=zipped)
-
-
-NIFTI_FLOATS = {"16": "f4", "64": "f8"}
-"""Datatype codes of the header whose values may be NaN or infinite, and NumPy's names."""
-
-
-def nifti_not_finite(path: Path, metadata: Mapping[str, str]) -> NDArray[np.bool_]:
-    """Returns which voxels of a complete NIfTI file are NaN or infinite, flat, x fastest."""
-    kind, payload = NIFTI_FLOATS.get(metadata.get("datatype", "")), _nifti(path, metadata)
-    if kind is None or payload is None:
-        return np.zeros(0, np.bool_)
-    # the first number of a header is its size, by which the byte order is known
-    with _plain(path) as header:
-        order = "<" if int.from_bytes(header.read(4), "little") in (348, 540) else ">"
-    with _plain(payload.path) as file:
-        file.seek(payload.start)
-        values = np.frombuffer(file.read(payload.size), order + kind)
-    finite: NDArray[np.bool_] = np.isfinite(values)
-    return ~finite
-
-
-def _plain(path: Path) -> IO[bytes]:
-    """Opens a file to read what it holds once decompressed."""
-    if path.name.endswith(".gz"):
-        return gzip.open(path, "rb")  # type: ignore[return-value]  # it reads as a file does
-    return path.open("rb")
+def header_text(line: bytes) -> str:
+    """Returns text of a header: UTF-8, as programs write it today, else Latin-1."""
+    try:
+        return line.decode()
+    except UnicodeDecodeError:
+        return line.decode("latin-1")
 
 
 # --- MetaImage --------------------------------------------------------------------------
@@ -171,14 +124,14 @@ def metaimage_header(path: Path) -> tuple[dict[str, str], int]:
     with path.open("rb") as file:
         # a header is a few lines; a file without an end to it is none
         for line in iter(lambda: file.readline(CHUNK), b""):
-            name, _, value = line.decode("latin-1").partition("=")
+            name, _, value = header_text(line).partition("=")
             fields[name.strip()] = value.strip()
             if name.strip() == "ElementDataFile":
                 break
         return fields, file.tell()
 
 
-def _metaimage(path: Path, _: Mapping[str, str]) -> Payload | None:
+def _metaimage(path: Path) -> Payload | None:
     fields, end = metaimage_header(path)
     name = fields.get("ElementDataFile", "")
     # several files are rare and MetaIO itself refuses short ones
@@ -202,7 +155,7 @@ def nrrd_header(path: Path) -> tuple[dict[str, str], int]:
     fields: dict[str, str] = {}
     with path.open("rb") as file:
         for line in iter(lambda: file.readline(CHUNK), b""):
-            text = line.decode("latin-1").strip()
+            text = header_text(line).strip()
             if not text:
                 break
             name, separator, value = text.partition(":")
@@ -211,7 +164,7 @@ def nrrd_header(path: Path) -> tuple[dict[str, str], int]:
         return fields, file.tell()
 
 
-def _nrrd(path: Path, _: Mapping[str, str]) -> Payload | None:
+def _nrrd(path: Path) -> Payload | None:
     fields, end = nrrd_header(path)
     name = fields.get("data file", fields.get("datafile", ""))
     encoding = fields.get("encoding", "raw").lower()

@@ -8,16 +8,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.base.errors import VolumeFormatError
+from palpate.base.errors import SeriesChoiceError, VolumeFormatError
 from palpate.base.reader_process import expect
 from palpate.volumes.stored_values import Scale
 
-__all__ = ["RawScan", "check_place", "check_shape", "orthonormal"]
+__all__ = [
+    "RawScan",
+    "check_place",
+    "check_shape",
+    "choose_frame",
+    "kind_of",
+    "refuse_components",
+    "stem_of",
+]
 
 LARGEST = 1e9
 """Of voxels and places [mm]: a thousand kilometres are no patient."""
@@ -39,6 +48,8 @@ class RawScan:
     series: str = ""
     frame: str = ""
     """FrameOfReferenceUID, for DICOM."""
+    subject: tuple[str, str, str] = ("", "", "")
+    """StudyInstanceUID, PatientID and PatientName, for DICOM."""
     orientation_known: bool = True
     file_scale: Scale | None = None
     warnings: list[str] = field(default_factory=list)
@@ -56,11 +67,6 @@ def check_shape(what: str, size: tuple[int, ...], max_voxels: int) -> None:
         raise VolumeFormatError(
             f"{what} is {kind} of {named} voxels; allowed: volumes with 2 or more voxels on each "
             "of three axes, such as a folder with all slices of a DICOM series"
-        )
-    if len(size) > 3 and any(length > 1 for length in size[3:]):
-        raise VolumeFormatError(
-            f"{what} is a {len(size)}-D image of {named} voxels; allowed: one volume, "
-            "so split it by time first"
         )
     if math.prod(size) > max_voxels:
         raise VolumeFormatError(
@@ -90,19 +96,50 @@ def check_place(what: str, scan: RawScan) -> None:
             )
 
 
-def orthonormal(what: str, direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the rotation nearest to a direction; refuses axes that are not perpendicular.
+def choose_frame(what: str, size: tuple[int, ...], frame: int | None) -> int:
+    """Returns which volume of a file with more than three axes is meant, counted from 0.
+
+    Args:
+        what: The file, for the message.
+        size: Voxels along x, y, z and the axes beyond.
+        frame: Counted from 1, the fourth axis first; None where nobody has chosen.
 
     Raises:
-        VolumeFormatError: The axes are sheared.
+        SeriesChoiceError: There are several and none was chosen, or not so many.
     """
-    # 1e-3: header numbers written with four digits, 0.06 degrees
-    off = np.abs(direction.T @ direction - np.eye(3)).max()
-    if not off <= 1e-3:
-        raise VolumeFormatError(
-            f"{what} has axes that are not perpendicular unit vectors (they differ by {off:.2g}); "
-            "allowed: scans without shear, so resample it first"
+    count = math.prod(size[3:])
+    if frame is None and count == 1:
+        return 0
+    if frame is None or not 1 <= frame <= count:
+        axes = f" ({' x '.join(map(str, size[3:]))})" if len(size) > 4 else ""
+        asked = "" if frame is None else f", and {frame} was asked for"
+        raise SeriesChoiceError(
+            f"{what} is a {len(size)}-D image of {count} volumes{axes}{asked}; allowed: one of "
+            f"them, with --frame 1 to {count}"
+            if count > 1
+            else f"{what} holds one volume{asked}; allowed: --frame 1"
         )
-    left, _, right = np.linalg.svd(direction)
-    nearest: NDArray[np.float64] = left @ right
-    return nearest
+    return frame - 1
+
+
+def refuse_components(what: Path, count: int, kind: str) -> NoReturn:
+    """Refuses several numbers in each voxel.
+
+    Raises:
+        VolumeFormatError: Always.
+    """
+    raise VolumeFormatError(
+        f"{what} has {count} numbers per voxel ({kind}); allowed: one intensity per voxel"
+    )
+
+
+def kind_of(number: np.dtype[Any]) -> str:
+    """Returns the name of a kind of numbers, such as "8-bit unsigned integer"."""
+    names = {"u": "unsigned integer", "i": "signed integer", "b": "unsigned integer", "f": "float"}
+    return f"{8 * number.itemsize}-bit {names.get(number.kind, 'numbers of several parts')}"
+
+
+def stem_of(path: Path) -> str:
+    """Returns the name of a file without its ending."""
+    name = path.name[:-3] if path.name.lower().endswith(".gz") else path.name
+    return name.rpartition(".")[0] or path.name

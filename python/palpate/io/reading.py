@@ -31,6 +31,7 @@ def read(
     path: Place | Sequence[Place],
     *,
     series: str | None = None,
+    frame: int | None = None,
     orientation: str | None = None,
     unit: str | None = None,
     fill: float | None = None,
@@ -43,10 +44,12 @@ def read(
 
     Args:
         path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
-            slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels. Several
-            paths are DICOM files, or folders of them, of one scan.
+            slices; a NIfTI, NRRD, MetaImage, MINC, FreeSurfer, Analyze, PAR/REC or AFNI file; a
+            folder of pictures; raw voxels. Several paths are DICOM files, or folders of them, of
+            one scan.
         series: Series to read where there are several: its UID, its description, or its number in
             the list of the error message; also the name of an image file in a folder or an archive.
+        frame: Volume of an image file that holds several, such as times, counted from 1.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not state them or is wrong.
         unit: "HU" where the values are known to be HU.
@@ -63,7 +66,7 @@ def read(
     Raises:
         FileNotFoundError: ``path`` does not exist.
         VolumeFormatError: It is not a complete, three-dimensional scan with one value per voxel.
-        SeriesChoiceError: There are several series, or not the requested one.
+        SeriesChoiceError: There are several series or volumes, or not the requested one.
         OptionError: An option has a value that is not allowed.
     """
     places = _places(path)
@@ -76,6 +79,7 @@ def read(
         path=source,
         progress=progress,
         series=series,
+        frame=frame,
         raw=raw,
         voxel_size=voxel_size,
         max_voxels=max_voxels,
@@ -83,6 +87,8 @@ def read(
     check_place(str(source), scan)
     _apply_orientation(scan, orientation)
     if unit is not None:
+        if scan.unit not in ("", unit):
+            scan.warnings.append(f"unit {unit} replaces the file's own, {scan.unit}")
         scan.unit = unit
 
     progress("storing values as 16 bits", None)
@@ -113,6 +119,9 @@ def read(
             unit=scan.unit,
             series=scan.series,
             frame=scan.frame,
+            study=scan.subject[0],
+            patient_id=scan.subject[1],
+            patient_name=scan.subject[2],
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
         ),
@@ -120,6 +129,7 @@ def read(
     # what other places of the file and of the program could not know
     options = {
         "series": series,
+        "frame": frame,
         "orientation": orientation,
         "unit": unit,
         "fill": fill,

@@ -13,16 +13,25 @@ from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.archive import is_archive, unpacked
+from palpate.io.dicom.dicomdir import is_dicomdir
 from palpate.io.dicom.header import Series
-from palpate.io.dicom.reading import read_dicom_file, read_dicom_files, read_dicom_folder
-from palpate.io.dicom.series import called_of, is_dicom, series_among, series_in
+from palpate.io.dicom.mark import is_dicom
+from palpate.io.dicom.reading import (
+    read_dicom_file,
+    read_dicom_files,
+    read_dicom_folder,
+    volumes_of,
+)
+from palpate.io.dicom.series import called_of, series_among, series_in
 from palpate.io.image_file import read_file
 from palpate.io.packed_images import image_of, read_unpacked
 from palpate.io.raw_scan import RawScan
 from palpate.io.raw_voxels import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
+from palpate.io.upright import squared, upright
 
-__all__ = ["scan_at", "series_at"]
+__all__ = ["scan_at", "series_at", "stored_scan_at"]
 
+MOST_VOXELS = 1024**3
 VoxelSize = tuple[float, float, float]
 
 
@@ -30,6 +39,7 @@ def scan_at(
     places: Sequence[Path],
     *,
     series: str | None,
+    frame: int | None,
     raw: str | None,
     voxel_size: VoxelSize | None,
     max_voxels: int,
@@ -47,8 +57,10 @@ def scan_at(
     _check_options(source, series=series, max_voxels=max_voxels)
     if len(places) > 1:
         _refuse_bare(raw, voxel_size)
+        _refuse_frame(source, frame)
         return read_dicom_files(places, series=series, max_voxels=max_voxels, progress=progress)
     if raw is not None or _is_pictures(source, sized=voxel_size is not None):
+        _refuse_frame(source, frame)
         layout = None if raw is None else RawLayout.of(raw)
         return _read_bare(
             source, layout, voxel=voxel_size, max_voxels=max_voxels, progress=progress
@@ -57,7 +69,19 @@ def scan_at(
         raise OptionError(
             f"voxel size given for {source}; allowed: for raw voxels and pictures, others tell it"
         )
-    return _read(source, series=series, max_voxels=max_voxels, progress=progress)
+    scan = _read(source, series=series, frame=frame, max_voxels=max_voxels, progress=progress)
+    return upright(str(source), scan, max_voxels=max_voxels, progress=progress)
+
+
+def stored_scan_at(path: Path, *, progress: Progress) -> RawScan:
+    """Reads the scan at a path as it stands there: its axes may be sheared.
+
+    Raises:
+        PalpateError: As ``scan_at``.
+    """
+    _check_options(path, series=None, max_voxels=MOST_VOXELS)
+    scan = _read(path, series=None, frame=None, max_voxels=MOST_VOXELS, progress=progress)
+    return squared(scan)
 
 
 def series_at(places: Sequence[Path], *, progress: Progress) -> list[Series]:
@@ -77,7 +101,11 @@ def series_at(places: Sequence[Path], *, progress: Progress) -> list[Series]:
         with unpacked(source, progress) as folder:
             return series_in(folder, called=source, progress=progress)[0]
     if not source.is_dir():
-        raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
+        if is_dicom(source) and is_dicomdir(source):
+            return volumes_of(source)
+        raise VolumeFormatError(
+            f"{source} is one file; allowed: a DICOM folder, DICOMDIR or zip archive"
+        )
     return series_in(source, progress=progress)[0]
 
 
@@ -101,27 +129,45 @@ def _check_options(source: Path, *, series: str | None, max_voxels: int) -> None
         )
 
 
-def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progress) -> RawScan:
+def _read(
+    source: Path, *, series: str | None, frame: int | None, max_voxels: int, progress: Progress
+) -> RawScan:
     if source.is_dir():
         image = image_of(source, series, called=source, progress=progress)
         if image is not None:
             with looking_at(image, "an image file"):
-                return read_file(image, max_voxels=max_voxels, progress=progress)
+                return read_file(image, frame=frame, max_voxels=max_voxels, progress=progress)
+        _refuse_frame(source, frame)
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
     if is_archive(source):
         with unpacked(source, progress) as folder:
             image = image_of(folder, series, called=source, progress=progress)
             if image is not None:
                 return read_unpacked(
-                    image, folder, called=source, max_voxels=max_voxels, progress=progress
+                    image,
+                    folder,
+                    called=source,
+                    frame=frame,
+                    max_voxels=max_voxels,
+                    progress=progress,
                 )
+            _refuse_frame(source, frame)
             return read_dicom_folder(
                 folder, series=series, max_voxels=max_voxels, progress=progress, called=source
             )
     if is_dicom(source):
+        _refuse_frame(source, frame)
         return read_dicom_file(source, series=series, max_voxels=max_voxels, progress=progress)
     with looking_at(source, "an image file"):
-        return read_file(source, max_voxels=max_voxels, progress=progress)
+        return read_file(source, frame=frame, max_voxels=max_voxels, progress=progress)
+
+
+def _refuse_frame(source: Path, frame: int | None) -> None:
+    if frame is not None:
+        raise OptionError(
+            f"frame {frame} was asked of {source}; allowed: with an image file of several volumes; "
+            "those of DICOM are series"
+        )
 
 
 def _is_pictures(source: Path, *, sized: bool) -> bool:

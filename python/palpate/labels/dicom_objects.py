@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from palpate.base.reader_process import apart
 from palpate.io.dicom.header import damage_told
+from palpate.io.dicom.mark import read_dataset
 from palpate.io.dicom.pixels import stored_pixels
 from palpate.io.dicom.promises import check_deflated
 
@@ -37,8 +38,6 @@ def pixels_of(path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
 
 
 def _dataset_of(path: Path) -> Dataset:
-    import pydicom
-
     with damage_told(path):
         check_deflated(path)
-        return pydicom.dcmread(path, stop_before_pixels=True)
+        return read_dataset(path, stop_before_pixels=True)

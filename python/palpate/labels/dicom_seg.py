@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, damage_told, frame_of
+from palpate.labels.belonging import check_belonging
 from palpate.labels.dicom_objects import dataset_of, pixels_of
 from palpate.labels.grid import (
     RESAMPLED,
@@ -51,12 +52,19 @@ class _Told:
     terminology: Terminology | None
 
 
-def read_seg(path: Path, volume: Volume, *, resample: bool = False, progress: Progress) -> Labels:
+def read_seg(
+    path: Path,
+    volume: Volume,
+    *,
+    resample: bool = False,
+    another_patient: bool = False,
+    progress: Progress,
+) -> Labels:
     """Reads the segments of a file, each as a part of the scan.
 
     Raises:
         VolumeFormatError: The file is damaged, or does not say where its frames lie.
-        OptionError: It lies on another grid than the scan.
+        OptionError: It is another patient's, or lies on another grid than the scan.
     """
     with damage_told(path):
         dataset = dataset_of(path)
@@ -64,6 +72,14 @@ def read_seg(path: Path, volume: Volume, *, resample: bool = False, progress: Pr
         count = _frame_count(path, dataset)
         frames = [frame_of(dataset, index) for index in range(count)]
         of_frame = [_number(dataset, index) for index in range(count)]
+    foreign = check_belonging(
+        path,
+        dataset,
+        volume,
+        frames={str(dataset.get("FrameOfReferenceUID") or "")} - {""},
+        resample=resample,
+        another_patient=another_patient,
+    )
     progress(f"reading {count} frames", None)
     shape = (count, int(dataset.Rows), int(dataset.Columns))
     stored = pixels_of(path, shape=shape)
@@ -87,7 +103,8 @@ def read_seg(path: Path, volume: Volume, *, resample: bool = False, progress: Pr
             made.append(Label(part, segment.colour))
         else:
             empty += 1
-    said = ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
+    said = foreign
+    said += ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
     said += [f"{empty} segments are empty"] if empty else []
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
     said += [RESAMPLED] if any(isinstance(place, Resampling) for place in places) else []

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from palpate.base.errors import OptionError
 from palpate.volumes.appearance import Colour
@@ -157,7 +157,7 @@ def _inside(
 
 
 def patient_from_grid(
-    spacing: Sequence[float], origin: Sequence[float], direction: NDArray[np.float64]
+    spacing: ArrayLike, origin: ArrayLike, direction: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Returns the matrix of a grid whose first voxel's centre is the origin, shape [4, 4]."""
     matrix = np.eye(4)

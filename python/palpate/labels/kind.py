@@ -18,7 +18,7 @@ from palpate.base.errors import PalpateError
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
 from palpate.io.dicom.series import is_dicom
-from palpate.io.image_file import header_of, middle_of, read_file
+from palpate.io.image_file import header_of, is_beside, middle_of, read_file
 from palpate.labels.label_map import ENDINGS, MOST_LABELS
 from palpate.labels.labels import modality_of
 from palpate.labels.seg_nrrd import is_segmentation
@@ -51,7 +51,7 @@ def labels_in(place: Path) -> Path:
     """Returns what of a drop holds labels: the only image where there is one, beside its table."""
     if not place.is_dir():
         return place
-    images = [path for path in place.iterdir() if path.name.lower().endswith(ENDINGS)]
+    images = [path for path in place.iterdir() if _is_image(path)]
     return images[0] if len(images) == 1 else place
 
 
@@ -93,7 +93,7 @@ def _file(path: Path, progress: Progress) -> LabelsTold | None:
 def _masks(folder: Path, progress: Progress) -> LabelsTold | None:
     """Returns what a folder with a mask for each structure is."""
     files = sorted(folder.iterdir())
-    masks = [path for path in files if path.name.lower().endswith(ENDINGS)]
+    masks = [path for path in files if _is_image(path)]
     if len(masks) < 2 or any(_is_other(path) for path in files if path not in masks):
         return None
     first = header_of(masks[0])
@@ -106,6 +106,10 @@ def _masks(folder: Path, progress: Progress) -> LabelsTold | None:
     if not _may_be_map(middle_of(masks[0]), named=False):
         return None
     return LabelsTold(folder.name, f"a folder of {len(masks)} masks", image=False)
+
+
+def _is_image(path: Path) -> bool:
+    return path.name.lower().endswith(ENDINGS) and not is_beside(path.name)
 
 
 def _is_other(path: Path) -> bool:

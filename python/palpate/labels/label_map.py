@@ -8,18 +8,20 @@ Names and colours come from the table that TotalSegmentator and others write int
 from __future__ import annotations
 
 import csv
-import gzip
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.base.errors import OptionError
-from palpate.base.progress import Progress
-from palpate.io.reading import read
+from palpate.base.errors import OptionError, SeriesChoiceError
+from palpate.base.progress import Progress, silent
+from palpate.base.reader_process import apart
+from palpate.io.image_file import is_beside
+from palpate.io.packed_file import unpacked_file
+from palpate.io.raw_scan import RawScan
+from palpate.io.scan_at import stored_scan_at
 from palpate.labels.grid import (
     RESAMPLED,
     Colour,
@@ -27,8 +29,10 @@ from palpate.labels.grid import (
     Labels,
     Placement,
     Resampling,
+    patient_from_grid,
     placement,
 )
+from palpate.labels.label_values import label_codes, label_values
 from palpate.volumes.anatomical_colour import colour_of_name
 from palpate.volumes.volume import Volume
 
@@ -42,7 +46,7 @@ NAMES = ("structure", "name", "label", "segment")
 NUMBERS = ("id", "value", "index", "number")
 COLOURS = ("red", "green", "blue")
 """Each 0..1."""
-ENDINGS = (".nii.gz", ".nii", ".nrrd", ".mha", ".mhd", ".mnc")
+ENDINGS = (".nii.gz", ".nii", ".nrrd", ".mha", ".mhd", ".mnc", ".mgz", ".mgh")
 
 
 def read_label_map(
@@ -54,26 +58,23 @@ def read_label_map(
         VolumeFormatError: It cannot be read.
         OptionError: It lies on another grid than the scan, or holds no labels.
     """
-    given = read(path, progress=progress)
-    labels, resampled = _on_grid(path, given, volume, resample=resample)
-    size, whole = (" x ".join(map(str, one.dimensions)) for one in (given, volume))
-    said = () if size == whole else (f"the map has {size} voxels, the scan {whole}",)
-    if resampled:
-        said = (*said, RESAMPLED)
-    counts = _stored_counts(labels)
-    values = {stored: labels.value_of(stored) for stored in counts if labels.value_of(stored)}
-    if len(values) > MOST_LABELS:
-        raise OptionError(
-            f"{path} holds {len(values)} different values, as scans do; allowed: label maps of at "
-            f"most {MOST_LABELS} labels"
-        )
+    given = _image_of(path, progress)
+    values = label_values(path, given.values, most=MOST_LABELS)
+    coded = label_codes(given.values, values)
+    laid, said = _on_grid(path, given, coded, volume=volume, resample=resample)
+    size, whole = (" x ".join(map(str, one.shape[::-1])) for one in (given.values, laid.array))
+    if size != whole:
+        said = (f"the map has {size} voxels, the scan {whole}", *said)
     names = _names_of(path)
+    there = np.bincount(laid.array.ravel(), minlength=len(values) + 1)
     made = []
-    for done, value in enumerate(values.values()):
-        progress(f"making {len(values)} segments", done / len(values))
-        name, colour = names.get(round(value), (f"label {value:g}", None))
-        part = labels.threshold(value, value).part_of(volume, name=name)
-        made.append(Label(part, colour or colour_of_name(name)))
+    for code, value in enumerate(values, 1):
+        progress(f"making {len(values)} segments", code / len(values))
+        if there[code]:
+            told = str(value) if isinstance(value, int) else f"{value:g}"
+            name, colour = names.get(value, (f"label {told}", None))
+            part = laid.threshold(code, code).part_of(volume, name=name)
+            made.append(Label(part, colour or colour_of_name(name)))
     return Labels(tuple(made), said)
 
 
@@ -86,75 +87,73 @@ def read_mask_folder(
         VolumeFormatError: A mask cannot be read.
         OptionError: There is none, or one lies on another grid than the scan.
     """
-    files = sorted(path for path in folder.iterdir() if path.name.lower().endswith(ENDINGS))
+    files = sorted(
+        path
+        for path in folder.iterdir()
+        if path.name.lower().endswith(ENDINGS) and not is_beside(path.name)
+    )
     if not files:
         raise OptionError(
             f"{folder} holds no masks; allowed: a folder with a NIfTI, NRRD or MetaImage file for "
             "each structure"
         )
-    made, empty, resampled = [], 0, False
+    made, empty, told = [], 0, set[str]()
     for done, path in enumerate(files):
         progress(f"reading {len(files)} masks", done / len(files))
-        mask, other_grid = _on_grid(path, read(path), volume, resample=resample)
-        resampled = resampled or other_grid
-        if mask.range[1] <= 0.0:
+        given = _image_of(path, silent)
+        # anything above 0, whatever number a program writes
+        mask = (given.values > 0).astype(np.int16)
+        if not mask.any():
             empty += 1
             continue
+        laid, said = _on_grid(path, given, mask, volume=volume, resample=resample)
+        told.update(said)
         ending = next(ending for ending in ENDINGS if path.name.lower().endswith(ending))
         name = path.name[: -len(ending)]
-        # anything above 0, whatever number a program writes
-        part = mask.threshold(max(mask.slope / 2.0, 1e-9)).part_of(volume, name=name)
-        made.append(Label(part, colour_of_name(name)))
-    said = [f"{empty} masks are empty"] if empty else []
-    said += [RESAMPLED] if resampled else []
-    return Labels(tuple(made), tuple(said))
+        if laid.array.any():
+            part = laid.threshold(1.0).part_of(volume, name=name)
+            made.append(Label(part, colour_of_name(name)))
+        else:
+            empty += 1
+    nothing = [f"{empty} masks are empty"] if empty else []
+    return Labels(tuple(made), (*nothing, *sorted(told)))
 
 
-def _on_grid(path: Path, labels: Volume, volume: Volume, *, resample: bool) -> tuple[Volume, bool]:
-    """Returns labels on the grid of the scan, as they are where that is theirs.
+def _image_of(path: Path, progress: Progress) -> RawScan:
+    """Reads an image as it stands in its file, for labels are no values to be rounded."""
+    try:
+        return apart(stored_scan_at, path, path=path, progress=progress)
+    except SeriesChoiceError:
+        raise OptionError(f"{path} holds several volumes; allowed: one of labels") from None
 
-    Also says whether they were resampled.
-    """
+
+def _on_grid(
+    path: Path, given: RawScan, codes: NDArray[np.int16], *, volume: Volume, resample: bool
+) -> tuple[Volume, tuple[str, ...]]:
+    """Returns codes of labels on the grid of the scan, and what is to be said of it."""
     place = placement(
         f"label map {path}",
-        labels.patient_from_grid,
-        labels.shape,
+        patient_from_grid(given.spacing, given.origin, given.direction),
+        codes.shape,
         volume=volume,
         resample=resample,
     )
-    resampled = isinstance(place, Resampling)
-    if not isinstance(place, Resampling) and _is_same(place, labels.shape, volume.shape):
-        return labels, resampled
-    nothing = round(-labels.intercept / labels.slope)
-    stored = np.zeros(volume.shape, np.int16)
-    place.lay((labels.array - np.int16(nothing)).astype(np.int16), stored)
-    laid = Volume(
-        stored,
-        spacing=volume.spacing,
-        origin=volume.origin,
-        direction=volume.direction,
-        slope=labels.slope,
-    )
-    return laid, resampled
+    laid = codes
+    if isinstance(place, Resampling) or not _is_same(place, codes.shape, volume.shape):
+        laid = np.zeros(volume.shape, np.int16)
+        place.lay(codes, laid)
+    on_grid = Volume(laid, spacing=volume.spacing, origin=volume.origin, direction=volume.direction)
+    return on_grid, (RESAMPLED,) if isinstance(place, Resampling) else ()
 
 
 def _is_same(place: Placement, shape: Sequence[int], scan: Sequence[int]) -> bool:
     return place.order == (0, 1, 2) and not place.turned and tuple(shape) == tuple(scan)
 
 
-def _stored_counts(volume: Volume) -> list[int]:
-    """Lists the different stored values of a scan."""
-    lowest, highest = int(volume.array.min()), int(volume.array.max())
-    counts = np.zeros(highest - lowest + 1, np.int64)
-    for slab in volume.array:
-        flat: NDArray[np.int64] = slab.ravel().astype(np.int64) - lowest
-        counts += np.bincount(flat, minlength=len(counts))
-    return [int(lowest + step) for step in np.flatnonzero(counts)]
-
-
 # --- names --------------------------------------------------------------------------------
 
-Names = dict[int, tuple[str, Colour | None]]
+Names = dict[float, tuple[str, Colour | None]]
+"""By the number of the label."""
 
 
 def _names_of(path: Path) -> Names:
@@ -169,7 +168,7 @@ def _names_of(path: Path) -> Names:
 
 def _nifti_table(path: Path) -> Names:
     """Reads the label table of a NIfTI file's extension, if it has one."""
-    with _plain(path) as file:
+    with unpacked_file(path) as file:
         # what precedes the voxels: a header of 348 bytes and its extensions
         text = file.read(LARGEST_TABLE).split(b"</LabelTable>")[0]
     entry = re.compile(rb"<Label ([^>]*)>\s*(?:<!\[CDATA\[(.*?)\]\]>|([^<]*))\s*</Label>")
@@ -188,16 +187,14 @@ def _nifti_table(path: Path) -> Names:
     return names
 
 
-def _plain(path: Path) -> IO[bytes]:
-    if path.name.lower().endswith(".gz"):
-        return gzip.open(path, "rb")  # type: ignore[return-value]  # it reads as a file does
-    return path.open("rb")
-
-
 def _csv_table(path: Path) -> Names:
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = list(csv.DictReader(file))
-    columns = [name.strip().lower() for name in (rows[0] if rows else {})]
+    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+        try:
+            rows = list(csv.DictReader(file))
+        except csv.Error:
+            return {}
+    # a row with more cells than there are columns has some without a name
+    columns = [str(name).strip().lower() for name in (rows[0] if rows else {})]
     number = next((column for column in NUMBERS if column in columns), None)
     named = next((column for column in NAMES if column in columns), None)
     names: Names = {}

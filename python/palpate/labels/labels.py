@@ -11,8 +11,8 @@ from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
 from palpate.io.dicom.header import damage_told
+from palpate.io.dicom.mark import is_dicom, read_dataset
 from palpate.io.dicom.promises import check_deflated
-from palpate.io.dicom.series import is_dicom
 from palpate.labels.contours import read_rtstruct
 from palpate.labels.dicom_seg import read_seg
 from palpate.labels.grid import Label, Labels
@@ -28,6 +28,7 @@ def read_labels(
     volume: Volume,
     *,
     resample: bool = False,
+    another_patient: bool = False,
     progress: Progress = silent,
 ) -> Labels:
     """Reads segments that belong to a scan, with names and colours where the file has them.
@@ -39,6 +40,8 @@ def read_labels(
             the opposite direction.
         resample: Whether segments may be on any grid: each voxel of the scan takes the label at its
             centre, and a warning says so.
+        another_patient: Whether segments of DICOM may be of another patient, study or frame of
+            reference than the scan: their coordinates are used as they are, and a warning says so.
         progress: Takes the progress.
 
     Returns:
@@ -47,7 +50,8 @@ def read_labels(
     Raises:
         FileNotFoundError: ``path`` does not exist.
         VolumeFormatError: It cannot be read.
-        OptionError: It is on another grid than the scan, or has no segment.
+        OptionError: It is on another grid than the scan, of another patient or study, or has no
+            segment.
     """
     source = Path(path)
     if not source.exists():
@@ -55,23 +59,32 @@ def read_labels(
     check_plain(source)
     damaged, allowed = f"{source} is damaged", "complete, undamaged files of segments"
     with damage_as(VolumeFormatError, damaged, allowed=allowed):
-        found = _read(source, volume, resample=resample, progress=progress)
+        found = _read(
+            source, volume, resample=resample, another_patient=another_patient, progress=progress
+        )
     if not found.labels:
         why = "; ".join(found.warnings) or "no labels"
         raise OptionError(f"{source} holds no segments ({why}); allowed: files with segments")
     return found
 
 
-def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -> Labels:
+def _read(
+    source: Path, volume: Volume, *, resample: bool, another_patient: bool, progress: Progress
+) -> Labels:
     if source.is_dir():
         return read_mask_folder(source, volume, resample=resample, progress=progress)
     if is_dicom(source):
         modality = modality_of(source)
-        with damage_told(source):
-            if modality == "SEG":
-                return read_seg(source, volume, resample=resample, progress=progress)
-            if modality == "RTSTRUCT":
-                return read_rtstruct(source, volume, resample=resample, progress=progress)
+        reader = {"SEG": read_seg, "RTSTRUCT": read_rtstruct}.get(modality)
+        if reader is not None:
+            with damage_told(source):
+                return reader(
+                    source,
+                    volume,
+                    resample=resample,
+                    another_patient=another_patient,
+                    progress=progress,
+                )
         raise OptionError(
             f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
         )
@@ -86,9 +99,7 @@ def modality_of(path: Path) -> str:
 
 
 def _modality_of(path: Path) -> str:
-    import pydicom
-
     with damage_told(path):
         check_deflated(path)
-        dataset = pydicom.dcmread(path, stop_before_pixels=True, specific_tags=["Modality"])
+        dataset = read_dataset(path, stop_before_pixels=True, specific_tags=["Modality"])
         return str(dataset.get("Modality") or "")

@@ -1,7 +1,7 @@
 """Contours whose planes lie aslant to the slices of a scan: filled there, looked up from the scan.
 
-Each voxel of the scan takes what is at its centre: inside or outside of the contours in the nearest
-plane, as long as planes are as far apart as they usually are.
+Each voxel of the scan takes what is at its centre. Between planes that is a shape between theirs
+(``contour_stack``), in steps of half a voxel.
 
 Frame: contours in LPS [mm]; ``across``, ``down`` and ``height`` are lengths along two directions in
 their planes and from plane to plane [mm].
@@ -9,18 +9,21 @@ their planes and from plane to plane [mm].
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.volumes.polygon_fill import fill_polygons
+from palpate.labels.contour_fill import fill_contours
+from palpate.labels.contour_stack import ContourStack, planes_of
 from palpate.volumes.volume import Volume
 
 __all__ = ["NotFlatError", "filled_aslant"]
 
 FLAT = 0.1
 """By how much a contour may leave its plane [smallest voxel's edge]."""
-DIGITS = 2
-"""After the point, to which heights [mm] are the same."""
+ONE_PLANE = 0.02
+"""Contours nearer than this lie in one plane [smallest voxel's edge]."""
 
 Polygon = NDArray[np.float64]
 """Corners, shape [corners, 3]."""
@@ -30,7 +33,9 @@ class NotFlatError(ValueError):
     """A contour lies in no plane, or not in one that is parallel to the others'."""
 
 
-def filled_aslant(polygons: list[Polygon], volume: Volume) -> NDArray[np.uint8]:
+def filled_aslant(
+    polygons: list[Polygon], volume: Volume, *, exclusive: bool = False
+) -> NDArray[np.uint8]:
     """Returns 1 for the voxels whose middles contours enclose, shape as the scan's.
 
     Raises:
@@ -42,44 +47,78 @@ def filled_aslant(polygons: list[Polygon], volume: Volume) -> NDArray[np.uint8]:
     if max(np.ptp(corners[:, 2]) for corners in placed) > FLAT * pixel:
         raise NotFlatError
     heights = np.array([corners[:, 2].mean() for corners in placed])
-    planes, of_plane = np.unique(np.round(heights, DIGITS), return_inverse=True)
-    step = float(np.median(np.diff(planes))) if len(planes) > 1 else 0.0
-    reach = 0.5 * max(step, pixel)
+    planes, of_plane = planes_of(heights, least=ONE_PLANE * pixel)
 
-    # what contours enclose, plane by plane
-    corners = np.concatenate(placed)[:, :2]
-    low = corners.min(axis=0)
-    columns, rows = (np.ceil(np.ptp(corners, axis=0) / pixel) + 1).astype(int)
+    # what contours enclose, plane by plane, as far as the scan may reach
+    scan = planes_from_patient @ volume.patient_from_grid[:3]
+    low, high = _extent(placed, scan, volume)
+    columns, rows = (int(length) for length in np.ceil((high - low) / pixel) + 1)
     sheets = np.stack(
         [
-            fill_polygons(
+            fill_contours(
                 [(placed[one][:, :2] - low) / pixel for one in np.flatnonzero(of_plane == number)],
                 (rows, columns),
+                exclusive=exclusive,
             )
             for number in range(len(planes))
         ]
     )
+    stack = ContourStack(planes, sheets, pixel=(pixel, pixel), thickness=pixel)
+    return _looked_up(stack, low, volume, scan=scan, box=_box(polygons, volume, stack))
 
-    # what is at the middles of the scan's voxels
+
+def _looked_up(
+    stack: ContourStack,
+    low: NDArray[np.float64],
+    volume: Volume,
+    *,
+    scan: NDArray[np.float64],
+    box: list[slice],
+) -> NDArray[np.uint8]:
+    """Returns what is at the middles of the scan's voxels.
+
+    Args:
+        stack: What contours enclose.
+        low: Across and down, where the stack's sheets begin [mm].
+        volume: The scan.
+        scan: From its grid to across, down and height, shape [3, 4].
+        box: Where contours reach in it, along x, y, z.
+    """
+    pixel = stack.pixel[0]
+    bottom, top = stack.ends
+    layers = max(1, math.ceil((top - bottom) / (0.5 * pixel)))
+    thick = (top - bottom) / layers
+    empty = np.zeros(stack.sheets.shape[1:], np.uint8)
+    found = (stack.at(bottom + (layer + 0.5) * thick) for layer in range(layers))
+    sheets = np.stack([empty if sheet is None else sheet for sheet in found])
+
     mask = np.zeros(volume.shape, np.uint8)
-    matrix = planes_from_patient @ volume.patient_from_grid[:3]
-    box = _box(polygons, volume, reach)
+    _, rows, columns = sheets.shape
     x, y = (np.arange(side.start, side.stop) + 0.5 for side in box[:2])
-    halves = 0.5 * (planes[1:] + planes[:-1])
     for z in range(box[2].start, box[2].stop):
         across, down, height = (
-            row[0] * x[None, :] + row[1] * y[:, None] + row[2] * (z + 0.5) + row[3]
-            for row in matrix
+            row[0] * x[None, :] + row[1] * y[:, None] + row[2] * (z + 0.5) + row[3] for row in scan
         )
-        # half-way between two planes belongs to both: the first counts
-        nearest = np.searchsorted(halves, height)
+        layer = np.floor((height - bottom) / thick).astype(int)
         column = np.rint((across - low[0]) / pixel).astype(int)
         row_ = np.rint((down - low[1]) / pixel).astype(int)
-        there = np.abs(height - planes[nearest]) <= reach + 1e-6
+        there = (layer >= 0) & (layer < layers)
         there &= (column >= 0) & (column < columns) & (row_ >= 0) & (row_ < rows)
         slab = mask[z, box[1], box[0]]
-        slab[there] = sheets[nearest[there], row_[there], column[there]]
+        slab[there] = sheets[layer[there], row_[there], column[there]]
     return mask
+
+
+def _extent(
+    placed: list[Polygon], scan: NDArray[np.float64], volume: Volume
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns where contours begin and end across and down, as far as the scan may reach [mm]."""
+    corners = np.concatenate(placed)[:, :2]
+    ends = np.array(np.meshgrid(*([0.0, float(count)] for count in volume.dimensions)))
+    reach = (scan[:2, :3] @ ends.reshape(3, -1) + scan[:2, 3:]).T
+    low = np.clip(corners.min(axis=0), reach.min(axis=0), reach.max(axis=0))
+    high = np.clip(corners.max(axis=0), low, reach.max(axis=0))
+    return low, high
 
 
 def _planes_from_patient(polygons: list[Polygon]) -> NDArray[np.float64]:
@@ -99,13 +138,15 @@ def _planes_from_patient(polygons: list[Polygon]) -> NDArray[np.float64]:
     return np.stack([across, np.cross(normal, across), normal])
 
 
-def _box(polygons: list[Polygon], volume: Volume, reach: float) -> list[slice]:
+def _box(polygons: list[Polygon], volume: Volume, stack: ContourStack) -> list[slice]:
     """Returns where contours reach in the scan, along x, y, z."""
+    low, high = stack.ends
+    reach = max(stack.planes[0] - low, high - stack.planes[-1])
     grid_from_patient = np.linalg.inv(volume.patient_from_grid)
     corners = np.concatenate(polygons) @ grid_from_patient[:3, :3].T + grid_from_patient[:3, 3]
     margin = reach / np.array(volume.spacing) + 1.0
     ends = zip(corners.min(axis=0) - margin, corners.max(axis=0) + margin, strict=True)
     return [
-        slice(*(int(end) for end in np.clip((np.floor(low), np.ceil(high)), 0, count)))
-        for (low, high), count in zip(ends, volume.dimensions, strict=True)
+        slice(*(int(end) for end in np.clip((np.floor(first), np.ceil(last)), 0, count)))
+        for (first, last), count in zip(ends, volume.dimensions, strict=True)
     ]

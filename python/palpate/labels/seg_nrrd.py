@@ -19,7 +19,8 @@ from palpate.base.progress import Progress
 from palpate.base.reader_process import apart, looking_at
 from palpate.base.simpleitk import reason_of, simpleitk
 from palpate.io.header_check import check_header
-from palpate.io.payload import check_payload, nrrd_header
+from palpate.io.itk_image import unit_of
+from palpate.io.payload import check_payload, header_text, nrrd_header
 from palpate.labels.grid import (
     RESAMPLED,
     Colour,
@@ -49,17 +50,19 @@ class _Image:
 
     layers: NDArray[Any]
     """Shape [z, y, x, layer]."""
-    spacing: tuple[float, float, float]
-    origin: tuple[float, float, float]
+    spacing: NDArray[np.float64]
+    origin: NDArray[np.float64]
     direction: NDArray[np.float64]
     fields: dict[str, str]
+    told: tuple[str, ...]
+    """What is not as it should be, in words."""
 
 
 def _image_at(path: Path, *, progress: Progress) -> _Image:
     """Reads a file, in a worker."""
     sitk = simpleitk()
     check_header(path)
-    check_payload(path, {}, "nrrd")
+    check_payload(path, "nrrd")
     progress(f"reading {path.name}", None)
     try:
         with looking_at(path, "NRRD"):
@@ -72,12 +75,14 @@ def _image_at(path: Path, *, progress: Progress) -> _Image:
         raise OptionError(f"{path} has {image.GetDimension()} axes; allowed: three, and layers")
     # layers come last
     voxels = sitk.GetArrayFromImage(image)
+    scale, told = unit_of(path, "nrrd")
     return _Image(
         layers=voxels[..., None] if voxels.ndim == 3 else voxels,
-        spacing=image.GetSpacing(),
-        origin=image.GetOrigin(),
+        spacing=np.multiply(image.GetSpacing(), scale),
+        origin=np.multiply(image.GetOrigin(), scale),
         direction=np.reshape(image.GetDirection(), (3, 3)),
-        fields={key: image.GetMetaData(key) for key in image.GetMetaDataKeys()},
+        fields={key: _text(image.GetMetaData(key)) for key in image.GetMetaDataKeys()},
+        told=told,
     )
 
 
@@ -97,32 +102,75 @@ def read_seg_nrrd(
         f"segmentation {path}", grid, layers.shape[:3], volume=volume, resample=resample
     )
 
+    stored = _stored_segments(path, fields, layers.shape[3])
+    made: list[Label] = []
+    outside = empty = 0
+    for done, one in enumerate(stored):
+        progress(f"making {len(stored)} segments", done / len(stored))
+        layer = layers[..., one.layer]
+        inside = layer != 0 if one.value is None else layer == one.value
+        mask = np.zeros(volume.shape, np.uint8)
+        outside += place.lay(inside.astype(np.uint8), mask)
+        if mask.any():
+            segment = volume.segment(mask, name=one.name)
+            segment.terminology = _terminology(fields, one.number)
+            made.append(Label(segment, _colour(fields, one.number)))
+        else:
+            empty += 1
+    said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
+    said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
+    said += [RESAMPLED] if isinstance(place, Resampling) else []
+    return Labels(tuple(made), tuple(said))
+
+
+@dataclass(frozen=True)
+class _Stored:
+    """Where a segment stands in a file."""
+
+    number: int
+    """In the names of its fields."""
+    name: str
+    layer: int
+    value: int | None
+    """Of its voxels; None for all but 0."""
+
+
+def _stored_segments(path: Path, fields: dict[str, str], layers: int) -> list[_Stored]:
+    """Lists the segments of a file by its fields.
+
+    Older versions and other programs give each segment a layer of its own, in the order of their
+    numbers, and say neither layer nor value.
+
+    Raises:
+        VolumeFormatError: A layer is none of the file's, or which segment is where stays open.
+    """
     numbers = sorted(
         {int(found[1]) for key in fields if (found := re.match(r"Segment(\d+)_", key))}
     )
-    made: list[Label] = []
-    outside = empty = 0
-    for done, number in enumerate(numbers):
-        progress(f"making {len(numbers)} segments", done / len(numbers))
+    told = any(re.fullmatch(r"Segment\d+_(LabelValue|Layer)", key) for key in fields)
+    if not told and layers > 1 and len(numbers) != layers:
+        raise VolumeFormatError(
+            f"{path} names {len(numbers)} segments for {layers} layers and does not say which is "
+            "where; allowed: one layer for each segment, or LabelValue and Layer"
+        )
+    stored = []
+    for place, number in enumerate(numbers):
         name = fields.get(f"Segment{number}_Name") or f"segment {number + 1}"
-        value = int(fields.get(f"Segment{number}_LabelValue", number + 1))
+        value: int | None = int(fields.get(f"Segment{number}_LabelValue", number + 1))
         layer = int(fields.get(f"Segment{number}_Layer", 0))
-        if not 0 <= layer < layers.shape[3]:
+        if not told and layers > 1:
+            layer, value = place, None
+        if not 0 <= layer < layers:
             raise VolumeFormatError(
-                f"{path} names layer {layer} of {layers.shape[3]}; allowed: layers that it holds"
+                f"{path} names layer {layer} of {layers}; allowed: layers that it holds"
             )
-        mask = np.zeros(volume.shape, np.uint8)
-        outside += place.lay((layers[..., layer] == value).astype(np.uint8), mask)
-        if mask.any():
-            segment = volume.segment(mask, name=name)
-            segment.terminology = _terminology(fields, number)
-            made.append(Label(segment, _colour(fields, number)))
-        else:
-            empty += 1
-    told = [f"{empty} segments are empty"] if empty else []
-    told += [f"{outside} voxels of segments lie outside the scan"] if outside else []
-    told += [RESAMPLED] if isinstance(place, Resampling) else []
-    return Labels(tuple(made), tuple(told))
+        stored.append(_Stored(number, name, layer, value))
+    return stored
+
+
+def _text(told: str) -> str:
+    """Returns text that SimpleITK took for UTF-8, read anew where it is none."""
+    return header_text(told.encode("utf-8", "surrogateescape"))
 
 
 def _colour(fields: dict[str, str], number: int) -> Colour | None:

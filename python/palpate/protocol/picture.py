@@ -42,9 +42,9 @@ class Scan(msgspec.Struct, frozen=True):
     """The displayed scan; its values are at ``/api/volume``.
 
     ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape [4, 4]; grid
-    coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. ``unit`` is "HU" only
-    where it is known, else "". ``title`` is for windows: it contains no file name that the user did
-    not type.
+    coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. ``unit`` is such
+    as "HU" or "SUVbw", "" where it is not known. ``title`` is for windows: it contains no file
+    name that the user did not type.
     """
 
     name: str

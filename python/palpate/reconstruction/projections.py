@@ -33,7 +33,7 @@ __all__ = [
 Values = NDArray[np.float32]
 
 TIFFS = (".tif", ".tiff")
-IMAGES = tuple(ending for _, endings in FORMATS.values() for ending in endings)
+IMAGES = tuple(ending for endings in FORMATS.values() for ending in endings)
 NAMED = re.compile(
     r"(?i)(?:^|[^a-z])(?:proj(?:ection)?s?|sino(?:gram)?s?|radiographs?)(?:[^a-z]|$)"
 )

@@ -85,7 +85,7 @@ class Live:
         self._outboxes: set[Outbox] = set()
         self._sockets: set[WebSocket] = set()
         self._scene_of_now: object = None
-        self._second = second_message(session.scene.second, version=0)
+        self._second = second_message(session.scene.volume, session.scene.second, version=0)
         # subjects of messages
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._segment_work = SegmentWork(session, self.segments, publish)
@@ -189,7 +189,7 @@ class Live:
         )
         version = self._second.version + (0 if same else 1)
         scene.second = second
-        self._second = second_message(second, version=version)
+        self._second = second_message(scene.volume, second, version=version)
         if self.journal is not None:
             self.journal.note_second(second)
         self._from_threads.put(self._second)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from msgspec.structs import replace
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
@@ -16,7 +17,8 @@ from palpate.base.errors import OptionError, PalpateError
 from palpate.base.simpleitk import Transform
 from palpate.server.messages.hello import scan_of
 from palpate.volumes.scene import Scene
-from palpate.volumes.second_scan import SecondScan, placed, read_transform
+from palpate.volumes.second_scan import SecondScan, doubts_of, placed, read_transform
+from palpate.volumes.volume import Volume
 
 __all__ = ["second_message", "second_routes"]
 
@@ -27,12 +29,15 @@ TRANSFORM_ENDINGS = (".tfm", ".txt", ".h5", ".hdf5")
 Show = Callable[[SecondScan | None], None]
 
 
-def second_message(second: SecondScan | None, *, version: int) -> protocol.SecondScan:
+def second_message(
+    first: Volume, second: SecondScan | None, *, version: int
+) -> protocol.SecondScan:
     """Returns the message for pages; another ``version`` has other values."""
     if second is None:
         return protocol.SecondScan(scan=None, second_from_first=[], is_moved=False, version=version)
+    scan = scan_of(second.volume)
     return protocol.SecondScan(
-        scan=scan_of(second.volume),
+        scan=replace(scan, warnings=[*doubts_of(first, second), *scan.warnings]),
         second_from_first=[float(number) for number in second.second_from_first.ravel()],
         is_moved=second.is_moved,
         version=version,

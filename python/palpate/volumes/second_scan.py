@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.reader_process import apart
 from palpate.base.simpleitk import Transform, image_on, reason_of, simpleitk
-from palpate.volumes.volume import Volume
+from palpate.volumes.volume import Volume, VolumeTraits
 
-__all__ = ["SecondScan", "placed", "read_transform"]
+__all__ = ["SecondScan", "doubts_of", "placed", "read_transform"]
 
 LEAST_DETERMINANT = 1e-6
 """Least determinant of a transform: one that flattens more cannot be inverted."""
@@ -68,6 +68,33 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
     if transform.IsLinear():
         return SecondScan(second, _matrix_of(transform))
     return SecondScan(_resampled(first, second, transform), before_resampling=second)
+
+
+def doubts_of(first: Volume, second: SecondScan) -> tuple[str, ...]:
+    """Returns sentences on why a scan may not belong to the first one, or lie elsewhere in it."""
+    one, other = first.traits, second.as_read.traits
+    found = []
+    if _patients_differ(one, other):
+        found.append("its patient is not that of the first scan")
+    if second.is_moved:
+        return tuple(found)
+    if one.frame and other.frame and one.frame != other.frame:
+        found.append(
+            "its frame of reference is not that of the first scan, so it may lie elsewhere until "
+            "it is registered"
+        )
+    elif other.modality == "RTDOSE" and not (one.frame and other.frame):
+        found.append("no frame of reference tells that this dose lies right in the first scan")
+    return tuple(found)
+
+
+def _patients_differ(one: VolumeTraits, other: VolumeTraits) -> bool:
+    """Says whether two patients differ: by numbers where both have one, else by names."""
+    pair = (one.patient_id, other.patient_id)
+    if not all(pair):
+        pair = (one.patient_name, other.patient_name)
+    first, second = (told.strip(" ^").casefold() for told in pair)
+    return bool(first and second) and first != second
 
 
 def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:

@@ -7,7 +7,7 @@ axis. Points are (x, y, z); arrays are [z, y, x], x fastest in memory.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -43,11 +43,17 @@ class VolumeTraits:
     modality: str = ""
     """Modality as in DICOM, such as "CT"; "" where it is not known."""
     unit: str = ""
-    """Unit of the values: "HU" where that is known; else ""."""
+    """Unit of the values, such as "HU", "SUVbw", "Bq/ml" or "Gy"; "" where it is not known."""
     series: str = ""
     """SeriesInstanceUID, for DICOM."""
     frame: str = ""
     """FrameOfReferenceUID of DICOM; scans that share it have the same patient coordinates."""
+    study: str = field(default="", repr=False)
+    """StudyInstanceUID, for DICOM."""
+    patient_id: str = field(default="", repr=False)
+    """Of DICOM; only compared, and neither shown nor saved."""
+    patient_name: str = field(default="", repr=False)
+    """Of DICOM; only compared, and neither shown nor saved."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""
@@ -141,7 +147,7 @@ class Volume:
 
     @property
     def unit(self) -> str:
-        """Unit of the values: "HU" where that is known; else ""."""
+        """Unit of the values, such as "HU", "SUVbw", "Bq/ml" or "Gy"; "" where it is not known."""
         return self.traits.unit
 
     @property

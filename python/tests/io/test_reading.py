@@ -219,11 +219,13 @@ def test_a_colour_picture_is_refused(write_image: Any) -> None:
     assert "3 numbers per voxel" in refused(path)
 
 
-def test_a_4d_image_is_refused(tmp_path: Path, small_values: np.ndarray) -> None:
+def test_a_4d_image_is_refused_where_no_volume_is_chosen(
+    tmp_path: Path, small_values: np.ndarray
+) -> None:
     image = SimpleITK.GetImageFromArray(small_values)
     path = tmp_path / "four.nii"
     SimpleITK.WriteImage(SimpleITK.JoinSeries([image, image]), str(path))
-    assert "4-D image" in refused(path)
+    assert "4-D image of 2 volumes" in refused(path)
 
 
 def test_a_sheared_image_is_refused(tmp_path: Path) -> None:

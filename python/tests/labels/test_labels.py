@@ -328,8 +328,11 @@ def test_fractions_are_cut_at_half_and_told(
 
 @pytest.mark.data
 def test_a_segmentation_of_another_scan_is_refused(data_folder: Path, liver_scan: Volume) -> None:
+    path = data_folder / "dcmqi_seg" / "24x38x3" / "seg" / "label.seg"
+    with pytest.raises(OptionError, match="is not of this scan"):
+        palpate.read_labels(path, liver_scan)
     with pytest.raises(OptionError, match="lies on another grid"):
-        palpate.read_labels(data_folder / "dcmqi_seg" / "24x38x3" / "seg" / "label.seg", liver_scan)
+        palpate.read_labels(path, liver_scan, another_patient=True)
 
 
 def test_colours_of_cielab_are_those_of_srgb() -> None:
@@ -400,12 +403,15 @@ def test_a_contour_in_another_is_a_hole(table: Volume, tmp_path: Path) -> None:
     assert found.warnings == ("no closed contours on the scan: point",)
 
 
-def test_slices_between_contours_take_the_nearest(table: Volume, tmp_path: Path) -> None:
+def test_slices_between_contours_take_a_shape_between(table: Volume, tmp_path: Path) -> None:
     contours = [square(4.5, 10.5, 6.0), square(4.5, 20.5, 12.0), square(4.5, 30.5, 18.0)]
     (label,) = palpate.read_labels(structures(tmp_path / "rt.dcm", ("a", contours)), table).labels
     counts = label.segment.mask().sum(axis=(1, 2)).tolist()
-    # half-way the lower plane counts, and half a step beyond the last
-    assert counts == [0, 36, 36, 36, 256, 256, 676, 676, 0, 0]
+    # half a step before the first and, not counted itself, behind the last
+    assert [counts[at] for at in (0, 1, 2, 4, 6, 7)] == [0, 36, 36, 256, 676, 0]
+    # squares of pixels at one depth come and go together
+    assert counts[3] == pytest.approx((36 + 256) / 2, rel=0.02)
+    assert counts[5] == pytest.approx((256 + 676) / 2, rel=0.02)
 
 
 def test_contours_across_the_slices_are_refused(table: Volume, tmp_path: Path) -> None:

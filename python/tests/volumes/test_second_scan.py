@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import SimpleITK
 from palpate.base.errors import OptionError, VolumeFormatError
-from palpate.volumes.second_scan import SecondScan, placed, read_transform
-from palpate.volumes.volume import Volume
+from palpate.volumes.second_scan import SecondScan, doubts_of, placed, read_transform
+from palpate.volumes.volume import Volume, VolumeTraits
 from running_server import voxels
 
 
@@ -74,14 +74,37 @@ def test_what_is_no_transform_of_space_is_refused(tmp_path: Path) -> None:
         placed(slopes(), slopes(), SimpleITK.TranslationTransform(2, (1.0, 1.0)))
 
 
+def test_another_patient_and_frame_of_reference_are_told() -> None:
+    first, same, other = slopes(), slopes(), slopes()
+    first.traits = same.traits = VolumeTraits(patient_id="Doe^Jane 17", frame="1.2.3")
+    other.traits = VolumeTraits(patient_id="Doe^John 18", frame="1.2.4")
+    assert doubts_of(first, placed(first, same)) == ()
+    patient, frame = doubts_of(first, placed(first, other))
+    assert "patient is not that of the first scan" in patient
+    assert "frame of reference is not that" in frame
+    # a transform says where it lies, not whose it is
+    shift = SimpleITK.TranslationTransform(3, (1.0, 0.0, 0.0))
+    assert doubts_of(first, placed(first, other, shift)) == (patient,)
+    # files that do not tell are no other patient's; a dose has to lie right
+    assert doubts_of(slopes(), placed(slopes(), other)) == ()
+    dose = slopes()
+    dose.traits = VolumeTraits(modality="RTDOSE", frame="1.2.3")
+    assert doubts_of(first, placed(first, dose)) == ()
+    (said,) = doubts_of(slopes(), placed(slopes(), dose))
+    assert "no frame of reference" in said
+
+
 def test_pages_are_told_of_a_second_scan_and_where_it_goes(server: Any) -> None:
     assert server.get("/api/second").status_code == 404
     second = slopes()
+    second.traits = VolumeTraits(modality="RTDOSE", unit="Gy")
     with server.page() as page:
         live = server.live
         live.show_second(SecondScan(second))
         told = page.receive("second_scan")
         assert told["scan"]["dimensions"] == [9, 9, 9]
+        assert told["scan"]["unit"] == "Gy"
+        assert "no frame of reference" in told["scan"]["warnings"][0]
         moved = np.eye(4)
         moved[0, 3] = 5.0
         live.show_second(SecondScan(second, moved))

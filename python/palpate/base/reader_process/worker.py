@@ -26,7 +26,7 @@ __all__ = ["main"]
 
 NEEDED = ("numpy", "palpate.io.scan_at")
 """Modules that most requests need."""
-LIKELY = ("SimpleITK", "pydicom")
+LIKELY = ("SimpleITK", "pydicom", "nibabel")
 """Modules that some need, imported once nothing was asked for a while."""
 QUIET = 0.5
 """Such a while [s]."""

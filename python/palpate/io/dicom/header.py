@@ -9,6 +9,7 @@ Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi
 
 from __future__ import annotations
 
+import math
 import struct
 import warnings
 import zlib
@@ -21,8 +22,12 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
+from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
+from palpate.io.dicom.mark import has_mark, read_dataset
+from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
+from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -38,7 +43,7 @@ __all__ = [
     "read_header",
 ]
 
-DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
+DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
 PARALLEL = 2e-3
 """By how much the cosines of parallel slices differ at most: writers leave three digits."""
@@ -61,7 +66,7 @@ class Frame:
     pixel_spacing: tuple[float, ...] | None
     """Between rows, between columns [mm], in DICOM's order."""
     scale: tuple[float, float] | None
-    """Rescale slope and intercept."""
+    """Rescale slope and intercept; None where numbers are values as they are stored."""
     phase: tuple[str, ...] = ()
     """What may tell it from slices at the same place, as ``phases`` has it."""
 
@@ -99,8 +104,24 @@ class Header:
     """Of a stored number, those in use."""
     padding: tuple[int, int] | None
     """Lowest and highest stored number that stand for no value."""
+    subject: tuple[str, str, str] = ("", "", "")
+    """StudyInstanceUID, PatientID and PatientName."""
+    number: int | None = None
+    """Instance Number."""
+    step: float | None = None
+    """SpacingBetweenSlices [mm]; below 0 where they run the other way."""
+    thickness: float | None = None
+    """Of a slice [mm]."""
+    table: ModalityTable | None = None
+    """Which values stored numbers have, in the place of slopes and intercepts."""
+    told: tuple[str, ...] = ()
+    """What is wrong with the header and matters to whoever looks at the scan."""
     taken: tuple[int, ...] | None = None
     """Which of the file's frames ``frames`` are; None for all of them."""
+    pet: PetTags | None = None
+    """What a file of PET says about its values."""
+    dose: DoseTags | None = None
+    """What a dose says of itself."""
 
 
 @dataclass(frozen=True)
@@ -162,8 +183,9 @@ def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series]
         for headers in alike
     ]
     found = [part for series in whole for part in phases_of(series)]
-    # phases of one series keep their order
-    return sorted(found, key=lambda series: (-series.slices, series.uid)), damaged
+    # phases of one series keep their order; doses come after the scans that they belong to
+    found.sort(key=lambda series: (series.modality == RTDOSE, -series.slices, series.uid))
+    return found, damaged
 
 
 def _group(header: Header) -> tuple[Any, ...]:
@@ -214,18 +236,14 @@ def read_header(path: Path) -> Header | None:
     Raises:
         VolumeFormatError: It is DICOM, and damaged.
     """
-    import pydicom
-    from pydicom.errors import InvalidDicomError
-
     with damage_told(path):
         check_deflated(path)
-        try:
-            with path.open("rb") as file:
-                dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
-                plain = _plain(file, dataset)
-                left = path.stat().st_size - file.tell()
-        except InvalidDicomError:
-            return None
+        with path.open("rb") as file:
+            if not has_mark(file):
+                return None
+            dataset = read_dataset(file, stop_before_pixels=True)
+            plain = _plain(file, dataset)
+            left = path.stat().st_size - file.tell()
         return _header(path, dataset, left=left, plain=plain)
 
 
@@ -255,17 +273,19 @@ def _header(
     stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * told // 8
     syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
     packed = bool(syntax is not None and (syntax.is_compressed or syntax.is_deflated))
+    frames = tuple(frame_of(dataset, index) for index in range(count))
+    dose = dose_tags_of(dataset, frames) if modality == RTDOSE else None
     return Header(
         path=path,
         series=str(dataset.get("SeriesInstanceUID") or ""),
         description=str(dataset.get("SeriesDescription") or ""),
         modality=modality,
-        unit=_unit(dataset, modality),
+        unit=_unit(dataset, modality) if dose is None else dose.unit,
         rows=int(rows),
         columns=int(columns),
         # numbers that a table turns into colours are no intensities either
         samples=3 if dataset.get("PhotometricInterpretation") == "PALETTE COLOR" else samples,
-        frames=tuple(frame_of(dataset, index) for index in range(count)),
+        frames=frames if dose is None else dose.frames,
         truncated=not packed and left < stored,
         plain=plain,
         instance=str(dataset.get("SOPInstanceUID") or ""),
@@ -276,6 +296,18 @@ def _header(
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),
+        subject=(
+            str(dataset.get("StudyInstanceUID") or ""),
+            str(dataset.get("PatientID") or ""),
+            str(dataset.get("PatientName") or ""),
+        ),
+        number=_number(dataset),
+        step=_length(dataset, "SpacingBetweenSlices"),
+        thickness=_length(dataset, "SliceThickness"),
+        table=table_of(dataset),
+        told=_told(dataset, count),
+        pet=pet_tags_of(dataset, modality),
+        dose=dose,
     )
 
 
@@ -301,6 +333,22 @@ def _numbers(holder: Dataset, name: str, count: int) -> tuple[float, ...] | None
     return numbers if len(numbers) == count else None
 
 
+def _number(dataset: Dataset) -> int | None:
+    try:
+        return int(dataset.InstanceNumber)
+    except (AttributeError, TypeError, ValueError):
+        return None
+
+
+def _length(dataset: Dataset, name: str) -> float | None:
+    """Returns a length of slices [mm]; None where it is missing, 0 or no number."""
+    try:
+        length = float(_holder(dataset, 0, "PixelMeasuresSequence").get(name) or 0.0)
+    except (TypeError, ValueError):
+        return None
+    return length if length and math.isfinite(length) else None
+
+
 def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
     """Returns what holds a frame's values: its own functional group, the shared one, the file."""
     for groups in _groups(dataset, index):
@@ -318,11 +366,14 @@ def _groups(dataset: Dataset, index: int) -> list[Dataset]:
 
 
 def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
-    holder = _holder(dataset, index, "PixelValueTransformationSequence")
-    slope, intercept = holder.get("RescaleSlope"), holder.get("RescaleIntercept")
-    if slope is None or intercept is None:
-        return None
-    return float(slope), float(intercept)
+    return scale_of(_holder(dataset, index, "PixelValueTransformationSequence"))
+
+
+def _told(dataset: Dataset, count: int) -> tuple[str, ...]:
+    holders = (
+        _holder(dataset, index, "PixelValueTransformationSequence") for index in range(count)
+    )
+    return tuple(dict.fromkeys(filter(None, map(scale_trouble, holders))))
 
 
 def _joined(dataset: Dataset, *names: str) -> str:
@@ -341,7 +392,10 @@ def _padding(dataset: Dataset) -> tuple[int, int] | None:
 
 def _unit(dataset: Dataset, modality: str) -> str:
     """Returns "HU" where a CT is rescaled and its rescale type does not say otherwise."""
+    table = dataset.get("ModalityLUTSequence")
+    if table:
+        return "HU" if modality == "CT" and table[0].get("ModalityLUTType") == "HU" else ""
     holder = _holder(dataset, 0, "PixelValueTransformationSequence")
     kind = str(holder.get("RescaleType") or "HU")
-    rescaled = holder.get("RescaleIntercept") is not None
+    rescaled = holder.get("RescaleIntercept") is not None and scale_of(holder) is not None
     return "HU" if modality == "CT" and rescaled and kind == "HU" else ""

@@ -14,7 +14,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,9 @@ from numpy.typing import NDArray
 
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, Header, damage_told
+from palpate.io.dicom.mark import read_dataset
 from palpate.io.dicom.promises import check_deflated, check_encoded, inflated
+from palpate.io.dicom.rescale import looked_up
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -81,10 +83,9 @@ def read_slice(header: Header, frame: int) -> NDArray[Any]:
     Raises:
         VolumeFormatError: It cannot be decoded.
     """
-    stored = _stored(header)
-    if header.inverted and header.unit != "HU":
-        stored = _turned(stored, header.bits)
-    return _rescaled(stored[frame], header.frames[frame])
+    alone = replace(header, frames=header.frames[frame : frame + 1])
+    values: NDArray[Any] = _values(alone, _stored(header)[frame : frame + 1])[0]
+    return values
 
 
 def _in_parallel(work: Callable[[Header], _Part], headers: Sequence[Header]) -> Iterator[_Part]:
@@ -113,13 +114,23 @@ class _Part:
 def _part(header: Header) -> _Part:
     stored = _stored(header)
     padded = _padded(stored, header.padding)
-    if header.inverted and header.unit != "HU":
+    values = _values(header, stored)
+    measured = values if padded is None else values[~padded]
+    return _Part(values, padded, float(measured.min()) if measured.size else np.inf)
+
+
+def _values(header: Header, stored: NDArray[Any]) -> NDArray[Any]:
+    """Returns the values of numbers as they are stored, shape [frames, rows, columns]."""
+    turned = header.inverted and not header.unit
+    if header.table is not None:
+        values = looked_up(stored, header.table)
+        # over the range of a table of 16 bits
+        return _turned(values.astype(np.uint16), 16).astype(np.int32) if turned else values
+    if turned:
         # what is meant to be bright is high
         stored = _turned(stored, header.bits)
     frames = zip(stored, header.frames, strict=True)
-    values = np.stack([_rescaled(pixels, frame) for pixels, frame in frames])
-    measured = values if padded is None else values[~padded]
-    return _Part(values, padded, float(measured.min()) if measured.size else np.inf)
+    return np.stack([_rescaled(pixels, frame) for pixels, frame in frames])
 
 
 def _stored(header: Header) -> NDArray[Any]:
@@ -184,11 +195,9 @@ def stored_pixels(path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
     Raises:
         VolumeFormatError: They cannot be decoded, or are not as many as announced.
     """
-    import pydicom
-
     with damage_told(path, allowed=READ):
         check_deflated(path)
-        dataset = pydicom.dcmread(path)
+        dataset = read_dataset(path)
         check_encoded(path, dataset)
         pixels = _decoded(dataset)
         native = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)

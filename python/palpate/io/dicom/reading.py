@@ -8,23 +8,27 @@ Frame: LPS [mm].
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
-from palpate.base.progress import Progress
+from palpate.base.progress import Progress, silent
+from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
+from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
-from palpate.io.dicom.header import Header, Series, read_header
+from palpate.io.dicom.header import Header, Series, find_series, read_header
 from palpate.io.dicom.phases import phases_of
 from palpate.io.dicom.pixels import read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
 from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.suv import quantified
+from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
 from palpate.io.raw_scan import RawScan, check_shape
 from palpate.volumes.stored_values import Scale
 
@@ -94,9 +98,21 @@ def _read_chosen(
     scan.warnings[:0] = warnings
     if damaged:
         scan.warnings.append(
-            f"{len(damaged)} files are damaged and were left out, such as {damaged[0].name}"
+            f"{len(damaged)} files are {_trouble(damaged)} and were left out, such as "
+            f"{damaged[0].name}"
         )
     return scan
+
+
+def _trouble(files: Sequence[Path]) -> str:
+    return " or ".join(
+        words
+        for words, found in (
+            ("damaged", any(path.exists() for path in files)),
+            ("missing", not all(path.exists() for path in files)),
+        )
+        if found
+    )
 
 
 def read_dicom_file(
@@ -108,6 +124,9 @@ def read_dicom_file(
         SeriesChoiceError: It holds several volumes, such as times, or not the one asked for.
         VolumeFormatError: The file holds one slice, no image, or no stack of slices.
     """
+    if is_dicomdir(path):
+        found = _listed(path, progress)
+        return _read_chosen(path, found, series=series, max_voxels=max_voxels, progress=progress)
     chosen, _ = choose_series(path, volumes_of(path), series)
     scan = _read_series(str(path), chosen, max_voxels=max_voxels, progress=progress)
     scan.description = chosen.description
@@ -116,17 +135,32 @@ def read_dicom_file(
 
 
 def volumes_of(path: Path) -> list[Series]:
-    """Lists the volumes that one file holds: one, or several times, echoes, ….
+    """Lists the volumes that one file holds, such as times and echoes; of a DICOMDIR its series.
 
     Raises:
         VolumeFormatError: The file holds no image.
     """
+    if is_dicomdir(path):
+        return _listed(path, silent)[0]
     header = read_header(path)
     if header is None:
         raise VolumeFormatError(
             f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
         )
     return phases_of(Series(header.series, header.description, header.modality, (header,)))
+
+
+def _listed(path: Path, progress: Progress) -> tuple[list[Series], list[Path]]:
+    """Lists the series that a DICOMDIR names, and what of them is damaged or missing."""
+    files, missing = listed_files(path)
+    found, damaged = find_series(files, progress)
+    if not found:
+        raise VolumeFormatError(
+            f"{path} lists no images of a scan that are there ({len(files)} of "
+            f"{len(files) + len(missing)} files found below its folder); allowed: a DICOMDIR with "
+            "the files that it lists, or their folder"
+        )
+    return found, damaged + missing
 
 
 @dataclass(frozen=True)
@@ -137,15 +171,14 @@ class Plan:
     """With each slice once."""
     stack: Stack | None
     """None where the files tell no positions."""
-    grid: Grid | None
+    grid: Grid
     said: tuple[str, ...]
     """What was left out."""
 
     @property
     def size(self) -> tuple[int, int, int]:
         """Voxels along x, y, z."""
-        first = self.series.headers[0]
-        return self.grid.size if self.grid else (first.columns, first.rows, self.series.slices)
+        return self.grid.size
 
     @property
     def middle(self) -> tuple[Header, int]:
@@ -168,6 +201,7 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
             "allowed: one intensity per pixel"
         )
     series, said = _without_copies(series)
+    said += dose_told(what, series)
     check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
     short = [header.path.name for header in series.headers if header.truncated]
     if short:
@@ -177,29 +211,43 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
         )
     check_numbers(what, series.headers)
     stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
-    grid = None
-    if stack is not None:
+    if stack is None:
+        ordered, order = in_told_order(series.headers)
+        series = replace(series, headers=ordered)
+        grid = grid_unplaced(ordered, order)
+    else:
         grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
         check_shape(what, grid.size, max_voxels)
         if all(len(header.frames) == 1 for header in series.headers):
             # files in the order of their slices need not be moved once they are decoded
             series = replace(series, headers=tuple(series.headers[i] for i in stack.order))
             stack = replace(stack, order=tuple(range(len(stack.order))))
-    return Plan(series, stack, grid, tuple(said))
+    return Plan(series, stack, grid, (*said, *_told(series)))
+
+
+def _told(series: Series) -> tuple[str, ...]:
+    """Says what is wrong with headers, once for all that say the same."""
+    found = Counter(words for header in series.headers for words in header.told)
+    count = len(series.headers)
+    return tuple(
+        words if times == count else f"{words} ({times} of {count} files)"
+        for words, times in found.items()
+    )
 
 
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
     # where the slices lie, before the long work
     plan = plan_of(what, series, max_voxels=max_voxels)
-    pixels = read_slices(plan.series.headers, progress=progress)
+    series, told = quantified(what, plan.series)
+    pixels = read_slices(series.headers, progress=progress)
     values = pixels.values
-    if plan.stack is not None and plan.grid is not None:
+    if plan.stack is not None:
         if plan.stack.order != tuple(range(len(values))):
             values = values[list(plan.stack.order)]
         if plan.grid.resampled:
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
-    scan = _scan(plan.series, grid=plan.grid, values=values)
-    scan.warnings += plan.said
+    scan = _scan(replace(plan, series=series), values)
+    scan.warnings += [*plan.said, *told]
     return scan
 
 
@@ -214,31 +262,33 @@ def _without_copies(series: Series) -> tuple[Series, list[str]]:
     return replace(series, headers=kept), said
 
 
-def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan:
-    scales = {frame.scale for header in series.headers for frame in header.frames}
+def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:
+    series, grid = plan.series, plan.grid
+    scales = {
+        None if header.table else frame.scale
+        for header in series.headers
+        for frame in header.frames
+    }
     scale = scales.pop() if len(scales) == 1 else None
     scan = RawScan(
         values=values,
-        spacing=(1.0, 1.0, 1.0),
-        origin=(0.0, 0.0, 0.0),
-        direction=np.eye(3),
+        spacing=grid.spacing,
+        origin=grid.origin,
+        direction=grid.direction,
         name="",
         modality=series.modality,
         unit=series.headers[0].unit,
         series=series.uid,
         frame=series.headers[0].frame,
+        subject=series.headers[0].subject,
         file_scale=Scale(*scale) if scale else None,
+        orientation_known=plan.stack is not None,
     )
     if series.headers[0].inverted:
         scan.warnings.append(
             "the files want low values bright (MONOCHROME1): "
-            + ("HU are kept as they are" if scan.unit == "HU" else "values are turned around")
+            + (f"{scan.unit} are kept as they are" if scan.unit else "values are turned around")
         )
-    if grid is None:
-        scan.orientation_known = False
-        scan.warnings.append("the files tell no positions or spacing: 1 mm is assumed")
-        return scan
-    scan.spacing, scan.origin, scan.direction = grid.spacing, grid.origin, grid.direction
     if grid.told:
         scan.warnings.append("; ".join(grid.told))
     return scan

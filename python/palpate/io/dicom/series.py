@@ -10,7 +10,9 @@ from pathlib import Path
 from palpate.base.errors import OptionError, SeriesChoiceError, VolumeFormatError
 from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
+from palpate.io.dicom.dose import RTDOSE
 from palpate.io.dicom.header import Series, find_series
+from palpate.io.dicom.mark import is_dicom
 from palpate.io.dicom.series_folds import folds
 
 __all__ = [
@@ -26,12 +28,6 @@ MOST_LISTED = 12
 """Series named in one message."""
 MOST_FILES = 50_000
 """Files looked at in one folder: ten of the largest studies, and not a whole disc."""
-
-
-def is_dicom(path: Path) -> bool:
-    """Says whether a file carries the mark of DICOM (PS3.10, 7.1)."""
-    with path.open("rb") as file:
-        return file.read(132)[128:] == b"DICM"
 
 
 def series_in(
@@ -94,13 +90,20 @@ def _series_of(
 
 def _files_below(folder: Path) -> list[Path]:
     """Lists the files of a folder and of those below it, as archives and discs nest them."""
-    files = (path for path in folder.rglob("*") if path.is_file())
+    files = (
+        path for path in folder.rglob("*") if path.is_file() and not _is_of_macos(folder, path)
+    )
     listed = list(islice(files, MOST_FILES + 1))
     if len(listed) > MOST_FILES:
         raise VolumeFormatError(
             f"{folder} holds more than {MOST_FILES} files; allowed: the folder of one study"
         )
     return listed
+
+
+def _is_of_macos(folder: Path, path: Path) -> bool:
+    """Says whether a file is what macOS keeps beside others (AppleDouble)."""
+    return path.name.startswith("._") or "__MACOSX" in path.relative_to(folder).parts
 
 
 def choose_series(
@@ -123,13 +126,14 @@ def choose_series(
             f"allowed with --series: a number, UID or description of {listed}"
         )
 
-    # a scout of one or two slices beside a scan leaves no doubt which one is meant
-    volumes = [series for series in found if series.slices > 2]
-    if len(found) > 1 and len(volumes) != 1:
+    # a scout of one or two slices or a dose beside a scan leaves no doubt which one is meant
+    scans = [series for series in found if series.modality != RTDOSE] or found
+    volumes = [series for series in scans if series.slices > 2]
+    if len(scans) > 1 and len(volumes) != 1:
         raise SeriesChoiceError(
             f"{folder} holds {len(found)} series; choose one with --series NUMBER or UID: {listed}"
         )
-    chosen_one = volumes[0] if volumes else found[0]
+    chosen_one = volumes[0] if volumes else scans[0]
     left_out = [f"left out series {series}" for series in found if series is not chosen_one]
     return chosen_one, left_out
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from palpate.base.errors import DicomWebError, SeriesChoiceError
 from palpate.base.progress import Progress, silent
+from palpate.io.dicom.dose import RTDOSE
 from palpate.io.dicom.header import DERIVED_OBJECTS
 from palpate.io.dicomweb.address import WebAddress
 from palpate.io.dicomweb.answer import Found, bytes_of, list_of, text_of, uid_of, whole_of
@@ -119,7 +120,7 @@ def remote_series(address: WebAddress, *, progress: Progress = silent) -> list[R
         for done, one in enumerate(in_parallel(_measured, images, (address, budget))):
             progress(f"looking at {len(images)} series", done / len(images))
             measured.append(one)
-    measured.sort(key=lambda one: (one.study, one.number, one.uid))
+    measured.sort(key=lambda one: (one.study, one.modality == RTDOSE, one.number, one.uid))
     return sorted(measured, key=lambda one: one.study_told[:8], reverse=True)
 
 
@@ -134,6 +135,9 @@ def choose_remote(
     named = [one for one in listed if wanted in (None, one.uid, one.description)]
     if wanted is not None and wanted.isdecimal() and 1 <= int(wanted) <= len(listed):
         named = named or [listed[int(wanted) - 1]]
+    if wanted is None:
+        # a dose beside a scan leaves no doubt which one is meant
+        named = [one for one in named if one.modality != RTDOSE] or named
     if len(named) == 1:
         return named[0]
     asked = f"{len(named) or 'no'} series" + ("" if wanted is None else f" {wanted!r}")

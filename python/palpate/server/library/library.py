@@ -219,7 +219,12 @@ class Library:
             path = labels_in(self._uploads.of(wanted.upload).path)
 
         def work(progress: Progress, _: Emit) -> None:
-            self._opener.add_segments(path, resample=wanted.resample, progress=progress)
+            self._opener.add_segments(
+                path,
+                resample=wanted.resample,
+                another_patient=wanted.another_patient,
+                progress=progress,
+            )
             # those that are refused may be asked for again, resampled
             if wanted.upload is not None:
                 self._uploads.drop(wanted.upload)

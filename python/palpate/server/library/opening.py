@@ -146,14 +146,22 @@ class Opener:
             volume.source = None
         opened.show_second(placed(opened.session.scene.volume, volume), files=files)
 
-    def add_segments(self, path: Path, *, resample: bool, progress: Progress) -> None:
+    def add_segments(
+        self, path: Path, *, resample: bool, another_patient: bool = False, progress: Progress
+    ) -> None:
         """Adds the segments of a file or folder to the open scan.
 
         Raises:
             PalpateError: They cannot be read, or do not fit the scan.
         """
         opened = self._opened()
-        found = read_labels(path, opened.session.scene.volume, resample=resample, progress=progress)
+        found = read_labels(
+            path,
+            opened.session.scene.volume,
+            resample=resample,
+            another_patient=another_patient,
+            progress=progress,
+        )
         # from here on it cannot be taken back
         progress("adding segments", None)
         add_labels(opened.live, found)

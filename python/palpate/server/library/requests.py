@@ -62,6 +62,8 @@ class SegmentsRequest(msgspec.Struct, frozen=True):
     choice: int = 0
     resample: bool = False
     """Whether they may lie on another grid."""
+    another_patient: bool = False
+    """Whether they may be of another patient, study or frame of reference."""
 
 
 class LayoutRequest(msgspec.Struct, frozen=True):

@@ -148,7 +148,10 @@ def test_slices_without_a_place_are_unknown(write_series: Any) -> None:
         dataset.save_as(path)
     volume = palpate.read(folder)
     assert volume.orientation == "unknown"
-    assert "1 mm is assumed" in volume.warnings[0]
+    assert volume.warnings[0] == (
+        "the files tell no positions: slices are in the order of their files' names; "
+        "slices 1 mm apart are assumed"
+    )
 
 
 def test_colour_slices_are_refused(write_series: Any) -> None:

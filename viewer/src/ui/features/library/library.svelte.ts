@@ -39,6 +39,8 @@ export class Library {
   segments = $state.raw(false);
   /** Whether segments may lie on another grid than the scan. */
   resample = $state.raw(false);
+  /** Whether segments may be of another patient, study or frame of reference. */
+  anotherPatient = $state.raw(false);
   work = $state.raw<JobProgress | null>(null);
   failure = $state.raw<string | null>(null);
   /** What is kept of the scene that failed to open. */
@@ -275,7 +277,8 @@ export class Library {
   }
 
   private async addSegments(place: object, signal: AbortSignal): Promise<void> {
-    await work("segments", { ...place, resample: this.resample }, { token: this.token, signal }, this.take.bind(this));
+    const wanted = { ...place, resample: this.resample, another_patient: this.anotherPatient };
+    await work("segments", wanted, { token: this.token, signal }, this.take.bind(this));
     this.leaveList();
     this.hide();
   }
