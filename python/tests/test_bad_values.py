@@ -12,6 +12,7 @@ import shutil
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,7 @@ from palpate.session.appearance import appearances_of, keep_appearances, restore
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 
-EXAMPLES = 1500 if os.environ.get("PALPATE_LONG") else 25
+EXAMPLES = 400 if os.environ.get("PALPATE_LONG") else 25
 """Of each test."""
 
 quick = settings(
@@ -70,8 +71,8 @@ def one_line(read: Callable[[], object]) -> None:
 def places_in(value: Any, way: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """Lists the ways to all values of a document."""
     found = [way] if way else []
-    items = value.items() if isinstance(value, dict) else ()
-    items = enumerate(value) if isinstance(value, list) else items
+    items: list[tuple[Any, Any]] = [*value.items()] if isinstance(value, dict) else []
+    items += enumerate(value) if isinstance(value, list) else []
     for key, held in items:
         found += places_in(held, (*way, key))
     return found
@@ -133,8 +134,7 @@ def test_scans_and_lists_of_series(made: Path, seed: int) -> None:
     one_line(lambda: palpate.read(folder))
     one_line(lambda: list_series(folder))
     for name in ("b.mha", "b.nii.gz", "a.seg.nrrd"):
-        path = damaged_at(made / name, seed)
-        one_line(lambda path=path: palpate.read(path))
+        one_line(partial(palpate.read, damaged_at(made / name, seed)))
 
 
 @quick

@@ -204,6 +204,8 @@ def _glb(content: bytes, generator: Generator) -> bytes:
 
 def _line(content: bytes, generator: Generator) -> bytes:
     """Changes a value of a header of lines, of JSON, of YAML or of a table; or a whole line."""
+    if not re.match(rb"[\t\r\n -~]{8}", content):
+        return content
     head, rest = content[:TEXT_HEADER], content[TEXT_HEADER:]
     change: Callable[[bytes, Generator], bytes] = _token if generator.random() < 0.8 else _whole
     return change(head, generator) + rest

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.base.errors import OptionError, PalpateError
+from palpate.base.damaged_file import damage_as
+from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
 from palpate.io.dicom.header import Series
@@ -93,7 +94,8 @@ def read(
 
     progress("storing values as 16 bits", None)
     try:
-        stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
+        with damage_as(VolumeFormatError, "values that are no numbers", allowed="real numbers"):
+            stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
     except PalpateError as error:
         raise type(error)(f"{source}: {error}") from None
     if stored.error > 0.0:
