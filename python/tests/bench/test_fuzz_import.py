@@ -94,6 +94,6 @@ def test_structured_damage_knows_files(data_folder: Path, tmp_path: Path) -> Non
     for ending in sorted(endings & samples.keys()):
         content = samples[ending].read_bytes()
         made = [restructured(content, np.random.default_rng(seed)) for seed in range(30)]
-        assert len(set(made) - {content}) >= 15, ending
+        assert len(set(made) - {content}) >= 8, ending
         # what it is can still be seen
         assert sum(each[:2] == content[:2] for each in made) >= 15, ending
