@@ -55,15 +55,7 @@ def open_nifti(path: Path) -> StoredImage:
     header, single = _header(path, block)
     module = nibabel()
     try:
-        number = np.dtype(header.get_data_dtype())
-        if not number.itemsize:
-            raise TypeError
-    except (KeyError, TypeError):
-        raise VolumeFormatError(
-            f"{path} holds numbers of the kind (datatype) {int(header['datatype'])}, which is "
-            "none; allowed: whole numbers of 8 to 64 bits and floats"
-        ) from None
-    try:
+        number = _number(header)
         slope, intercept = header.get_slope_inter()
         start = _start(header)
     except (module.spatialimages.HeaderDataError, ValueError, OverflowError) as error:
@@ -133,6 +125,22 @@ def _size(path: Path, dim: NDArray[Any]) -> tuple[int, ...]:
             "more voxels along each"
         )
     return tuple(size)
+
+
+def _number(header: Any) -> np.dtype[Any]:  # noqa: ANN401  # nibabel's
+    """Returns the type of the numbers; colours have fields.
+
+    Raises:
+        ValueError: There is no such type, or it is none of numbers.
+    """
+    code = int(header["datatype"])
+    try:
+        number: np.dtype[Any] = np.dtype(header.get_data_dtype())
+    except LookupError:
+        raise ValueError(f"numbers of datatype {code}") from None
+    if number.kind == "V" and number.names is None:
+        raise ValueError(f"numbers of datatype {code}")
+    return number
 
 
 def _start(header: Any) -> int:  # noqa: ANN401  # nibabel's

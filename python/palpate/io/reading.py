@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.base.damaged_file import damage_as
 from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
@@ -141,7 +142,8 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
 def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) -> Stored:
     """Returns the values of a scan as they are used; refuses those that are none where asked to."""
     try:
-        stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
+        with damage_as(VolumeFormatError, "values that are no numbers", allowed="real numbers"):
+            stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
     except PalpateError as error:
         raise type(error)(f"{source}: {error}") from None
     if strict and stored.missing:
