@@ -219,13 +219,14 @@ def _is_same(scale: Scale, steps: NDArray[np.float64], wanted: NDArray[np.float6
 def _kept(values: NDArray[Any], survey: _Survey, fill: float | None) -> NDArray[Any]:
     """Returns values as they are, with NaN or ``fill`` for those that are none."""
     if values.dtype.kind != "f":
-        return np.ascontiguousarray(values)
+        return np.ascontiguousarray(values, values.dtype.newbyteorder("="))
     largest = max(abs(survey.low), abs(survey.high))
     single = np.finfo(np.float32)
     fits = largest <= (WHOLE_FLOAT32 if survey.whole else single.max)
     if fits and values.itemsize > single.bits // 8:
         fits = not ((np.abs(values) < single.tiny) & (values != 0.0)).any()
-    kept = np.array(values, np.float32 if fits or values.itemsize <= 4 else np.float64, order="C")
+    kind = np.float32 if fits or values.itemsize <= 4 else np.float64
+    kept = np.array(values, kind, order="C", copy=True if survey.not_finite else None)
     if survey.not_finite:
         kept[~np.isfinite(kept)] = np.nan if fill is None else fill
     return kept

@@ -122,9 +122,14 @@ class Volume:
             stored = to_stored(scaled, file_scale=Scale(slope, intercept))
             array, slope, intercept = stored.values, stored.scale.slope, stored.scale.intercept
             exact = stored.exact
+            if exact is not None and np.may_share_memory(exact, values):
+                # whoever gave the array may go on changing it
+                exact = exact.copy()
         self.slope = float(slope)
         self.intercept = float(intercept)
-        self._exact = exact
+        self._exact = None if exact is None else exact.view()
+        if self._exact is not None:
+            self._exact.flags.writeable = False
         try:
             self._internal = _core.Volume(
                 np.ascontiguousarray(array),
@@ -221,7 +226,7 @@ class Volume:
 
     @property
     def exact(self) -> NDArray[Any] | None:
-        """The values [unit of the scan], NaN where there is none; None where ``array`` has all."""
+        """The values, read-only, NaN where there is none; None where ``array`` holds them all."""
         return self._exact
 
     def values(self, region: Region = ...) -> NDArray[Any]:
@@ -345,7 +350,19 @@ class Volume:
                 f"threshold {low:g} to {upper:g}{unit} selects no voxel; allowed: a range within "
                 f"{self.range[0]:g} to {self.range[1]:g}{unit}"
             )
-        return Segment(internal, name=name, volume=self, range=(float(low), float(upper)))
+        return Segment(
+            internal, name=name, volume=self, range=self._limits(float(low), float(upper))
+        )
+
+    def _limits(self, low: float, high: float) -> tuple[float, float]:
+        """Returns a range whose ends that no value is beyond are beyond all stored values too."""
+        if self._exact is None:
+            return low, high
+        first, last = sorted(self.value_of(stored) for stored in self._internal.stored_range())
+        return (
+            min(low, first) if low <= self.range[0] else low,
+            max(high, last) if high >= self.range[1] else high,
+        )
 
     def _between(self, low: float, high: float) -> _core.Segment:
         """Returns the voxels with low <= value <= high, as the values were read."""

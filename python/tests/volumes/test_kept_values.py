@@ -92,6 +92,7 @@ def test_no_value_is_exported_as_no_value(tmp_path: Path, name: str) -> None:
         np.array([0, 70000], np.int32),
         np.array([-1, 2**40], np.int64),
         np.array([0, 255], np.uint8),
+        np.array([-5, 123456], ">i4"),
         np.array([0.0, 0.5, 1.0], np.float32),
         np.array([0.0, 0.1, 2.0**24 + 1.0], np.float64),
         np.array([False, True]),
@@ -104,6 +105,18 @@ def test_no_array_is_cast_in_silence(values: NDArray[Any]) -> None:
     np.testing.assert_array_equal(read.values(), expected)
     low, high = read.range
     assert (low, high) == (float(expected.min()), float(expected.max()))
+
+
+@pytest.mark.parametrize("kind", ["u2", "i4", "f4", "f8"])
+def test_what_becomes_of_an_array_afterwards_changes_no_scan(kind: str) -> None:
+    given = np.array([[[0.3, 1.5, 100000.3, 40000.0]]]).astype(kind)
+    volume = volume_of(given)
+    before = volume.values().copy()
+    given[...] = 7
+    np.testing.assert_array_equal(volume.values(), before)
+    if volume.exact is not None:
+        with pytest.raises(ValueError, match="read-only"):
+            volume.exact[0, 0, 0] = 1
 
 
 def test_whole_floats_beyond_single_precision_are_kept() -> None:
