@@ -89,9 +89,11 @@ def _scan(recipe: Recipe, written: list[Path], progress: Progress) -> Volume:
     return read(
         step.path,
         series=None if step.series is None else str(step.series),
+        frame=step.frame,
         orientation=step.orientation,
         unit=step.unit,
         fill=step.fill,
+        strict=step.strict,
         raw=step.raw,
         voxel_size=parse_voxel_size(step.voxel_size),
         progress=progress,

@@ -90,6 +90,7 @@ export function second(test: SecondTest): MarchResult[] {
     tint: "grey",
     opacity: test.opacity ?? 1,
     square: test.square ?? 20,
+    lines: [],
     turn: test.turn ?? "second",
   };
   const target = new PictureTarget(true);

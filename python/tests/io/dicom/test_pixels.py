@@ -121,14 +121,21 @@ def test_memory_is_told_before_pixels_are_read(write_series: Any) -> None:
 
 
 @pytest.mark.data
-def test_a_damaged_compressed_slice_is_refused_by_name(data_folder: Path, tmp_path: Path) -> None:
+def test_damaged_compressed_slices_are_left_out_or_refused_by_name(
+    data_folder: Path, tmp_path: Path
+) -> None:
     source = data_folder / "totalseg_tests" / "example_ct_dicom"
     for number, path in enumerate(sorted(source.iterdir())[:4]):
         content = path.read_bytes()
         (tmp_path / f"{number}.dcm").write_bytes(
             content[: len(content) // (2 if number == 2 else 1)]
         )
-    with pytest.raises(VolumeFormatError, match=r"2\.dcm .*allowed: complete"):
+    assert "1 of 4 slices are bad and were left out: 2.dcm (not to be decoded)" in (
+        palpate.read(tmp_path).warnings
+    )
+    content = (tmp_path / "1.dcm").read_bytes()
+    (tmp_path / "1.dcm").write_bytes(content[: len(content) // 2])
+    with pytest.raises(VolumeFormatError, match=r"[12]\.dcm .*allowed: complete"):
         palpate.read(tmp_path)
 
 

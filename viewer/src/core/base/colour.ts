@@ -34,3 +34,13 @@ export function hexFromSrgb(colour: Vec3): string {
 export function linearFromHex(hex: string): Vec3 {
   return linearFromSrgb(srgbFromHex(hex));
 }
+
+/** sRGB of a hue [degrees], as light as is read on black and on grey. */
+export function srgbFromHue(hue: number): Vec3 {
+  // CSS Color 4, hsl(hue 100% 58%)
+  const part = (n: number): number => {
+    const k = (((n + hue / 30) % 12) + 12) % 12;
+    return 0.58 - 0.42 * Math.max(-1, Math.min(k - 3, 9 - k, 1));
+  };
+  return [part(0), part(8), part(4)];
+}

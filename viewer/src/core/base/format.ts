@@ -25,6 +25,12 @@ export function formatValue(value: number): string {
   return Number(value.toPrecision(6)).toString();
 }
 
+/** A value on a scale of some span, with the digits that a 500th of the span needs. */
+export function formatWithin(value: number, span: number): string {
+  const digits = Math.ceil(Math.log10(500 / Math.max(span, 1e-12)));
+  return value.toFixed(Math.min(Math.max(digits, 0), 9));
+}
+
 export function formatMillilitres(ml: number): string {
   return ml >= 100 ? `${formatCount(ml)} ml` : `${ml.toPrecision(3)} ml`;
 }

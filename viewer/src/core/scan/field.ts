@@ -21,14 +21,24 @@ export function biasedAt(volume: ScanVolume, grid: Vec3): number {
   return mix(plane(z0), plane(z1), fz);
 }
 
+/** Physical value between voxels, trilinear; null outside the scan. */
+export function valueBetweenVoxels(volume: ScanVolume, grid: Vec3): number | null {
+  return isOutside(volume, grid) ? null : physical(biasedAt(volume, grid), volume.frame.rescale);
+}
+
 /** Physical value of the voxel that holds a point of the grid; null outside the scan. */
-export function valueInVoxel({ values, dimensions, step, frame }: ScanVolume, grid: Vec3): number | null {
-  if (grid.some((c, axis) => c < 0 || c >= (frame.dimensions[axis] ?? 0))) {
+export function valueInVoxel(volume: ScanVolume, grid: Vec3): number | null {
+  const { values, dimensions, step, frame } = volume;
+  if (isOutside(volume, grid)) {
     return null;
   }
   const place = (axis: 0 | 1 | 2): number => Math.min(Math.round(Math.floor(grid[axis]) / step), dimensions[axis] - 1);
   const biased = values[place(0) + dimensions[0] * (place(1) + dimensions[1] * place(2))] ?? 0;
   return physical(biased, frame.rescale);
+}
+
+function isOutside({ frame }: ScanVolume, grid: Vec3): boolean {
+  return grid.some((c, axis) => c < 0 || c >= (frame.dimensions[axis] ?? 0));
 }
 
 /** The two samples around a coordinate and the share of the second. */

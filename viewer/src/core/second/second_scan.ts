@@ -5,6 +5,7 @@
 import { affineFromRows, columnMajor, composed, type Affine } from "../geometry/affine";
 import type { GreyBlend } from "../appearance/optics";
 import type { SecondScan } from "../protocol";
+import type { Isoline } from "./isolines";
 import type { ScanFrame } from "../scan/scan_volume";
 import type { TransferFunction } from "../appearance/transfer_function";
 import type { WindowLevel } from "../appearance/window_level";
@@ -40,6 +41,8 @@ export interface SecondAppearance {
   readonly opacity: number;
   /** Edge of a square or a cell of the checkerboard [mm]. */
   readonly square: number;
+  /** Lines of equal value in slices, drawn in this order. */
+  readonly lines: readonly Isoline[];
   /** Of two that flicker the one that is seen now. */
   readonly turn: "first" | "second";
 }

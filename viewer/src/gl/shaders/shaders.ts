@@ -35,6 +35,7 @@ import projection from "./march/projection.glsl?raw";
 import ray from "./march/ray.glsl?raw";
 import second from "./second/second.glsl?raw";
 import secondGrey from "./second/second_grey.glsl?raw";
+import secondLines from "./second/second_lines.glsl?raw";
 import secondRay from "./second/second_ray.glsl?raw";
 import secondSlice from "./second/second_slice.glsl?raw";
 import secondTissue from "./second/second_tissue.glsl?raw";
@@ -101,7 +102,7 @@ export const shaders = {
   composite: joined(compositeFrag),
   enlarge: joined(enlargeFrag),
   anaglyph: joined(anaglyphFrag),
-  slice: joined(displaced, field, segments, second, secondGrey, secondSlice, sliceFrag),
+  slice: joined(displaced, field, segments, second, secondGrey, secondSlice, secondLines, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   mark: { vertex: joined(markVert), fragment: joined(markFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },

@@ -8,6 +8,7 @@ import { brickEdge, distanceToFilled, filledBricks, type BrickRanges } from "../
 import { DrawnValues, type Drawn } from "../../core/appearance/drawn_values";
 import { greyOf, isGrey, seenInGrey, usesTransferFunction, type Blend } from "../../core/appearance/optics";
 import type { ScanFrame, ScanVolume } from "../../core/scan/scan_volume";
+import { mostIsolines } from "../../core/second/isolines";
 import { fusions, sharesFromGrid, tints, type SecondAppearance } from "../../core/second/second_scan";
 import { biasedOf, physical, type Rescale } from "../../core/scan/stored_values";
 import { domainOf, sample } from "../../core/appearance/transfer_function";
@@ -36,6 +37,8 @@ export class SecondTexture {
     secondOpacity: { value: 0 },
     secondSquare: { value: 1 },
     secondTurn: { value: 1 },
+    secondLines: { value: Array.from({ length: mostIsolines }, () => new THREE.Vector4()) },
+    secondLineCount: { value: 0 },
     secondTransfer: { value: null as THREE.Texture | null },
     secondScale: { value: new THREE.Vector2() },
     secondDensity: { value: 1 },
@@ -140,6 +143,10 @@ export class SecondTexture {
     u.secondOpacity.value = appearance.opacity;
     u.secondSquare.value = appearance.square;
     u.secondTurn.value = appearance.turn === "second" ? 1 : 0;
+    u.secondLineCount.value = Math.min(appearance.lines.length, mostIsolines);
+    appearance.lines.slice(0, mostIsolines).forEach(({ colour, value }, i) => {
+      u.secondLines.value[i]?.set(...colour, biasedOf(value, rescale));
+    });
     u.secondDensity.value = appearance.density;
     u.secondEdge.value = appearance.edgeGradient / Math.max(Math.abs(rescale.slope), 1e-12);
     u.secondTissueFrom.value = greyOf(appearance.tissueFrom, window);
@@ -198,6 +205,7 @@ export function sameInView(one: ShownSecond | null, other: ShownSecond | null): 
       inSlices: null,
       window: null,
       fusion: null,
+      lines: null,
       turn: appearance?.viewFusion === "flicker" ? appearance.turn : null,
     };
     return JSON.stringify([place, appearance?.inView === true ? { ...appearance, ...slices } : null]);

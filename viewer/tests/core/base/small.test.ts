@@ -9,6 +9,7 @@ import {
   formatSeconds,
   formatSpacing,
   formatValue,
+  formatWithin,
 } from "../../../src/core/base/format";
 import { farthestAhead, moveInDepth, moveInView } from "../../../src/core/touch/hand";
 import { histogramPath, shareWithin } from "../../../src/core/scan/histogram";
@@ -101,6 +102,10 @@ test("numbers are written with units and a fixed number of digits", () => {
   expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5 mm");
   expect(formatValue(3071)).toBe("3071");
   expect(formatValue(1288.3400000001)).toBe("1288.34");
+  // a 500th of the span shows
+  expect(formatWithin(-512.4, 4000)).toBe("-512");
+  expect(formatWithin(4.4, 14.68)).toBe("4.40");
+  expect(formatWithin(0.00071, 0.003)).toBe("0.000710");
   expect([0, 7.99, 61, 754].map(formatSeconds)).toEqual(["0:00", "0:07", "1:01", "12:34"]);
   expect(formatBytes(15 * 2 ** 20)).toBe("15 MiB");
   expect(formatBytes(3 * 2 ** 30)).toBe("3.0 GiB");

@@ -43,6 +43,7 @@ const beside: SecondAppearance = {
   tint: "grey",
   opacity: 1,
   square: 10,
+  lines: [],
   turn: "second",
 };
 /** Laid 10 mm towards +y: its bone begins at y = 14 of the first. */

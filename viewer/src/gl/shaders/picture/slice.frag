@@ -92,5 +92,8 @@ void main() {
     colour = mix(colour, srgbFromLinear(segmentColour(mark)), edge ? marks.y : marks.x);
   }
 #endif
+#ifdef SECOND
+  colour = withLines(colour, grid, gridRight, gridUp, outline);
+#endif
   screen = vec4(colour, 1.0);
 }

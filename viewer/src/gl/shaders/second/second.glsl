@@ -27,14 +27,21 @@ bool isOnSecond(vec3 place) {
   return all(greaterThanEqual(place, vec3(0.0))) && all(lessThanEqual(place, vec3(1.0)));
 }
 
-float secondBiased(vec3 share) {
-  vec3 place = share * secondTextureScale + secondTextureOffset;
+float secondNumber(vec4 texel) {
 #if defined(FIELD_RG8)
-  return dot(texture(secondTexture, place).rg, vec2(255.0, 65280.0));
+  return dot(texel.rg, vec2(255.0, 65280.0));
 #elif defined(FIELD_R16)
-  return texture(secondTexture, place).r * 65535.0;
+  return texel.r * 65535.0;
 #else
-  return texture(secondTexture, place).r;
+  return texel.r;
 #endif
+}
+
+float secondBiased(vec3 share) {
+  return secondNumber(texture(secondTexture, share * secondTextureScale + secondTextureOffset));
+}
+
+float secondTexel(ivec3 place) {
+  return secondNumber(texelFetch(secondTexture, place, 0));
 }
 #endif

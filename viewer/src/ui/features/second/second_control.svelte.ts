@@ -4,7 +4,7 @@
 import { transformPoint } from "../../../core/geometry/affine";
 import { isCurve, transferFunctionOfCurve, type Curve } from "../../../core/appearance/curve";
 import { curveOfPreset, presets } from "../../../core/appearance/curve_presets";
-import { valueInVoxel } from "../../../core/scan/field";
+import { valueBetweenVoxels, valueInVoxel } from "../../../core/scan/field";
 import { valueAbove } from "../../../core/scan/histogram";
 import { firstChoice, firstTissue, type OpticsChoice } from "../../../core/appearance/optics";
 import type { Scan, SecondScan } from "../../../core/protocol";
@@ -17,6 +17,7 @@ import {
   type SecondAppearance,
   type Tint,
 } from "../../../core/second/second_scan";
+import { areIsolines, firstIsolines, shownIsolines, type Isoline, type Isolines } from "../../../core/second/isolines";
 import { subsamplingStep } from "../../../core/scan/subsampling";
 import { KeepEqual } from "../../../core/base/keep_equal";
 import type { Vec3 } from "../../../core/geometry/vector";
@@ -48,6 +49,7 @@ export interface SecondChoice {
   readonly tint: Tint;
   readonly opacity: number;
   readonly square: number;
+  readonly isolines: Isolines;
 }
 
 /** What of it is changed, as a step of undo says it. */
@@ -65,6 +67,7 @@ const partNames: Readonly<Record<keyof SecondChoice, string>> = {
   tint: "colour",
   opacity: "opacity",
   square: "squares",
+  isolines: "lines of equal value",
 };
 
 /** Until the other one of two is seen [ms]. */
@@ -149,7 +152,8 @@ export class SecondControl {
     const transferFunction = this.sameFunction.of(transferFunctionOfCurve(curve), JSON.stringify(curve));
     const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
     const { inView, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
-    const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
+    const lines = shownIsolines(choice.isolines);
+    const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, lines, turn };
     const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
     const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
     return {
@@ -168,13 +172,22 @@ export class SecondControl {
     };
   });
 
+  /** Lines of equal value that slices show, the highest first. */
+  readonly lines = $derived.by((): readonly Isoline[] => {
+    const appearance = this.shown?.appearance ?? null;
+    return appearance?.inSlices === true ? [...appearance.lines].reverse() : [];
+  });
+
   /** Its value at a point of the first scan's scene; null outside of it and before it is here. */
   valueAt(point: Vec3): number | null {
     const { shown } = this;
-    return (
-      shown &&
-      valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)))
-    );
+    if (shown === null) {
+      return null;
+    }
+    const grid = transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point));
+    // a dose is read as its lines are drawn
+    const read = this.reported?.scan?.modality === "RTDOSE" ? valueBetweenVoxels : valueInVoxel;
+    return read(shown.volume, grid);
   }
 
   /** Lays it where a transform's file says; null: as its own file does. */
@@ -281,13 +294,17 @@ export class SecondControl {
 
 /** As it was shown last with this first scan, else as fits it. */
 function choiceFor(scan: Scan, first: string): SecondChoice {
-  const { window, level }: WindowLevel = firstWindow(scan);
+  const isDose = scan.modality === "RTDOSE";
+  // of most voxels of a dose there is little, and it is the highest that counts
+  const whole = { window: scan.range[1], level: scan.range[1] / 2 };
+  const { window, level }: WindowLevel = isDose ? whole : firstWindow(scan);
   const { windows } = firstChoice(
     { softTissue: scan.soft_tissue, bone: scan.bone },
     valueAbove(scan.histogram, fewVoxels),
   );
   const fitting: SecondChoice = {
-    inView: true,
+    // a dose is read by its lines; as tissue it would hide the patient
+    inView: !isDose,
     inSlices: true,
     preset: scan.unit === "HU" ? "CT-Bone" : "MR-Default",
     curve: null,
@@ -299,12 +316,13 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     level,
     fusion: "blend",
     tint: "warm",
-    opacity: 0.6,
+    opacity: isDose ? 0.25 : 0.6,
     square: 20,
+    isolines: firstIsolines(scan),
   };
   const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
   const named =
     fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
-  const known = of === scan.name && named && (kept.curve === null || isCurve(kept.curve));
+  const known = of === scan.name && named && areIsolines(kept.isolines) && (kept.curve === null || isCurve(kept.curve));
   return known ? kept : fitting;
 }
