@@ -24,7 +24,7 @@ from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import read_slice
 from palpate.io.dicom.reading import plan_of, volumes_of
 from palpate.io.dicom.series import MOST_FILES, called_of, is_dicom, series_among, series_in
-from palpate.io.image_file import check_own_voxels, header_of, image_files, middle_of
+from palpate.io.image_file import check_own_voxels, form_of, header_of, image_files, middle_of
 from palpate.io.preview import preview
 
 __all__ = ["Choice", "browsed", "choices_among", "previews"]
@@ -63,7 +63,7 @@ class MiddleOf:
         if self.header is not None:
             between = self.header.frames[self.frame].pixel_spacing or (1.0, 1.0)
             return preview(read_slice(self.header, self.frame), (between[1], between[0]))
-        with looking_at(self.path, "an image file"):
+        with looking_at(self.path, form_of(self.path)):
             return preview(middle_of(self.path, max(1, self.frame)), self.pixel)
 
 
@@ -272,7 +272,7 @@ def _image(path: Path, name: str, *, packed: bool = False) -> list[Choice]:
     try:
         if packed:
             check_own_voxels(path)
-        with looking_at(path, "an image file"):
+        with looking_at(path, form_of(path)):
             header = header_of(path)
     except VolumeFormatError as error:
         return [Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)]

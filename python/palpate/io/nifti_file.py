@@ -134,6 +134,7 @@ def _number(header: Any) -> np.dtype[Any]:  # noqa: ANN401  # nibabel's
         ValueError: There is no such type, or it is none of numbers.
     """
     code = int(header["datatype"])
+    number: np.dtype[Any]
     try:
         number: np.dtype[Any] = np.dtype(header.get_data_dtype())
     except LookupError:
