@@ -136,7 +136,7 @@ def _number(header: Any) -> np.dtype[Any]:  # noqa: ANN401  # nibabel's
     code = int(header["datatype"])
     number: np.dtype[Any]
     try:
-        number: np.dtype[Any] = np.dtype(header.get_data_dtype())
+        number = np.dtype(header.get_data_dtype())
     except LookupError:
         raise ValueError(f"numbers of datatype {code}") from None
     if number.kind == "V" and number.names is None:
