@@ -105,7 +105,7 @@ class TestWhatCannotBeReadIsOneLine:
     def test_values_that_are_not_finite(self, command: str, write_image: Any, bad: float) -> None:
         values = np.zeros((3, 4, 5), np.float32)
         values[0, 0, 0] = bad
-        line = fails(command, write_image(values))
+        line = fails(command, write_image(values), "--strict")
         assert "1 of 60 values are NaN or infinite; allowed: finite values" in line
 
     def test_more_voxels_than_allowed(self, command: str, scan: Path) -> None:
