@@ -32,6 +32,7 @@ def series(
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list.")] = False,
 ) -> None:
     """List the series of a DICOM folder, or the volumes of an image file, as --frame takes them."""
+    from palpate.base.errors import VolumeFormatError
     from palpate.io.archive import is_archive
     from palpate.io.browse import browsed
     from palpate.io.reading import list_series
@@ -40,6 +41,8 @@ def series(
     with quiet_libraries(), Display() as display:
         if path.is_file() and not is_archive(path):
             with browsed(path, progress=display) as choices:
+                if choices[0].refused is not None:
+                    raise VolumeFormatError(choices[0].refused)
                 listed, found = choices, of_choices(choices)
         else:
             listed = list_series(path, progress=display)

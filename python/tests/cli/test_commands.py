@@ -341,4 +341,4 @@ def test_the_series_of_a_folder_are_listed(write_series: Any) -> None:
         (2, "lung", 4),
     ]
     assert "4 x 3 x 4" in run("series", folder).stdout
-    assert "allowed: a DICOM folder, DICOMDIR or zip archive" in fails("series", folder / "a000")
+    assert "2-D image of 4 x 3 x 1 voxels" in fails("series", folder / "a000")
