@@ -21,6 +21,10 @@ GRAY = np.random.default_rng(4).integers(0, 60_000, (5, 4, 6)) / 1000.0
 TURN = (0.8, 0.6, 0.0, -0.36, 0.48, 0.8)
 """Rows and columns of no axis: a turn by 37 degrees about z, then by 53."""
 
+TABLE = pydicom.Dataset()
+TABLE.LUTDescriptor, TABLE.ModalityLUTType = [2, 0, 16], "US"
+TABLE.LUTData = np.array([7, 9], "<u2").tobytes()
+
 Points = NDArray[np.float64]
 
 
@@ -135,6 +139,7 @@ def test_uneven_planes_are_laid_on_a_right_grid_and_told(tmp_path: Path) -> None
         ({"DoseGridScaling": "0"}, "no DoseGridScaling above 0"),
         ({"DoseUnits": None}, "DoseUnits missing; allowed: GY, RELATIVE"),
         ({"DoseUnits": "CGY"}, "DoseUnits CGY"),
+        ({"ModalityLUTSequence": [TABLE]}, "has a ModalityLUTSequence"),
     ],
 )
 def test_what_cannot_be_known_is_refused(
