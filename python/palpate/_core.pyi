@@ -641,6 +641,7 @@ def bench_touch_quality(
     touch: Literal[
         "exact",
         "exact, intensities",
+        "exact, range's end",
         "exact, r 1",
         "exact, r 2",
         "exact, r 5",

@@ -15,6 +15,7 @@ mod errors;
 mod frame;
 mod material;
 mod painted;
+mod parallel;
 mod phantom;
 mod picture;
 mod recording;

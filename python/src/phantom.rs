@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::CoreError;
+use crate::parallel::parallel;
 use crate::volume::PyVolume;
 
 /// Largest phantom in voxels: 1024³.
@@ -24,9 +25,7 @@ pub fn make_phantom(
     seed: u64,
 ) -> PyResult<Phantom<'_>> {
     let dimensions = checked_dimensions(dimensions)?;
-    let made = py
-        .detach(|| phantom::phantom(dimensions, seed))
-        .map_err(CoreError::from)?;
+    let made = parallel(py, || phantom::phantom(dimensions, seed)).map_err(CoreError::from)?;
 
     let [x, y, z] = dimensions.to_array().map(|count| count as usize);
     let labels = Array3::from_shape_vec((z, y, x), made.labels)

@@ -16,6 +16,7 @@ use pyo3::types::PyDict;
 use crate::arrays::rows;
 use crate::errors::CoreError;
 use crate::frame::dictionary;
+use crate::parallel::parallel;
 
 /// Names the build that computes the ticks.
 #[pyfunction]
@@ -57,7 +58,7 @@ pub fn recording_dict(py: Python<'_>, recording: Recording) -> PyResult<Bound<'_
 
 /// The columns of what else a replay needs.
 pub fn tape_dict<'py>(py: Python<'py>, tape: &Tape) -> PyResult<Bound<'py, PyDict>> {
-    let columns = py.detach(|| TapeColumns::from(tape));
+    let columns = parallel(py, || TapeColumns::from(tape));
     dictionary!(py,
         "start": PyArray1::from_vec(py, columns.start),
         "commands": PyArray1::from_vec(py, columns.commands),
@@ -90,7 +91,7 @@ pub fn replay_recording<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let recording = recording_of(recording)?;
     let columns = tape_columns_of(tape)?;
-    let replayed = py.detach(|| {
+    let replayed = parallel(py, || {
         let tape = Tape::try_from(&columns).map_err(|error| CoreError::value(error.to_string()))?;
         replay(&recording, &tape).map_err(|error| CoreError::value(error.to_string()))
     })?;

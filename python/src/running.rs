@@ -5,11 +5,16 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use palpate_engine::session::Session;
 use pyo3::prelude::*;
 
+use crate::parallel::is_forked;
+
 static SESSIONS: Mutex<Vec<Weak<Session>>> = Mutex::new(Vec::new());
 
-/// Ends every session.
+/// Ends every session; in a forked child there is none to end.
 #[pyfunction]
 pub fn stop_all(py: Python<'_>) {
+    if is_forked() {
+        return;
+    }
     py.detach(|| {
         let mut sessions = SESSIONS.lock().unwrap_or_else(PoisonError::into_inner);
         for session in sessions.drain(..) {

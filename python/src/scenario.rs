@@ -16,6 +16,7 @@ use crate::arrays::{Triple, rows, vector};
 use crate::errors::CoreError;
 use crate::frame::dictionary;
 use crate::material::material_named;
+use crate::parallel::parallel;
 use crate::segment::PySegment;
 use crate::tool::{Event, drill_settings, event_tuple};
 use crate::volume::PyVolume;
@@ -54,9 +55,7 @@ pub fn drive_needle<'py>(
         })
         .collect();
     let (grid, values, drive) = (volume.grid, volume.intensities.clone(), drive_of(drive));
-    let run = py
-        .detach(|| needle(&grid, values, &layers, &drive))
-        .map_err(CoreError::from)?;
+    let run = parallel(py, || needle(&grid, values, &layers, &drive)).map_err(CoreError::from)?;
     let events: Vec<Event> = run.events.iter().map(event_tuple).collect();
     let part = |of: fn(&NeedleForces) -> f64| column(py, run.parts.iter().map(of));
     let more = dictionary!(py,
@@ -93,9 +92,7 @@ pub fn drive_drill<'py>(
         volume.intensities.clone(),
         bone.segment.clone(),
     );
-    let run = py
-        .detach(|| drill(&grid, values, bone, &given))
-        .map_err(CoreError::from)?;
+    let run = parallel(py, || drill(&grid, values, bone, &given)).map_err(CoreError::from)?;
     let events = run.events.iter();
     let events: Vec<Contact> = events
         .map(|event| (event.is_contact, event.time, event.travel, event.force))
@@ -129,9 +126,10 @@ pub fn press<'py>(
         })
         .collect::<Result<_, CoreError>>()?;
     let (grid, values, drive) = (volume.grid, volume.intensities.clone(), drive_of(drive));
-    let run = py
-        .detach(|| press_one(&grid, values, &layers, (model, radius), (&drive, deepest)))
-        .map_err(CoreError::from)?;
+    let run = parallel(py, || {
+        press_one(&grid, values, &layers, (model, radius), (&drive, deepest))
+    })
+    .map_err(CoreError::from)?;
     let told = samples_dict(py, &run.samples)?;
     told.set_item("answers", run.answers)?;
     told.set_item("violations", run.violations)?;

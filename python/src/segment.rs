@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Triple, dimensions_of, triple, values_of, vector};
 use crate::errors::CoreError;
+use crate::parallel::parallel;
 use crate::volume::{Direction, matrix_of_rows};
 
 /// Lowest voxel and one past the highest, (x, y, z).
@@ -26,7 +27,7 @@ impl PySegment {
     fn from_mask(py: Python<'_>, mask: PyReadonlyArray3<'_, u8>) -> Result<Self, CoreError> {
         let dimensions = dimensions_of(&mask)?;
         let values = values_of(&mask)?;
-        let segment = py.detach(|| Segment::from_mask(dimensions, values))?;
+        let segment = parallel(py, || Segment::from_mask(dimensions, values))?;
         Ok(Self { segment })
     }
 
@@ -76,7 +77,7 @@ impl PySegment {
 
     /// One byte per voxel, 1 where solid, shape [z, y, x].
     fn mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<u8>> {
-        let mask = py.detach(|| self.segment.mask());
+        let mask = parallel(py, || self.segment.mask());
         let [x, y, z] = self.segment.dimensions().to_array().map(|n| n as usize);
         let array = Array3::from_shape_vec((z, y, x), mask).expect("there is one byte per voxel");
         PyArray3::from_owned_array(py, array)

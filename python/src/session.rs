@@ -12,6 +12,7 @@ use palpate_engine::touch::{Settings, ThresholdRange, TouchFeel};
 use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
@@ -24,6 +25,7 @@ use crate::material::{
     force_source, linear_material, material_named, model_options, parts_dict, region,
 };
 use crate::painted::{GivenLine, painted};
+use crate::parallel::is_forked;
 use crate::picture::change_dict;
 use crate::recording::{recording_dict, tape_dict};
 use crate::running::note;
@@ -89,6 +91,12 @@ impl PySession {
                 )
             })
             .collect();
+        if is_forked() {
+            return Err(PyRuntimeError::new_err(
+                "a session was asked for in a process that was forked from one at work; allowed: in \
+                 a process of its own, as multiprocessing.get_context('spawn') makes it",
+            ));
+        }
         let session = py.detach(|| Session::start(config));
         let session = Arc::new(session.map_err(CoreError::from)?);
         note(&session);

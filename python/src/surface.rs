@@ -22,6 +22,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::arrays::{Triple, vector};
 use crate::errors::CoreError;
+use crate::parallel::parallel;
 use crate::phantom::checked_dimensions;
 use crate::segment::PySegment;
 use crate::volume::{Direction, PyVolume, matrix_of_rows};
@@ -37,8 +38,8 @@ type MeshArrays<'py> = (
 #[pyfunction]
 pub fn phantom_bones(py: Python<'_>, dimensions: (u32, u32, u32)) -> PyResult<PySegment> {
     let dimensions = checked_dimensions(dimensions)?;
-    let (_, bits) = py.detach(|| bones(dimensions)).map_err(CoreError::from)?;
-    let segment = py.detach(|| Segment::from_bits(bits));
+    let (_, bits) = parallel(py, || bones(dimensions)).map_err(CoreError::from)?;
+    let segment = parallel(py, || Segment::from_bits(bits));
     Ok(PySegment { segment })
 }
 
@@ -68,8 +69,10 @@ pub fn voxelise_mesh(
     } else {
         Filling::Solid
     };
-    let bits = py.detach(|| voxelise(grid.dimensions(), &in_grid, &triangles, filling))?;
-    let segment = py.detach(|| Segment::from_bits(bits));
+    let bits = parallel(py, || {
+        voxelise(grid.dimensions(), &in_grid, &triangles, filling)
+    })?;
+    let segment = parallel(py, || Segment::from_bits(bits));
     Ok(PySegment { segment })
 }
 
@@ -159,7 +162,7 @@ impl PySurface {
             values: values.map(|(volume, _)| volume.intensities.clone()),
             surface: SegmentSurface::new(&grid, settings)?,
         };
-        py.detach(|| state.update(&grid.bounds()));
+        parallel(py, || state.update(&grid.bounds()));
         let state = Mutex::new(state);
         Ok(Self { grid, state })
     }
@@ -181,17 +184,17 @@ impl PySurface {
 
     /// [mm²]
     fn area(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.state().surface.area())
+        parallel(py, || self.state().surface.area())
     }
 
     /// Enclosed [mm³].
     fn volume(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.state().surface.volume())
+        parallel(py, || self.state().surface.volume())
     }
 
     /// All patches as one: positions [patient], shape [n, 3], normals and triangles.
     fn mesh<'py>(&self, py: Python<'py>) -> MeshArrays<'py> {
-        let (mesh, origin) = py.detach(|| {
+        let (mesh, origin) = parallel(py, || {
             let state = self.state();
             (joined(&state.surface), state.surface.origin())
         });
@@ -284,7 +287,7 @@ impl PySurface {
                 "{threads} threads given; allowed: 1 to 1024"
             )));
         }
-        py.detach(|| {
+        parallel(py, || {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.map_err(|error| CoreError::value(error.to_string()))?;
             Ok(pool.install(|| work(&mut self.state())))

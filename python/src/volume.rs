@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Triple, dimensions_of, matrix, triple, values_of, vector};
 use crate::errors::CoreError;
+use crate::parallel::parallel;
 use crate::segment::PySegment;
 
 /// Nine numbers of a matrix, row by row, as ITK gives a direction.
@@ -40,7 +41,7 @@ impl PyVolume {
         let axes = matrix_of_rows(direction);
         let grid = Grid::new(dimensions, vector(spacing), vector(origin), axes)?;
         let stored = values_of(&values)?;
-        let copied: Arc<[i16]> = py.detach(|| Arc::from(stored));
+        let copied: Arc<[i16]> = parallel(py, || Arc::from(stored));
         let intensities = Intensities::new(dimensions, copied, slope, intercept)?;
         Ok(Self { grid, intensities })
     }
@@ -84,7 +85,7 @@ impl PyVolume {
     }
 
     fn stored_range(&self, py: Python<'_>) -> (i16, i16) {
-        py.detach(|| self.intensities.stored_range())
+        parallel(py, || self.intensities.stored_range())
     }
 
     fn histogram<'py>(
@@ -97,7 +98,7 @@ impl PyVolume {
                 "{bins} bins given; allowed: 1 to 1048576"
             )));
         }
-        let histogram = py.detach(|| self.intensities.histogram(bins));
+        let histogram = parallel(py, || self.intensities.histogram(bins));
         let counts = PyArray1::from_vec(py, histogram.counts);
         Ok((histogram.low, histogram.high, counts))
     }
@@ -108,7 +109,7 @@ impl PyVolume {
                 "threshold {low} to {high} given; allowed: finite, low not above high"
             )));
         }
-        let segment = py.detach(|| threshold(&self.intensities, None, low, high));
+        let segment = parallel(py, || threshold(&self.intensities, None, low, high));
         Ok(PySegment { segment })
     }
 }

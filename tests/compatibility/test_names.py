@@ -21,6 +21,10 @@ def of(kind: str) -> dict[str, list[str]]:
     return {name: some for name, some in NAMES.items() if name.startswith(kind)}
 
 
+ADDED = {"state recent.json": ("[].frame",)}
+"""Names of newer versions, which readers of 0.1 pass over."""
+
+
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What this build writes: the same kinds of files."""
@@ -72,7 +76,8 @@ def test_recordings_of_this_build_have_the_same_names(written: Path, kind: str) 
 
 @pytest.mark.parametrize("kind", sorted(NAMES.keys() - of("recording")))
 def test_other_files_of_this_build_have_the_same_names(written: Path, kind: str) -> None:
-    assert names.names_of_files(written / "files")[kind] == NAMES[kind]
+    found = names.names_of_files(written / "files")[kind]
+    assert [name for name in found if name not in ADDED.get(kind, ())] == NAMES[kind]
 
 
 def test_looks_of_a_page_have_the_same_names() -> None:

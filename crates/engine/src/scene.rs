@@ -324,7 +324,8 @@ impl Scene {
         self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
     }
 
-    /// All obstacles, by rising number, with copies of their directories of bricks.
+    /// All obstacles, by rising number, with copies of their directories of bricks. A threshold's end
+    /// that no value of the scan is beyond is infinite: it limits nothing.
     #[must_use]
     pub fn touchable_parts(&self) -> Vec<Part> {
         self.obstacles()
@@ -340,7 +341,7 @@ impl Scene {
                     .made_by
                     .filter(|_| segment.own_grid().is_none())
                     .map(|range| Threshold {
-                        range,
+                        range: self.limiting(range),
                         values: self.values.clone(),
                     }),
                 fractions: self.fractions_of(id).cloned(),

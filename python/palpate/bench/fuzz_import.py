@@ -182,7 +182,6 @@ def samples_in(folder: Path, made: Path) -> list[Sample]:
     samples += [Sample(path, "mesh") for path in files if path.suffix in MESHES]
     for scan in scans:
         samples.append(Sample(_archive(scan, made / f"{scan.parent.name}.zip"), "archive"))
-    samples += _made(made)
     small = [path for path in images if path.name.endswith(".nii.gz")][:1]
     samples += [Sample(path, "scan") for image in small for path in _rewritten(image, made)]
     if not samples:
@@ -190,7 +189,7 @@ def samples_in(folder: Path, made: Path) -> list[Sample]:
             f"{folder} holds no scan, label or mesh of at most {LARGEST_SAMPLE} bytes; "
             "allowed: a folder with some"
         )
-    return samples
+    return samples + _made(made)
 
 
 def sample_of(samples: list[Sample], seed: int) -> Sample:
@@ -213,7 +212,9 @@ def damaged(content: bytes, seed: int) -> bytes:
         if not content:
             break
         damage = DAMAGES[int(generator.integers(len(DAMAGES)))]
-        content = (restructured if structured else damage)(content, generator)
+        changed = restructured(content, generator) if structured else content
+        # of some files no structure is known
+        content = damage(content, generator) if changed == content else changed
     return content
 
 

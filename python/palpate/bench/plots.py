@@ -46,6 +46,7 @@ BLUE, SKY, VERMILION, ORANGE, GREEN, GREY = (
 STYLE: dict[str, dict[str, Any]] = {
     "exact": {"color": BLUE, "marker": "o"},
     "exact, intensities": {"color": GREEN, "marker": "D"},
+    "exact, range's end": {"color": GREEN, "marker": "d"},
     "exact, r 1": {"color": BLUE, "marker": "1"},
     "exact, r 2": {"color": BLUE, "marker": "2"},
     "exact, r 5": {"color": BLUE, "marker": "3"},
@@ -149,7 +150,9 @@ def plot_quality(rows: Iterable[Row], path: Path) -> None:
             panel.set_yscale("log")
             for nth, touch in enumerate(TOUCHES):
                 points = _points(by_key, touch, grid, metric=metric)
-                _draw_touch(panel, touch, points, least=least, shift=0.1 * (nth - 3.5))
+                _draw_touch(
+                    panel, touch, points, least=least, shift=0.09 * (nth - 0.5 * (len(TOUCHES) - 1))
+                )
         line[0].set_ylabel(label)
     for panel, grid in zip(axes[0], GRIDS, strict=True):
         panel.set_title(f"{'cubes' if grid == GRIDS[0] else f'{grid} mm'}, 5 h deep, 0.2 h a move")

@@ -6,7 +6,9 @@ and probe are compared with the true surface. The loops run in the engine, on on
 
 ``exact`` is the servo with a point on a segment made from a mask; "exact, intensities" is one on a
 segment made by a threshold: bodies then are partial volumes with the threshold at one half. "exact,
-r N" is a ball of N h, whose centre goes as deep and is compared with the body dilated by it.
+range's end" is the same with a threshold up to the scan's highest value, which all of the body has,
+made in a session's scene. "exact, r N" is a ball of N h, whose centre goes as deep and is compared
+with the body dilated by it.
 ``stairs`` is ``exact`` with the force of the hard proxy; the thesis' models as printed follow the
 same paths.
 """

@@ -68,7 +68,10 @@ def _packed(form: str, generator: Generator) -> bytes:
     """Returns a number that hardly can be, in a form."""
     if form[1] in "fd":
         value: float = _one_of(FLOATS, generator)
-        return struct.pack(form, value if form[1] == "d" else np.float32(value).item())
+        try:
+            return struct.pack(form, value)
+        except OverflowError:
+            return struct.pack(form, float("inf"))
     width = 8 * struct.calcsize(form)
     number = _one_of(NUMBERS, generator) & (1 << width) - 1
     return number.to_bytes(width // 8, "big" if form[0] == ">" else "little")
@@ -201,6 +204,8 @@ def _glb(content: bytes, generator: Generator) -> bytes:
 
 def _line(content: bytes, generator: Generator) -> bytes:
     """Changes a value of a header of lines, of JSON, of YAML or of a table; or a whole line."""
+    if not re.match(rb"[\t\r\n -~]{8}", content):
+        return content
     head, rest = content[:TEXT_HEADER], content[TEXT_HEADER:]
     change: Callable[[bytes, Generator], bytes] = _token if generator.random() < 0.8 else _whole
     return change(head, generator) + rest

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,11 +11,13 @@ from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import (
     AnotherPatient,
     Fill,
+    Frame,
     MaxVoxels,
     Orientation,
     Raw,
     Resample,
     Series,
+    Strict,
     Unit,
     VoxelSize,
 )
@@ -24,7 +25,6 @@ from palpate.cli.reading_options import Reading
 
 if TYPE_CHECKING:
     from palpate.cli.import_scan_run import Writing
-    from palpate.io.browse import Choice
     from palpate.io.dicomweb.address import WebAddress
     from palpate.io.dicomweb.series import RemoteSeries
     from palpate.volumes.volume import Volume
@@ -69,6 +69,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     ] = None,
     study: Annotated[str | None, typer.Option(help="UID of the study, with --dicomweb.")] = None,
     series: Series = None,
+    frame: Frame = None,
     volume: Annotated[
         str | None,
         typer.Option(
@@ -100,6 +101,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     orientation: Orientation = None,
     unit: Unit = None,
     fill: Fill = None,
+    strict: Strict = False,
     raw: Raw = None,
     voxel_size: VoxelSize = None,
     max_voxels: MaxVoxels = 1024**3,
@@ -126,9 +128,11 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         raise OptionError("--segments given; allowed: with --output FILE")
     reading = Reading(
         series=series if dicomweb is None else volume,
+        frame=frame,
         orientation=orientation,
         unit=unit,
         fill=fill,
+        strict=strict,
         raw=raw,
         voxel_size=voxel_size,
         max_voxels=max_voxels,
@@ -163,6 +167,7 @@ def _import_files(
     as_json: bool,
 ) -> None:
     from palpate.cli.import_scan_run import read_or_list, write_import
+    from palpate.cli.series import of_choices
 
     files: list[dict[str, Any]] = []
     with quiet_libraries(), Display() as display:
@@ -170,7 +175,7 @@ def _import_files(
         if writing is not None and not isinstance(found, list):
             files = write_import(found, writing, progress=display)
     if isinstance(found, list):
-        rows = [_of_choice(*each) for each in enumerate(found, 1)]
+        rows = of_choices(found)
         _tell_list(rows, parts=None if every else [one.part for one in found], as_json=as_json)
     else:
         _tell_scan(found, files, as_json=as_json)
@@ -241,24 +246,6 @@ def _tell_scan(volume: Volume, files: list[dict[str, Any]], *, as_json: bool) ->
     print_table(volume)
     for file in files:
         typer.echo(f"{file['file']}: {file['bytes'] / 2**20:.1f} MiB, {file['holds']}")
-
-
-def _of_choice(number: int, one: Choice) -> dict[str, Any]:
-    columns, rows, slices = one.size or (None, None, None)
-    return {
-        "number": number,
-        "patient": one.patient,
-        "study": one.study,
-        "series": one.name,
-        "modality": one.modality,
-        "slices": slices,
-        "columns": columns,
-        "rows": rows,
-        "spacing_mm": None if one.spacing is None else list(one.spacing),
-        "bytes": 2 * math.prod(one.size) if one.size else None,
-        "uid": one.uid,
-        "refused": one.refused,
-    }
 
 
 def _of_remote(number: int, one: RemoteSeries) -> dict[str, Any]:

@@ -79,7 +79,7 @@ def read_or_list(
     try:
         return reading.read(paths, progress)
     except SeriesChoiceError:
-        if choose or reading.series is not None:
+        if choose or reading.series is not None or reading.frame is not None:
             raise
     if len(paths) > 1:
         return choices_among(paths, progress=progress)

@@ -10,6 +10,7 @@ import typer
 __all__ = [
     "Browser",
     "Fill",
+    "Frame",
     "MaxVoxels",
     "Mesh",
     "MeshFrame",
@@ -25,6 +26,7 @@ __all__ = [
     "ScanOrNone",
     "Segments",
     "Series",
+    "Strict",
     "Threshold",
     "Transform",
     "Unit",
@@ -35,7 +37,7 @@ __all__ = [
 Scan = Annotated[
     Path,
     typer.Argument(
-        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage, MINC or other image file; "
         "folder of PNG or TIFF slices.",
         metavar="PATH",
     ),
@@ -43,7 +45,7 @@ Scan = Annotated[
 ScanOrNone = Annotated[
     Path | None,
     typer.Argument(
-        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage, MINC or other image file; "
         "folder of PNG or TIFF slices; saved scene. Without a path, the page asks "
         "for a scan.",
         metavar="[PATH]",
@@ -51,6 +53,10 @@ ScanOrNone = Annotated[
 ]
 Series = Annotated[
     str | None, typer.Option(help="DICOM series to read: UID, description, or number in the list.")
+]
+Frame = Annotated[
+    int | None,
+    typer.Option(help="Volume of an image file that holds several, such as times; 1 is the first."),
 ]
 Orientation = Annotated[
     str | None,
@@ -75,6 +81,9 @@ VoxelSize = Annotated[
     ),
 ]
 Fill = Annotated[float | None, typer.Option(help="Value that replaces NaN and infinity.")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse scans with NaN or infinity, without --fill.")
+]
 MaxVoxels = Annotated[int, typer.Option(help="Refuse scans with more voxels than this.")]
 Threshold = Annotated[
     str | None,

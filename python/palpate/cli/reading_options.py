@@ -10,7 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 from palpate.base.typed_numbers import parse_voxel_size
-from palpate.cli.options import Fill, MaxVoxels, Orientation, Raw, Series, Unit, VoxelSize
+from palpate.cli.options import (
+    Fill,
+    Frame,
+    MaxVoxels,
+    Orientation,
+    Raw,
+    Series,
+    Strict,
+    Unit,
+    VoxelSize,
+)
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
@@ -30,9 +40,11 @@ class Reading:
     """
 
     series: Series = None
+    frame: Frame = None
     orientation: Orientation = None
     unit: Unit = None
     fill: Fill = None
+    strict: Strict = False
     raw: Raw = None
     voxel_size: VoxelSize = None
     max_voxels: MaxVoxels = 1024**3
@@ -52,9 +64,11 @@ class Reading:
         return read(
             path,
             series=self.series,
+            frame=self.frame,
             orientation=self.orientation,
             unit=self.unit,
             fill=self.fill,
+            strict=self.strict,
             raw=self.raw,
             voxel_size=parse_voxel_size(self.voxel_size),
             max_voxels=self.max_voxels,

@@ -99,6 +99,12 @@ def register(  # noqa: PLR0913  # one per option of the command line
     moving_series: Annotated[
         str | None, typer.Option(help="DICOM series of the moving scan.")
     ] = None,
+    fixed_frame: Annotated[
+        int | None, typer.Option(help="Volume of a fixed image file that holds several.")
+    ] = None,
+    moving_frame: Annotated[
+        int | None, typer.Option(help="Volume of a moving image file that holds several.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Register one scan to another."""
@@ -121,8 +127,8 @@ def register(  # noqa: PLR0913  # one per option of the command line
     pairs = None if landmarks is None else read_landmarks(landmarks)
     options = _options(knots=knots, iterations=iterations, samples=samples, seed=seed)
     with quiet_libraries(), Display() as display:
-        still = read(fixed, series=fixed_series, progress=display)
-        other = read(moving, series=moving_series, progress=display)
+        still = read(fixed, series=fixed_series, frame=fixed_frame, progress=display)
+        other = read(moving, series=moving_series, frame=moving_frame, progress=display)
         found = search(
             still,
             other,

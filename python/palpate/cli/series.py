@@ -1,7 +1,8 @@
-"""``palpate series``: which scans a DICOM folder or archive holds."""
+"""``palpate series``: which scans a DICOM folder or archive holds, or volumes an image file."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,25 +12,41 @@ import typer
 from palpate.base.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
+    from palpate.io.browse import Choice
     from palpate.io.dicom.header import Series
 
-__all__ = ["describe", "folded", "print_series", "series"]
+__all__ = ["describe", "folded", "of_choices", "print_series", "series"]
 
 
 def series(
-    path: Annotated[Path, typer.Argument(help="DICOM folder or zip archive.", metavar="PATH")],
+    path: Annotated[
+        Path,
+        typer.Argument(
+            help="DICOM folder or zip archive; image file of several volumes.", metavar="PATH"
+        ),
+    ],
     *,
     every: Annotated[
         bool, typer.Option("--all", help="List every volume of a series that holds many.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON list.")] = False,
 ) -> None:
-    """List the series of a DICOM folder, with the values that --series accepts."""
+    """List the series of a DICOM folder, or the volumes of an image file, as --frame takes them."""
+    from palpate.base.errors import VolumeFormatError
+    from palpate.io.archive import is_archive
+    from palpate.io.browse import browsed
     from palpate.io.reading import list_series
 
+    listed: Sequence[Series | Choice]
     with quiet_libraries(), Display() as display:
-        listed = list_series(path, progress=display)
-    found = [describe(number, one) for number, one in enumerate(listed, 1)]
+        if path.is_file() and not is_archive(path):
+            with browsed(path, progress=display) as choices:
+                if choices[0].refused is not None:
+                    raise VolumeFormatError(choices[0].refused)
+                listed, found = choices, of_choices(choices)
+        else:
+            listed = list_series(path, progress=display)
+            found = [describe(number, one) for number, one in enumerate(listed, 1)]
     if as_json:
         import json
 
@@ -54,6 +71,31 @@ def describe(number: int, one: Series) -> dict[str, Any]:
     }
 
 
+def of_choices(choices: Sequence[Choice]) -> list[dict[str, Any]]:
+    """Returns what is known of scans, ready for JSON; volumes of one image file share a number."""
+    rows: list[dict[str, Any]] = []
+    number = 0
+    for one in choices:
+        number += one.frame in (None, 1)
+        columns, lines, slices = one.size or (None, None, None)
+        row = {
+            "number": number,
+            "patient": one.patient,
+            "study": one.study,
+            "series": one.name,
+            "modality": one.modality,
+            "slices": slices,
+            "columns": columns,
+            "rows": lines,
+            "spacing_mm": None if one.spacing is None else list(one.spacing),
+            "bytes": 2 * math.prod(one.size) if one.size else None,
+            "uid": one.uid,
+            "refused": one.refused,
+        }
+        rows.append(row if one.frame is None else row | {"frame": one.frame})
+    return rows
+
+
 def folded(found: list[dict[str, Any]], parts: Sequence[str]) -> list[dict[str, Any]]:
     """Returns rows of a list with many volumes of one series as one, by the ``parts`` they are."""
     from palpate.io.dicom.series_folds import folds
@@ -68,8 +110,9 @@ def folded(found: list[dict[str, Any]], parts: Sequence[str]) -> list[dict[str, 
         row = found[places[0]]
         if len(places) > 1:
             first, last = parts[places[0]], parts[places[-1]]
+            numbers = f"{places[0] + 1} to {places[-1] + 1}"
             row = row | {
-                "number": f"{places[0] + 1} to {places[-1] + 1}",
+                "number": row["number"] if "frame" in row else numbers,
                 "series": f"{wholes[places[0]]}{len(places)} volumes: {first} to {last}",
             }
         rows.append(row)

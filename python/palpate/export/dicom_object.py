@@ -48,6 +48,9 @@ def new_object(source: DicomSource, sop_class: str, *, modality: str, series: in
     for name in OF_STUDY:
         if name in source.first:
             made.add(source.first[name])
+    if "PositionReferenceIndicator" not in made:
+        # there, if empty (type 2), wherever a frame of reference is
+        made.PositionReferenceIndicator = ""
     made.SOPClassUID, made.SOPInstanceUID = sop_class, generate_uid()
     made.SeriesInstanceUID, made.Modality = generate_uid(), modality
     made.SeriesNumber, made.InstanceNumber = series_number(source, series), 1

@@ -17,10 +17,11 @@ import numpy as np
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.io.archive import is_archive, unpacked
-from palpate.io.dicom.header import Header, damage_told, frame_of
+from palpate.io.dicom.header import Header, Series, damage_told, frame_of
 from palpate.io.dicom.mark import read_dataset
 from palpate.io.dicom.reading import volumes_of
 from palpate.io.dicom.series import choose_series, is_dicom, series_in
+from palpate.io.dicom.usable import usable
 from palpate.volumes.volume import Volume
 
 if TYPE_CHECKING:
@@ -98,27 +99,28 @@ def dicom_source(volume: Volume, *, complete: bool, progress: Progress) -> Itera
     path, series = source.path, source.options.get("series")
     if is_archive(path):
         with unpacked(path, progress) as folder:
-            yield _source(volume, _headers(folder, series, progress), complete=complete)
+            chosen, _ = choose_series(folder, series_in(folder, progress=progress)[0], series)
+            yield _source(volume, _used(path, chosen), complete=complete)
     elif path.is_dir():
-        yield _source(volume, _headers(path, series, progress), complete=complete)
+        chosen, _ = choose_series(path, series_in(path, progress=progress)[0], series)
+        yield _source(volume, _used(path, chosen), complete=complete)
     elif is_dicom(path):
         chosen, _ = choose_series(path, volumes_of(path), series)
-        yield _source(volume, chosen.headers, complete=complete)
+        yield _source(volume, _used(path, chosen), complete=complete)
     else:
         raise OptionError(f"the scan {path} is no DICOM series; {ELSEWHERE}")
 
 
-def _headers(folder: Path, series: str | None, progress: Progress) -> tuple[Header, ...]:
-    found, _ = series_in(folder, progress=progress)
-    return choose_series(folder, found, series)[0].headers
+def _used(path: Path, chosen: Series) -> tuple[Header, ...]:
+    """Returns the files of a series whose slices are the scan's."""
+    return usable(str(path), chosen)[0].headers
 
 
 def _source(volume: Volume, headers: tuple[Header, ...], *, complete: bool) -> DicomSource:
-    once = {header.instance or str(header.path): header for header in reversed(headers)}
-    files = tuple(sorted(header.path for header in once.values()))
+    files = tuple(sorted(header.path for header in headers))
     images = tuple(_read(path) for path in files)
     _complete(images, volume, complete=complete)
-    taken = {header.path: header.taken for header in once.values()}
+    taken = {header.path: header.taken for header in headers}
     return DicomSource(files, images, _slices(volume, images, tuple(taken[path] for path in files)))
 
 
@@ -131,8 +133,7 @@ def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) ->
     from pydicom.uid import generate_uid
 
     made = {name: generate_uid() for name in IDENTIFIERS}
-    names = (*IDENTIFIERS, "SOPInstanceUID", "SOPClassUID")
-    lacking = [name for name in names if not all(image.get(name) for image in images)]
+    lacking = _lacking(images)
     if lacking and not complete:
         raise OptionError(
             f"the scan's files have no {' and no '.join(lacking)}, so nothing can refer to them; "
@@ -145,15 +146,23 @@ def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) ->
             for name in IDENTIFIERS:
                 if name in lacking:
                     setattr(image, name, made[name])
-            if "SOPInstanceUID" in lacking:
+            if "SOPInstanceUID of their own" in lacking:
                 image.SOPInstanceUID = generate_uid()
             if "SOPClassUID" in lacking:
                 image.SOPClassUID = IMAGE_CLASSES.get(str(image.get("Modality")), SECONDARY)
             for name in NEEDED:
                 if name not in image:
                     setattr(image, name, "")
-            if "SliceThickness" not in image:
+            if not image.get("SliceThickness"):
                 image.SliceThickness = f"{volume.spacing[2]:.6g}"
+
+
+def _lacking(images: tuple[Dataset, ...]) -> list[str]:
+    """Lists identifiers that files lack, or share though they have to have one of their own."""
+    names = (*IDENTIFIERS, "SOPClassUID")
+    lacking = [name for name in names if not all(image.get(name) for image in images)]
+    own = {image.get("SOPInstanceUID") for image in images} - {None, ""}
+    return lacking if len(own) == len(images) else [*lacking, "SOPInstanceUID of their own"]
 
 
 def _slices(

@@ -25,7 +25,7 @@ from palpate.export.image import IMAGE_SUFFIXES, write_label_map, write_scan
 from palpate.export.masks import written_segments
 from palpate.export.seg_nrrd import write_seg_nrrd
 from palpate.io.dicom.header import damage_told
-from palpate.volumes.scene import Scene, SceneSegment
+from palpate.volumes.scene import Scene, SceneSegment, require_scene
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -120,6 +120,7 @@ def export_scene(
         StillIdentifiedError: De-identified files would still contain the patient's name.
         OSError: The file cannot be written; an existing one stays as it was.
     """
+    require_scene(scene)
     target = Path(path)
     chosen = kind_of(target, has_segments=len(scene) > 0) if kind is None else kind
     check_export(target, chosen, keep_identity=keep_identity)
@@ -164,6 +165,7 @@ def _export_folder(
             "the scan is as it was read, and there are no segments to write; allowed: with "
             "--segments FILE or --threshold LOW,HIGH, or without --keep-identity to share the scan"
         )
+    lost: list[str] = []
     with (
         dicom_source(scene.volume, complete=not keep, progress=progress) as source,
         whole_folder(path) as folder,
@@ -177,12 +179,17 @@ def _export_folder(
             for number, made in enumerate(make_series(scene.volume, source)):
                 progress(f"writing {count} edited slices", number / count)
                 _save(made, folder / "edited" / f"{number + 1:05}.dcm", share)
+            if scene.volume.exact is not None:
+                lost.append(
+                    f"values of edited slices are rounded to steps of {scene.volume.slope:.4g}; "
+                    ".nrrd keeps them"
+                )
         if segments:
             progress("writing segments", None)
             made = make_seg(segments, scene.volume, source, kind="BINARY")
             _save(made, folder / "segments.dcm", share)
             _save(make_rtstruct(segments, scene.volume, source), folder / "structures.dcm", share)
-    return []
+    return lost
 
 
 def _copy_scan(

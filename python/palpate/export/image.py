@@ -27,11 +27,9 @@ __all__ = ["IMAGE_SUFFIXES", "write_image", "write_label_map", "write_scan"]
 
 IMAGE_SUFFIXES = (".nii.gz", ".nii", ".nrrd", ".mha")
 
-I16 = np.iinfo(np.int16)
-
 
 def write_scan(volume: Volume, path: Path) -> None:
-    """Writes the values of a scan [its unit]: whole ones that fit as int16, others as float32.
+    """Writes the values of a scan [its unit]: whole ones as integers, others as floats.
 
     Raises:
         OSError: The disk refuses it.
@@ -76,18 +74,29 @@ def write_image(array: NDArray[Any], volume: Volume, path: Path) -> None:
             again = sitk.ReadImage(str(unfinished))
         except RuntimeError as error:
             raise OSError(errno.EIO, f"cannot be written ({reason_of(error)})", path) from None
-        if not np.array_equal(sitk.GetArrayViewFromImage(again), array):
+        if not _is_same(sitk.GetArrayViewFromImage(again), array):
             raise OSError(errno.EIO, "was not written as it should be; is the disk full?", path)
 
 
+def _is_same(again: NDArray[Any], array: NDArray[Any]) -> bool:
+    # ITK takes NaN of NIfTI files for 0
+    same = (again == array) | np.isnan(array) if array.dtype.kind == "f" else again == array
+    return bool(np.all(same))
+
+
 def _values(volume: Volume) -> NDArray[Any]:
-    slope, intercept = volume.slope, volume.intercept
-    low, high = (volume.value_of(end) for end in (int(volume.array.min()), int(volume.array.max())))
-    whole = float(slope).is_integer() and float(intercept).is_integer()
-    if whole and I16.min <= min(low, high) and max(low, high) <= I16.max:
-        return (volume.array.astype(np.int32) * int(slope) + int(intercept)).astype(np.int16)
-    values: NDArray[Any] = (volume.array * np.float64(slope) + intercept).astype(np.float32)
-    return values
+    """Returns values as they were read, whole ones in the narrowest integers that hold them."""
+    values = volume.values()
+    if values.dtype.kind not in "iu":
+        return values
+    low, high = volume.range
+    kind = next(
+        kind
+        for kind in (np.int16, np.uint16, np.int32, np.int64, values.dtype)
+        if np.iinfo(kind).min <= low and high <= np.iinfo(kind).max
+    )
+    narrow: NDArray[Any] = values.astype(kind, copy=False)
+    return narrow
 
 
 def _write_names(segments: Sequence[SceneSegment], path: Path) -> None:

@@ -24,13 +24,15 @@ from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import read_slice
 from palpate.io.dicom.reading import plan_of, volumes_of
 from palpate.io.dicom.series import MOST_FILES, called_of, is_dicom, series_among, series_in
-from palpate.io.image_file import check_own_voxels, header_of, image_files, middle_of
+from palpate.io.image_file import check_own_voxels, form_of, header_of, image_files, middle_of
 from palpate.io.preview import preview
 
 __all__ = ["Choice", "browsed", "choices_among", "previews"]
 
 MOST_IMAGES = 200
 """Image files of one folder that are listed."""
+MOST_PICTURED = 32
+"""Volumes of one image file that have pictures: each is unpacked from the start of the file."""
 MOST_THREADS = 4
 LARGEST = 1024**3
 """Voxels, as ``palpate.io.read`` has it."""
@@ -48,6 +50,7 @@ class MiddleOf:
     header: Header | None = None
     """Of DICOM; None for image files."""
     frame: int = 0
+    """Of its frames from 0; of the volumes of image files from 1."""
     pixel: tuple[float, float] = (1.0, 1.0)
     """Between columns, between rows [mm], of image files."""
 
@@ -60,8 +63,8 @@ class MiddleOf:
         if self.header is not None:
             between = self.header.frames[self.frame].pixel_spacing or (1.0, 1.0)
             return preview(read_slice(self.header, self.frame), (between[1], between[0]))
-        with looking_at(self.path, "an image file"):
-            return preview(middle_of(self.path), self.pixel)
+        with looking_at(self.path, form_of(self.path)):
+            return preview(middle_of(self.path, max(1, self.frame)), self.pixel)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +75,8 @@ class Choice:
     """What ``palpate.io.read`` takes."""
     series: str | None = None
     """Which series of it, as ``read`` takes it."""
+    frame: int | None = None
+    """Which volume of an image file with several, as ``read`` takes it."""
     patient: str = ""
     study: str = ""
     name: str
@@ -118,7 +123,7 @@ def _at(path: Path, *, progress: Progress) -> list[Choice]:
         found = volumes_of(path)
         # a single one needs no name
         return _series(path, found) if len(found) > 1 else [_of_series(path, found[0], None)]
-    return [_image(path, path.name)]
+    return _image(path, path.name)
 
 
 def previews(
@@ -126,7 +131,9 @@ def previews(
 ) -> Iterator[tuple[int, NDArray[np.uint8]]]:
     """Yields pictures of choices as they are made, with the number of each; none that fail."""
     wanted = {
-        number: choice.picture for number, choice in enumerate(choices) if choice.refused is None
+        number: choice.picture
+        for number, choice in enumerate(choices)
+        if choice.refused is None and choice.picture is not _nothing
     }
     here = {number: one for number, one in wanted.items() if isinstance(one, MiddleOf)}
     left = dict(here)
@@ -203,8 +210,9 @@ def _in_folder(folder: Path, *, progress: Progress, called: Path | None = None) 
     return [
         *_series(called or folder, found),
         *(
-            _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
+            one
             for path in images
+            for one in _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
         ),
     ]
 
@@ -213,7 +221,9 @@ def _in_archive(archive: Path, folder: Path, *, progress: Progress) -> list[Choi
     listed = _in_folder(folder, progress=progress, called=archive)
     # an image file is one of the archive's, by its name in it
     return [
-        one if one.path == archive else replace(one, path=archive, series=one.name)
+        one
+        if one.path == archive
+        else replace(one, path=archive, series=one.path.relative_to(folder).as_posix())
         for one in listed
     ]
 
@@ -257,21 +267,36 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
 # --- image files --------------------------------------------------------------------------
 
 
-def _image(path: Path, name: str, *, packed: bool = False) -> Choice:
+def _image(path: Path, name: str, *, packed: bool = False) -> list[Choice]:
+    """Lists the volumes of an image file; most files hold one."""
     try:
         if packed:
             check_own_voxels(path)
-        with looking_at(path, "an image file"):
+        with looking_at(path, form_of(path)):
             header = header_of(path)
     except VolumeFormatError as error:
-        return Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)
-    return Choice(
+        return [Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)]
+    one = Choice(
         path=path,
         name=name,
         size=header.size,
         spacing=header.spacing,
         picture=MiddleOf(path, pixel=header.spacing[:2]),
     )
+    if header.frames == 1:
+        return [one]
+    return [
+        replace(
+            one,
+            name=f"{name}, volume {frame}",
+            part=f"volume {frame}",
+            frame=frame,
+            picture=MiddleOf(path, frame=frame, pixel=header.spacing[:2])
+            if frame <= MOST_PICTURED
+            else _nothing,
+        )
+        for frame in range(1, header.frames + 1)
+    ]
 
 
 def _nothing() -> NDArray[np.uint8]:

@@ -24,6 +24,7 @@ __all__ = [
     "FORMATS",
     "ImageHeader",
     "check_own_voxels",
+    "form_of",
     "header_of",
     "image_files",
     "is_beside",
@@ -41,6 +42,16 @@ FORMATS = {
     "afni": (".head", ".brik", ".brik.gz"),
 }
 """Each format's endings of files, small letters or capitals."""
+NAMES = {
+    "nifti": "NIfTI or Analyze",
+    "metaimage": "MetaImage",
+    "nrrd": "NRRD",
+    "minc": "MINC",
+    "mgh": "FreeSurfer",
+    "parrec": "PAR/REC",
+    "afni": "AFNI",
+}
+"""What people call them."""
 HALVES = (".img", ".img.gz", ".rec", ".brik", ".brik.gz")
 """Endings of voxels beside a header, which stands for both."""
 APPLE_DOUBLE = b"\x00\x05\x16\x07"
@@ -74,6 +85,12 @@ def image_files(folder: Path, *, among: int) -> list[Path]:
         # the two files of a pair are one scan: its header stands for it
         if not path.name.lower().endswith(HALVES) and not is_beside(path.name)
     )
+
+
+def form_of(path: Path) -> str:
+    """Returns what people call the format of a file, by its name."""
+    name = path.name.lower()
+    return next((NAMES[key] for key, ends in FORMATS.items() if name.endswith(ends)), "an image")
 
 
 def check_own_voxels(path: Path) -> None:
@@ -188,7 +205,10 @@ def _unknown(path: Path) -> VolumeFormatError:
     """Says what a file is that ITK knows and this module does not: it may be a picture."""
     from palpate.io.itk_image import ItkImage
 
-    image = ItkImage(path, "")
+    try:
+        image = ItkImage(path, "")
+    except VolumeFormatError:
+        return VolumeFormatError(f"{path} is no image; allowed: {ALLOWED}")
     image.check()
     check_shape(str(path), image.size, max_voxels=1 << 62)
     return VolumeFormatError(f"{path} is an image of another format; allowed: {ALLOWED}")

@@ -55,7 +55,7 @@ def open_nifti(path: Path) -> StoredImage:
     header, single = _header(path, block)
     module = nibabel()
     try:
-        number = header.get_data_dtype()
+        number = _number(header)
         slope, intercept = header.get_slope_inter()
         start = _start(header)
     except (module.spatialimages.HeaderDataError, ValueError, OverflowError) as error:
@@ -73,7 +73,7 @@ def open_nifti(path: Path) -> StoredImage:
         path=path,
         voxels=named if single else _beside(named, ".img"),
         size=size,
-        number=np.dtype(number),
+        number=number,
         # behind the header and the four bytes that tell of extensions
         start=max(start, len(bytes(header.binaryblock)) + 4) if single else start,
         scale=_scale(slope, intercept),
@@ -125,6 +125,23 @@ def _size(path: Path, dim: NDArray[Any]) -> tuple[int, ...]:
             "more voxels along each"
         )
     return tuple(size)
+
+
+def _number(header: Any) -> np.dtype[Any]:  # noqa: ANN401  # nibabel's
+    """Returns the type of the numbers; colours have fields.
+
+    Raises:
+        ValueError: There is no such type, or it is none of numbers.
+    """
+    code = int(header["datatype"])
+    number: np.dtype[Any]
+    try:
+        number = np.dtype(header.get_data_dtype())
+    except LookupError:
+        raise ValueError(f"numbers of datatype {code}") from None
+    if number.kind == "V" and number.names is None:
+        raise ValueError(f"numbers of datatype {code}")
+    return number
 
 
 def _start(header: Any) -> int:  # noqa: ANN401  # nibabel's

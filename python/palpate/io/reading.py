@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.base.errors import OptionError, PalpateError
+from palpate.base.damaged_file import damage_as
+from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
 from palpate.io.dicom.header import Series
@@ -16,7 +17,7 @@ from palpate.io.dicom.series import called_of
 from palpate.io.raw_scan import RawScan, check_place
 from palpate.io.scan_at import scan_at, series_at
 from palpate.volumes.orientation import direction_of, letters_of
-from palpate.volumes.stored_values import to_stored
+from palpate.volumes.stored_values import Stored, to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
 __all__ = ["list_series", "read"]
@@ -27,7 +28,7 @@ UNITS = ("HU",)
 """Units that a user can state for a scan."""
 
 
-def read(
+def read(  # noqa: PLR0913  # one for each thing that can be chosen
     path: Place | Sequence[Place],
     *,
     series: str | None = None,
@@ -35,6 +36,7 @@ def read(
     orientation: str | None = None,
     unit: str | None = None,
     fill: float | None = None,
+    strict: bool = False,
     raw: str | None = None,
     voxel_size: tuple[float, float, float] | None = None,
     max_voxels: int = 1024**3,
@@ -53,7 +55,10 @@ def read(
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not state them or is wrong.
         unit: "HU" where the values are known to be HU.
-        fill: Replacement for NaN and infinite values.
+        fill: Replacement for NaN and infinite values; without it such voxels have no value: they
+            are transparent, cannot be touched, and are left out of thresholds and statistics.
+        strict: Whether a scan with NaN or infinite values is refused instead, if there is no
+            ``fill``.
         raw: Layout of raw voxels, as SIZE,TYPE[,ORDER[,SKIP]], such as "256x256x113,int16,big"; for
             a folder, each file holds slices.
         voxel_size: Voxel size along x, y, z [mm], for raw voxels and pictures that do not state it.
@@ -92,17 +97,7 @@ def read(
         scan.unit = unit
 
     progress("storing values as 16 bits", None)
-    try:
-        stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
-    except PalpateError as error:
-        raise type(error)(f"{source}: {error}") from None
-    if stored.error > 0.0:
-        scan.warnings.append(
-            f"values are rounded to steps of {stored.scale.slope:.4g} {scan.unit}".rstrip()
-            + f", by at most {stored.error:.4g}, to fit 16 bits"
-        )
-    if stored.filled:
-        scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
+    stored = _stored(scan, source, fill=fill, strict=strict)
     if not scan.unit:
         scan.warnings.append("the unit of the values is unknown; give --unit HU if it is HU")
     volume = Volume(
@@ -112,6 +107,7 @@ def read(
         direction=scan.direction,
         slope=stored.scale.slope,
         intercept=stored.scale.intercept,
+        exact=stored.exact,
         traits=VolumeTraits(
             name=scan.name,
             description=scan.description,
@@ -133,6 +129,7 @@ def read(
         "orientation": orientation,
         "unit": unit,
         "fill": fill,
+        "strict": strict or None,
         "raw": raw,
         "voxel_size": voxel_size,
     }
@@ -140,6 +137,24 @@ def read(
     # several files have no place of their own to be read from again
     volume.source = Source(source.resolve(), given) if len(places) == 1 else None
     return volume
+
+
+def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) -> Stored:
+    """Returns the values of a scan as they are used; refuses those that are none where asked to."""
+    try:
+        with damage_as(VolumeFormatError, "values that are no numbers", allowed="real numbers"):
+            stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
+    except PalpateError as error:
+        raise type(error)(f"{source}: {error}") from None
+    if strict and stored.missing:
+        raise VolumeFormatError(
+            f"{source}: {stored.missing} of {stored.values.size} values are NaN or infinite; "
+            "allowed: finite values, a value to put in their place (fill), or no value there "
+            "(not strict)"
+        )
+    if stored.filled:
+        scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
+    return stored
 
 
 def list_series(path: Place | Sequence[Place], *, progress: Progress = silent) -> list[Series]:

@@ -23,7 +23,7 @@ from palpate.io.dicom.reading import (
     volumes_of,
 )
 from palpate.io.dicom.series import called_of, series_among, series_in
-from palpate.io.image_file import read_file
+from palpate.io.image_file import form_of, read_file
 from palpate.io.packed_images import image_of, read_unpacked
 from palpate.io.raw_scan import RawScan
 from palpate.io.raw_voxels import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
@@ -135,7 +135,7 @@ def _read(
     if source.is_dir():
         image = image_of(source, series, called=source, progress=progress)
         if image is not None:
-            with looking_at(image, "an image file"):
+            with looking_at(image, form_of(image)):
                 return read_file(image, frame=frame, max_voxels=max_voxels, progress=progress)
         _refuse_frame(source, frame)
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
@@ -158,7 +158,7 @@ def _read(
     if is_dicom(source):
         _refuse_frame(source, frame)
         return read_dicom_file(source, series=series, max_voxels=max_voxels, progress=progress)
-    with looking_at(source, "an image file"):
+    with looking_at(source, form_of(source)):
         return read_file(source, frame=frame, max_voxels=max_voxels, progress=progress)
 
 

@@ -1,7 +1,7 @@
 """Contours whose planes lie aslant to the slices of a scan: filled there, looked up from the scan.
 
 Each voxel of the scan takes what is at its centre. Between planes that is a shape between theirs
-(``contour_stack``), in steps of half a voxel.
+(``contour_stack``), in steps of the smallest voxel's edge.
 
 Frame: contours in LPS [mm]; ``across``, ``down`` and ``height`` are lengths along two directions in
 their planes and from plane to plane [mm].
@@ -86,7 +86,7 @@ def _looked_up(
     """
     pixel = stack.pixel[0]
     bottom, top = stack.ends
-    layers = max(1, math.ceil((top - bottom) / (0.5 * pixel)))
+    layers = max(1, math.ceil((top - bottom) / pixel))
     thick = (top - bottom) / layers
     empty = np.zeros(stack.sheets.shape[1:], np.uint8)
     found = (stack.at(bottom + (layer + 0.5) * thick) for layer in range(layers))

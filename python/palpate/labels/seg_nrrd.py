@@ -81,7 +81,12 @@ def _image_at(path: Path, *, progress: Progress) -> _Image:
         spacing=np.multiply(image.GetSpacing(), scale),
         origin=np.multiply(image.GetOrigin(), scale),
         direction=np.reshape(image.GetDirection(), (3, 3)),
-        fields={key: _text(image.GetMetaData(key)) for key in image.GetMetaDataKeys()},
+        # names that are no text cannot be asked for
+        fields={
+            key: _text(image.GetMetaData(key))
+            for key in image.GetMetaDataKeys()
+            if isinstance(key, str) and key.isprintable()
+        },
         told=told,
     )
 

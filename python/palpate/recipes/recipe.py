@@ -69,7 +69,9 @@ class Source:
     def wrong(self, where: str, why: object) -> OptionError:
         """Returns an error that names the line of a value, or of the nearest one around it."""
         while where not in self.lines and where != "$":
-            where = re.sub(r"(\.[^.\[]*|\[\d+\])$", "", where)
+            around = re.sub(r"(\.[^.\[]*|\[\d+\])$", "", where)
+            # the name of an option may be of any form
+            where = around if around != where else "$"
         return OptionError(f"{self.path}, line {self.lines.get(where, 1)}: {why}")
 
     @contextmanager

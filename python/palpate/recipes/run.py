@@ -89,9 +89,11 @@ def _scan(recipe: Recipe, written: list[Path], progress: Progress) -> Volume:
     return read(
         step.path,
         series=None if step.series is None else str(step.series),
+        frame=step.frame,
         orientation=step.orientation,
         unit=step.unit,
         fill=step.fill,
+        strict=step.strict,
         raw=step.raw,
         voxel_size=parse_voxel_size(step.voxel_size),
         progress=progress,
@@ -108,7 +110,7 @@ def _registered(
     """Brings another scan to the first one; returns the one to go on with."""
     told, written = log
     series = None if step.moving_series is None else str(step.moving_series)
-    moving = read(step.moving, series=series, progress=progress)
+    moving = read(step.moving, series=series, frame=step.moving_frame, progress=progress)
     found = register(
         fixed, moving, kind=step.kind, metric=step.metric, start=step.start, progress=progress
     )

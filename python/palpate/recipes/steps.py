@@ -26,9 +26,11 @@ class ImportStep(Step, frozen=True, kw_only=True):
 
     path: Path
     series: str | int | None = None
+    frame: int | None = None
     orientation: str | None = None
     unit: str | None = None
     fill: float | None = None
+    strict: bool = False
     raw: str | None = None
     voxel_size: str | None = None
 
@@ -64,6 +66,7 @@ class RegisterStep(Step, frozen=True, kw_only=True):
 
     moving: Path
     moving_series: str | int | None = None
+    moving_frame: int | None = None
     kind: RegistrationKind = "rigid"
     metric: Metric = "mutual-information"
     start: Literal["geometry", "centre", "moments"] = "centre"

@@ -42,6 +42,7 @@ from palpate.registration.options import (
 )
 from palpate.registration.search import Search
 from palpate.registration.start import first_guess, guess_of_matrix
+from palpate.volumes.resampled import resampled
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
@@ -209,29 +210,6 @@ def metric_for(fixed: Volume, moving: Volume) -> Metric:
     return "correlation" if both_ct else "mutual-information"
 
 
-def resampled(moving: Volume, fixed: Volume, transform: Any) -> Volume:  # noqa: ANN401  # SimpleITK's
-    """Returns a scan on the grid of another one, through a transform from that to it."""
-    sitk = simpleitk()
-    stored = moving.array
-    image = sitk.Resample(
-        image_on(moving, stored),
-        image_on(fixed, fixed.array),
-        transform,
-        sitk.sitkLinear,
-        float(stored.min() if moving.slope > 0.0 else stored.max()),
-        sitk.sitkInt16,
-    )
-    return Volume(
-        sitk.GetArrayFromImage(image),
-        spacing=fixed.spacing,
-        origin=fixed.origin,
-        direction=fixed.direction,
-        slope=moving.slope,
-        intercept=moving.intercept,
-        traits=moving.traits,
-    )
-
-
 def write_transform(transform: Any, path: Path) -> None:  # noqa: ANN401  # SimpleITK's
     """Writes a transform as ``.tfm``, whole or not.
 
@@ -261,10 +239,7 @@ def _matrix_of(linear: Any) -> Points:  # noqa: ANN401  # SimpleITK has no types
 
 def _image(volume: Volume) -> Any:  # noqa: ANN401  # SimpleITK has no types
     """Returns the values of a scan [its unit] as SimpleITK's image."""
-    values = volume.array.astype(np.float32)
-    values *= np.float32(volume.slope)
-    values += np.float32(volume.intercept)
-    return image_on(volume, values)
+    return image_on(volume, volume.intensities())
 
 
 def _mask(segment: Segment | None) -> Any:  # noqa: ANN401  # SimpleITK has no types

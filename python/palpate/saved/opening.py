@@ -30,6 +30,7 @@ def opening(
     path: Path,
     *,
     series: str | None = None,
+    frame: int | None = None,
     raw: str | None = None,
     voxel_size: tuple[float, float, float] | None = None,
     progress: Progress = silent,
@@ -43,7 +44,10 @@ def opening(
     if is_scene(path):
         saved = open_scene(path, progress=progress)
         return Opening(saved.scene(), saved, saved.messages)
-    return opening_of(read(path, series=series, raw=raw, voxel_size=voxel_size, progress=progress))
+    volume = read(
+        path, series=series, frame=frame, raw=raw, voxel_size=voxel_size, progress=progress
+    )
+    return opening_of(volume)
 
 
 def opening_of(volume: Volume) -> Opening:

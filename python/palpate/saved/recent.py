@@ -27,6 +27,8 @@ class Recent(msgspec.Struct, frozen=True):
     name: str
     when: str
     """ISO 8601, local time with its offset."""
+    frame: int | None = None
+    """Volume of an image file with several."""
     raw: str | None = None
     """Layout of raw voxels, as ``palpate.read`` takes it."""
     voxel_size: tuple[float, float, float] | None = None
@@ -52,10 +54,12 @@ def note_recent(volume: Volume, path: Path | None = None) -> None:
         series,
         volume.name,
         when,
+        frame=options.get("frame"),
         raw=options.get("raw"),
         voxel_size=options.get("voxel_size"),
     )
-    others = [one for one in _kept() if (one.path, one.series) != (newest.path, series)]
+    same = (newest.path, newest.series, newest.frame)
+    others = [one for one in _kept() if (one.path, one.series, one.frame) != same]
     keep(_file(), [newest, *others][:MOST])
 
 

@@ -7,7 +7,8 @@ A zip archive with
 - ``segments.journal``: voxels of segments, edits of the scan, poses and touch settings, as the head
   of a journal (``crates/tools/src/journal/file.rs``);
 - ``scan.i16``: the scan's stored values, x fastest, where the file is to be self-contained;
-- ``second.i16``: those of a second scan that is shown with it.
+- ``second.i16``: those of a second scan that is shown with it;
+- ``scan.exact``, ``second.exact``: the values themselves, where stored ones are rounded.
 
 Otherwise scans are links (``scene_scan``).
 """
@@ -33,6 +34,7 @@ from palpate.saved.scene_scan import (
     SavedScan,
     check_same,
     copied_scan,
+    exact_member,
     linked_scan,
     saved_scan,
 )
@@ -236,6 +238,9 @@ def _second(
 
 def _write_values(archive: zipfile.ZipFile, name: str, volume: Volume) -> None:
     archive.writestr(name, volume.array.astype("<i2", copy=False).tobytes())
+    if (exact := volume.exact) is not None:
+        little = exact.astype(exact.dtype.newbyteorder("<"), copy=False)
+        archive.writestr(exact_member(name), little.tobytes())
 
 
 def _about(path: Path, archive: zipfile.ZipFile) -> _About:

@@ -13,6 +13,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.base.errors import PalpateError, SceneFormatError
 from palpate.base.progress import Progress
@@ -21,10 +22,21 @@ from palpate.saved.scene_archive import check_size, member
 from palpate.volumes.scan_hash import scan_hash
 from palpate.volumes.volume import Volume, VolumeTraits
 
-__all__ = ["SavedScan", "check_same", "copied_scan", "linked_scan", "places_of", "saved_scan"]
+__all__ = [
+    "SavedScan",
+    "check_same",
+    "copied_scan",
+    "exact_member",
+    "linked_scan",
+    "places_of",
+    "saved_scan",
+]
+
+EXACT_TYPES = ("|u1", "|i1", "<u2", "<i2", "<u4", "<i4", "<u8", "<i8", "<f4", "<f8")
+"""Types of the values that are kept beside stored ones."""
 
 
-class SavedGrid(msgspec.Struct, frozen=True):
+class SavedGrid(msgspec.Struct, frozen=True, omit_defaults=True):
     """Geometry of a copied scan, and the meaning of its numbers."""
 
     dimensions: tuple[int, int, int]
@@ -36,6 +48,8 @@ class SavedGrid(msgspec.Struct, frozen=True):
     modality: str
     unit: str
     orientation_known: bool
+    exact: str = ""
+    """Type of the values that are kept as they were read, as NumPy names it; "" without any."""
 
 
 class SavedScan(msgspec.Struct, frozen=True):
@@ -71,6 +85,7 @@ def saved_scan(volume: Volume, path: Path, *, copied: bool) -> SavedScan:
             modality=volume.modality,
             unit=volume.unit,
             orientation_known=volume.traits.orientation_known,
+            exact="" if volume.exact is None else volume.exact.dtype.newbyteorder("<").str,
         ),
         copied=copied,
     )
@@ -83,17 +98,23 @@ def copied_scan(path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values
         SceneFormatError: The member is damaged.
     """
     grid = scan.grid
-    width, height, depth = grid.dimensions
-    check_size(path, archive, values, exact=2 * width * height * depth)
-    stored = np.frombuffer(member(path, archive, values), "<i2").reshape(depth, height, width)
+    stored = _array(path, archive, grid, name=values, kind="<i2")
+    kept = None
+    if grid.exact:
+        if grid.exact not in EXACT_TYPES:
+            raise SceneFormatError(
+                f"{path}: values of type {grid.exact!r} given; allowed: {', '.join(EXACT_TYPES)}"
+            )
+        kept = _array(path, archive, grid, name=exact_member(values), kind=grid.exact)
     try:
         return Volume(
-            stored.astype(np.int16, copy=False),
+            stored,
             spacing=grid.spacing,
             origin=grid.origin,
             direction=grid.direction,
             slope=grid.slope,
             intercept=grid.intercept,
+            exact=kept,
             traits=VolumeTraits(
                 name=scan.name,
                 modality=grid.modality,
@@ -103,6 +124,21 @@ def copied_scan(path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values
         )
     except PalpateError as error:
         raise SceneFormatError(f"{path}: {error}") from None
+
+
+def exact_member(values: str) -> str:
+    """Returns the name of the member with the values that a scan's stored ones are rounded from."""
+    return f"{values.partition('.')[0]}.exact"
+
+
+def _array(
+    path: Path, archive: zipfile.ZipFile, grid: SavedGrid, *, name: str, kind: str
+) -> NDArray[Any]:
+    """Returns the numbers of a member, on the grid and in the machine's order of bytes."""
+    width, height, depth = grid.dimensions
+    check_size(path, archive, name, exact=np.dtype(kind).itemsize * width * height * depth)
+    array = np.frombuffer(member(path, archive, name), kind).reshape(depth, height, width)
+    return array.astype(array.dtype.newbyteorder("="), copy=False)
 
 
 def places_of(path: Path, scan: SavedScan) -> list[Path]:

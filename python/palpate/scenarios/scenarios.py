@@ -112,7 +112,7 @@ def body_of_scan(
         OptionError: The label map does not fit the scan.
         EmptySegmentError: There is no voxel of bone.
     """
-    values = volume.slope * volume.array.astype(np.float32) + volume.intercept
+    values = volume.intensities()
     shift = RAW_SHIFT if volume.unit != "HU" and volume.range[0] >= 0.0 else 0.0
     solid = values > (volume.anchors.bone if bone is None else bone)
     body = values > AIR_END + shift

@@ -103,7 +103,7 @@ def covered(volume: Volume, brush: Brush, ends: tuple[Point, Point]) -> tuple[Bo
     mask: Mask = np.asarray(inside & (squared <= brush.radius**2 * (1.0 + TIE)))
     if brush.values is not None:
         low, high = brush.values
-        values = volume.array[box] * np.float32(volume.slope) + np.float32(volume.intercept)
+        values = volume.values(box)
         mask &= (values >= low) & (values <= high)
     return box, mask
 

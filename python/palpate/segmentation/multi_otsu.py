@@ -7,7 +7,12 @@ thresholds as ITK computes them.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from palpate.base.errors import EmptySegmentError, OptionError
 from palpate.base.simpleitk import simpleitk
@@ -38,18 +43,24 @@ def otsu(volume: Volume, *, classes: int = 2) -> list[Segment]:
     if classes not in CLASSES:
         allowed = ", ".join(map(str, CLASSES))
         raise OptionError(f"{classes} classes given; allowed: {allowed}")
+    parted = _classes if volume.exact is None else _kept_classes
+    ranges = parted(volume, classes)
+    return [
+        volume.threshold(first, last, name=f"Otsu {number} of {classes}")
+        for number, (first, last) in enumerate(ranges[1:], start=2)
+    ]
+
+
+def _classes(volume: Volume, classes: int) -> list[tuple[float, float]]:
+    """Returns the lowest and the highest value of each class, rising."""
     low, high = sorted(round((end - volume.intercept) / volume.slope) for end in volume.range)
     if high - low < classes - 1:
         raise EmptySegmentError(f"{volume.name} has too few values for {classes} classes")
-    sitk = simpleitk()
-    finder = sitk.OtsuMultipleThresholdsImageFilter()
-    finder.SetNumberOfThresholds(classes - 1)
-    finder.SetNumberOfHistogramBins(BINS)
-    finder.Execute(sitk.GetImageFromArray(volume.array))
     # a class ends with its threshold
-    ends = sorted(min(max(math.floor(end), low), high - 1) for end in finder.GetThresholds())
+    found = _thresholds(volume.array, classes)
+    ends = sorted(min(max(math.floor(end), low), high - 1) for end in found)
     stored = [low - 1, *ends, high]
-    ranges = sorted(
+    return sorted(
         (
             min(volume.value_of(first + 1), volume.value_of(last)),
             max(volume.value_of(first + 1), volume.value_of(last)),
@@ -57,7 +68,26 @@ def otsu(volume: Volume, *, classes: int = 2) -> list[Segment]:
         for first, last in pairwise(stored)
         if first < last
     )
-    return [
-        volume.threshold(first, last, name=f"Otsu {number} of {classes}")
-        for number, (first, last) in enumerate(ranges[1:], start=2)
-    ]
+
+
+def _kept_classes(volume: Volume, classes: int) -> list[tuple[float, float]]:
+    """Returns the same of values that are kept as they were read."""
+    values = volume.values()
+    low, high = volume.range
+    finite = values[~np.isnan(values)] if volume.missing else values.ravel()
+    found = sorted(_thresholds(finite.astype(np.float32)[None], classes))
+    ends = [end for end in found if low <= end < high]
+    if len(ends) < classes - 1:
+        raise EmptySegmentError(f"{volume.name} has too few values for {classes} classes")
+    firsts = [low, *(float(np.nextafter(np.float32(end), np.float32(np.inf))) for end in ends)]
+    return list(zip(firsts, [*map(float, map(np.float32, ends)), high], strict=True))
+
+
+def _thresholds(values: NDArray[Any], classes: int) -> Sequence[float]:
+    sitk = simpleitk()
+    finder = sitk.OtsuMultipleThresholdsImageFilter()
+    finder.SetNumberOfThresholds(classes - 1)
+    finder.SetNumberOfHistogramBins(BINS)
+    finder.Execute(sitk.GetImageFromArray(values))
+    thresholds: Sequence[float] = finder.GetThresholds()
+    return thresholds

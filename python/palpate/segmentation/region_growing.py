@@ -171,7 +171,7 @@ def _values(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Returns a part of the scan, and the same without its noise [unit of the scan]."""
     sitk = simpleitk()
-    raw = volume.array[box] * np.float32(volume.slope) + np.float32(volume.intercept)
+    raw = volume.intensities(box)
     image = sitk.GetImageFromArray(raw)
     image.SetSpacing(volume.spacing)
     image = sitk.DiscreteGaussian(

@@ -78,7 +78,7 @@ def grown_from_seeds(
         markers[mask] = number
     box = box_of(markers != 0, around, volume.spacing)
     sitk = simpleitk()
-    values = sitk.GetImageFromArray(volume.array[box].astype(np.float32) * np.float32(volume.slope))
+    values = sitk.GetImageFromArray(volume.intensities(box))
     values.SetSpacing(volume.spacing)
     progress("finding borders", None)
     gradient = sitk.GradientMagnitudeRecursiveGaussianImageFilter()

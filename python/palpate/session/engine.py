@@ -20,9 +20,16 @@ Point = Sequence[float] | NDArray[np.float64]
 """x, y, z in the scene, LPS [mm]."""
 
 
-def triple(numbers: Point) -> tuple[float, float, float]:
-    """Returns three numbers in the form that the engine takes."""
-    x, y, z = (float(number) for number in numbers)
+def triple(name: str, numbers: Point) -> tuple[float, float, float]:
+    """Returns three numbers in the form that the engine takes; ``name`` is their argument's.
+
+    Raises:
+        OptionError: They are not three numbers.
+    """
+    try:
+        x, y, z = (float(number) for number in numbers)
+    except (TypeError, ValueError):
+        raise OptionError(f"{name} {numbers!r} given; allowed: three numbers, x, y, z") from None
     return x, y, z
 
 

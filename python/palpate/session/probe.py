@@ -25,7 +25,7 @@ class SessionProbe:
             OptionError: The point is not finite.
         """
         with option_errors():
-            self._engine.hand(*triple(target))
+            self._engine.hand(*triple("target", target))
 
     def place(self, point: Point) -> tuple[float, float, float]:
         """Moves probe, device and hand to a point, or to the nearest free voxel [scene, mm].
@@ -37,7 +37,7 @@ class SessionProbe:
             OptionError: There is no free voxel near the point.
         """
         with option_errors():
-            return self._engine.place(*triple(point))
+            return self._engine.place(*triple("point", point))
 
     def view(self, *, right: Point, up: Point) -> None:
         """Aligns the axes of the device with those of the view (thesis 4.7).
@@ -50,7 +50,7 @@ class SessionProbe:
             OptionError: The axes are not perpendicular.
         """
         with option_errors():
-            self._engine.view(triple(right), triple(up))
+            self._engine.view(triple("right", right), triple("up", up))
 
     def settings(self, changes: TouchSettings | None = None) -> SettingsState:
         """Changes settings of touch within the limits of the device.

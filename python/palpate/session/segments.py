@@ -130,7 +130,7 @@ class SessionSegments:
             rotation: Rotation vector in scene axes [rad].
         """
         with option_errors():
-            self._engine.turn_grabbed(*triple(rotation))
+            self._engine.turn_grabbed(*triple("rotation", rotation))
 
     def cut(self, segment_id: int, point: Point, normal: Point) -> int:
         """Splits a segment by a plane of the scene; one step of undo.
@@ -150,7 +150,7 @@ class SessionSegments:
         """
         with option_errors():
             return self._regions.clear_for_new(
-                self._engine.cut(segment_id, triple(point), triple(normal))
+                self._engine.cut(segment_id, triple("point", point), triple("normal", normal))
             )
 
     def cut_along(self, segment_id: int, cut: PaintedCut) -> int:

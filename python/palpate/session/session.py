@@ -25,7 +25,7 @@ from palpate.session.segments import SessionSegments
 from palpate.session.soft_tissue import SessionSoftTissue
 from palpate.session.tools import SessionTools
 from palpate.session.touch_settings import TouchSettings
-from palpate.volumes.scene import Scene
+from palpate.volumes.scene import Scene, require_scene
 
 __all__ = ["Session", "SessionOptions"]
 
@@ -78,8 +78,9 @@ class Session:
             options: How the session runs.
 
         Raises:
-            OptionError: An option is out of range.
+            OptionError: An option is out of range, or there is no scene.
         """
+        require_scene(scene)
         self.scene = scene
         self.ids = list(range(1, len(scene) + 1))
         self.options = options or SessionOptions()

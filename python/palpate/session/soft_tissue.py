@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from palpate.base.errors import OptionError
 from palpate.session.deformation_state import ModelParts
 from palpate.session.engine import Engine, option_errors
 from palpate.session.model_options import Deformation, ModelOptions
@@ -98,6 +99,11 @@ class SessionSoftTissue:
                     self._engine.set_material(segment_id, undoable)
                 case Material():
                     self._engine.set_material(segment_id, undoable, constant=tuple(material))
+                case _:
+                    raise OptionError(
+                        f"material {material!r} given; allowed: a Material, a LinearMaterial, a "
+                        "name of palpate.material_presets(), or None"
+                    )
 
     def set_regions(self, segment_id: int, regions: Sequence[Region]) -> None:
         """Sets how regions of a segment with a material take part in deformation.

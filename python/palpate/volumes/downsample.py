@@ -42,13 +42,16 @@ def merged(
 
     spacing = np.array(volume.spacing)
     larger = spacing * count[::-1]
+    kept = volume.exact is None
     larger_volume = Volume(
-        np.rint(mean(volume.array.astype(np.float32))).astype(np.int16),
+        np.rint(mean(volume.array.astype(np.float32))).astype(np.int16)
+        if kept
+        else mean(volume.values().astype(np.float32)),
         spacing=larger.tolist(),
         origin=(np.array(volume.origin) + volume.direction @ ((larger - spacing) / 2)).tolist(),
         direction=volume.direction,
-        slope=volume.slope,
-        intercept=volume.intercept,
+        slope=volume.slope if kept else 1.0,
+        intercept=volume.intercept if kept else 0.0,
         traits=VolumeTraits(
             name=volume.name,
             modality=volume.modality,

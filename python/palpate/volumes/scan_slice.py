@@ -63,10 +63,9 @@ class ScanSlice:
     @cached_property
     def values(self) -> NDArray[np.float32]:
         """Values of the slice [unit of the scan], shape [rows, columns]."""
-        stored = np.take(self.volume.array, self.number, axis=2 - self.axis).astype(np.float32)
-        values: NDArray[np.float32] = stored * np.float32(self.volume.slope)
-        values += np.float32(self.volume.intercept)
-        return values
+        region: list[slice | int] = [slice(None)] * 3
+        region[2 - self.axis] = self.number
+        return self.volume.intensities(tuple(region))
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -27,6 +27,7 @@ __all__ = [
     "SceneSegment",
     "choose_segment",
     "new_appearance",
+    "require_scene",
 ]
 
 PALETTE: tuple[Colour, ...] = (
@@ -101,8 +102,13 @@ class Scene:
         """Takes a scan and segments of it, each visible and touchable.
 
         Raises:
-            OptionError: A segment has another size than the scan.
+            OptionError: What is given is no scan, or a segment has another size than the scan.
         """
+        if not isinstance(volume, Volume):
+            raise OptionError(
+                f"volume of type {type(volume).__name__} given; allowed: a Volume, as "
+                "palpate.read and palpate.Volume return it"
+            )
         self.volume = volume
         self.second: SecondScan | None = None
         """A second scan to show with it."""
@@ -138,6 +144,11 @@ class Scene:
         Raises:
             OptionError: It has another size than the scan, or there are too many segments.
         """
+        if not isinstance(segment, Segment):
+            raise OptionError(
+                f"segment of type {type(segment).__name__} given; allowed: a Segment, as "
+                "Volume.threshold and Volume.segment return it"
+            )
         if segment.has_own_grid:
             shown_as = "surface"
         elif segment.volume.dimensions != self.volume.dimensions:
@@ -156,6 +167,19 @@ class Scene:
         added = SceneSegment(segment, look, touchable)
         self._segments.append(added)
         return added
+
+
+def require_scene(scene: object) -> None:
+    """Refuses what is no scene.
+
+    Raises:
+        OptionError: It is none.
+    """
+    if not isinstance(scene, Scene):
+        raise OptionError(
+            f"scene of type {type(scene).__name__} given; allowed: a Scene, as "
+            "palpate.Scene(volume, [segment, …]) makes it"
+        )
 
 
 def choose_segment(scene: Scene, name: str | None) -> Segment:

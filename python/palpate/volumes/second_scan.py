@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.reader_process import apart
-from palpate.base.simpleitk import Transform, image_on, reason_of, simpleitk
+from palpate.base.simpleitk import Transform, reason_of, simpleitk
+from palpate.volumes.resampled import resampled
 from palpate.volumes.volume import Volume, VolumeTraits
 
 __all__ = ["SecondScan", "doubts_of", "placed", "read_transform"]
@@ -67,7 +68,7 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
         raise OptionError(f"a transform of {dimension} dimensions given; allowed: of 3")
     if transform.IsLinear():
         return SecondScan(second, _matrix_of(transform))
-    return SecondScan(_resampled(first, second, transform), before_resampling=second)
+    return SecondScan(resampled(second, first, transform), before_resampling=second)
 
 
 def doubts_of(first: Volume, second: SecondScan) -> tuple[str, ...]:
@@ -131,21 +132,3 @@ def _matrix_of(transform: Transform) -> NDArray[np.float64]:
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < LEAST_DETERMINANT:
         raise OptionError("a transform that flattens the scan given; allowed: one with an inverse")
     return matrix
-
-
-def _resampled(first: Volume, second: Volume, transform: Transform) -> Volume:
-    """Returns the second scan on the grid of the first one, with its lowest value outside of it."""
-    module = simpleitk()
-    reference = image_on(first, first.array)
-    moving = image_on(second, second.array)
-    lowest = float(second.array.min())
-    image = module.Resample(moving, reference, transform, module.sitkLinear, lowest)
-    return Volume(
-        module.GetArrayFromImage(image),
-        spacing=first.spacing,
-        origin=first.origin,
-        direction=first.direction,
-        slope=second.slope,
-        intercept=second.intercept,
-        traits=second.traits,
-    )

@@ -20,10 +20,14 @@ from palpate.base.errors import EmptySegmentError, OptionError, VolumeFormatErro
 from palpate.volumes.histogram import Anchors, Histogram, anchors
 from palpate.volumes.orientation import letters_of
 from palpate.volumes.segment import Segment
+from palpate.volumes.stored_values import Scale, to_stored
 
 __all__ = ["Source", "Volume", "VolumeTraits"]
 
+AXES = 3
 HISTOGRAM_BINS = 512
+Region = Any
+"""Part of an array [z, y, x] as NumPy's indices take it, such as a tuple of slices."""
 UNKNOWN_SIDES = (
     "nothing tells the orientation, so left and right may be swapped; give it with --orientation, "
     "such as LPS"
@@ -68,28 +72,37 @@ class Source:
 
 
 class Volume:
-    """Values of a scan, stored as int16 with ``value = slope * stored + intercept``."""
+    """Values of a scan on a grid.
+
+    Touch and the picture use them as int16, with ``value = slope * stored + intercept``. Where
+    these are rounded, the values themselves are kept beside them, for all that is read, compared
+    and written.
+    """
 
     def __init__(
         self,
-        values: NDArray[np.int16],
+        values: NDArray[Any],
         *,
         spacing: Sequence[float],
         origin: Sequence[float] = (0.0, 0.0, 0.0),
         direction: ArrayLike = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
         slope: float = 1.0,
         intercept: float = 0.0,
+        exact: NDArray[Any] | None = None,
         traits: VolumeTraits | None = None,
     ) -> None:
         """Places values in the patient.
 
         Args:
-            values: Stored values, shape [depth, height, width].
+            values: Numbers of any real type, shape [depth, height, width]. NaN and infinite ones
+                are no values: such voxels are transparent and cannot be touched.
             spacing: Distance of the centres of voxels along x, y, z [mm].
             origin: Centre of the first voxel in the patient, LPS [mm].
             direction: Axes of the grid in the patient as columns, shape [3, 3].
-            slope: Value of a step of the stored numbers [unit of the scan].
-            intercept: Value of a stored 0 [unit of the scan].
+            slope: Value of a step of the given numbers [unit of the scan].
+            intercept: Value of a given 0 [unit of the scan].
+            exact: Values [unit of the scan] that ``values`` of int16 are rounded from, NaN where
+                there is none, of the same shape.
             traits: Other properties of the scan.
 
         Raises:
@@ -100,14 +113,26 @@ class Volume:
         """Where it was read from; None where it was made."""
         self.edited = False
         """Whether its values differ from those that were read."""
-        self.spacing = _triple(spacing)
-        self.origin = _triple(origin)
-        self.direction = np.array(direction, dtype=np.float64)
+        self.spacing = _triple("spacing", spacing)
+        self.origin = _triple("origin", origin)
+        self.direction = _matrix(direction)
+        array = _checked(values)
+        if array.dtype != np.int16:
+            scaled = array if (slope, intercept) == (1.0, 0.0) else slope * array + intercept
+            stored = to_stored(scaled, file_scale=Scale(slope, intercept))
+            array, slope, intercept = stored.values, stored.scale.slope, stored.scale.intercept
+            exact = stored.exact
+            if exact is not None and np.may_share_memory(exact, values):
+                # whoever gave the array may go on changing it
+                exact = exact.copy()
         self.slope = float(slope)
         self.intercept = float(intercept)
+        self._exact = None if exact is None else exact.view()
+        if self._exact is not None:
+            self._exact.flags.writeable = False
         try:
             self._internal = _core.Volume(
-                np.ascontiguousarray(values, dtype=np.int16),
+                np.ascontiguousarray(array),
                 self.spacing,
                 self.origin,
                 tuple(float(cosine) for cosine in self.direction.ravel()),
@@ -152,9 +177,13 @@ class Volume:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what was assumed or lost in reading, and on an unknown orientation."""
+        """Sentences on what was assumed or lost in reading, on missing values and unknown sides."""
+        missing = (
+            f"{self.missing} of {self.array.size} values are NaN or infinite: taken as no value "
+            "(transparent, not touched, left out of thresholds and statistics)"
+        )
         sides = () if self.traits.orientation_known else (UNKNOWN_SIDES,)
-        return self.traits.warnings + sides
+        return self.traits.warnings + ((missing,) if self.missing else ()) + sides
 
     @property
     def dimensions(self) -> tuple[int, int, int]:
@@ -186,30 +215,86 @@ class Volume:
     @property
     def memory_bytes(self) -> int:
         """Memory that the values take [bytes]."""
-        return self.array.nbytes
+        return self.array.nbytes + (0 if self._exact is None else self._exact.nbytes)
 
     # --- what it holds --------------------------------------------------------------------
 
     @property
     def array(self) -> NDArray[np.int16]:
-        """The stored values, read-only, shape [depth, height, width]."""
+        """The stored values, read-only, shape [depth, height, width]; see ``values``."""
         return self._internal.values()
+
+    @property
+    def exact(self) -> NDArray[Any] | None:
+        """The values, read-only, NaN where there is none; None where ``array`` holds them all."""
+        return self._exact
+
+    def values(self, region: Region = ...) -> NDArray[Any]:
+        """Returns values [unit of the scan], NaN where there is none.
+
+        Args:
+            region: Part of the array [z, y, x], as NumPy's indices; the default is all of it.
+
+        Returns:
+            As they were read; whole ones that are stored as integers are integers, others floats.
+        """
+        if self._exact is not None:
+            return self._exact[region]
+        stored = self.array[region]
+        if not (self.slope.is_integer() and self.intercept.is_integer()):
+            return (stored * self.slope + self.intercept).astype(np.float32)
+        if (self.slope, self.intercept) == (1.0, 0.0):
+            return stored
+        ends = (abs(self.slope) * 2.0**15 + abs(self.intercept)) < 2.0**31
+        whole: NDArray[Any] = stored.astype(np.int32 if ends else np.int64)
+        whole *= int(self.slope)
+        whole += int(self.intercept)
+        return whole
+
+    def intensities(self, region: Region = ...) -> NDArray[np.float32]:
+        """Returns values for filters, which know no NaN: voxels without one are below all others.
+
+        Args:
+            region: Part of the array [z, y, x], as NumPy's indices; the default is all of it.
+        """
+        values = self.values(region).astype(np.float32)
+        if self.missing:
+            none = np.isnan(values)
+            values[none] = self.array[region][none] * self.slope + self.intercept
+        return values
+
+    @property
+    def scale(self) -> Scale:
+        """How stored numbers become values."""
+        return Scale(self.slope, self.intercept)
+
+    @cached_property
+    def missing(self) -> int:
+        """Number of voxels without a value."""
+        if self._exact is None or self._exact.dtype.kind != "f":
+            return 0
+        return sum(int(np.count_nonzero(np.isnan(slab))) for slab in self._exact)
 
     @cached_property
     def range(self) -> tuple[float, float]:
         """Lowest and highest value [unit of the scan]."""
+        if self._exact is not None:
+            return float(np.nanmin(self._exact)), float(np.nanmax(self._exact))
         ends = (self.value_of(stored) for stored in self._internal.stored_range())
         low, high = sorted(ends)
         return low, high
 
     def value_of(self, stored: float) -> float:
-        """Returns the value of a stored number [unit of the scan]."""
+        """Returns the value of a stored number [unit of the scan], as far as that tells it."""
         return self.slope * stored + self.intercept
 
     @cached_property
     def histogram(self) -> Histogram:
         """Counts of all values in equal bins over their range."""
-        return Histogram(*self._internal.histogram(HISTOGRAM_BINS))
+        low, high, counts = self._internal.histogram(HISTOGRAM_BINS)
+        # they are stored as the lowest number
+        counts[0] -= np.uint64(self.missing)
+        return Histogram(low, high, counts)
 
     @cached_property
     def anchors(self) -> Anchors:
@@ -220,6 +305,12 @@ class Volume:
 
     def with_values(self, values: NDArray[np.int16]) -> Volume:
         """Returns the same scan with other stored values, of the same shape."""
+        changed = np.asarray(values) != self.array
+        exact = self._exact
+        if exact is not None and changed.any():
+            exact = exact.copy()
+            new = values[changed] * self.slope + self.intercept
+            exact[changed] = np.rint(new) if exact.dtype.kind in "iu" else new
         other = Volume(
             values,
             spacing=self.spacing,
@@ -227,10 +318,11 @@ class Volume:
             direction=self.direction,
             slope=self.slope,
             intercept=self.intercept,
+            exact=exact,
             traits=self.traits,
         )
         other.source = self.source
-        other.edited = self.edited or not np.array_equal(values, self.array)
+        other.edited = self.edited or bool(changed.any())
         return other
 
     def threshold(self, low: float, high: float | None = None, *, name: str = "bone") -> Segment:
@@ -252,13 +344,39 @@ class Volume:
                 f"threshold {low:g} to {upper:g}{unit} is no range; allowed: two finite values, "
                 "the lower first"
             )
-        internal = self._internal.threshold(float(low), float(upper))
+        internal = self._between(float(low), float(upper))
         if internal.voxel_count == 0:
             raise EmptySegmentError(
                 f"threshold {low:g} to {upper:g}{unit} selects no voxel; allowed: a range within "
                 f"{self.range[0]:g} to {self.range[1]:g}{unit}"
             )
-        return Segment(internal, name=name, volume=self, range=(float(low), float(upper)))
+        return Segment(
+            internal, name=name, volume=self, range=self._limits(float(low), float(upper))
+        )
+
+    def _limits(self, low: float, high: float) -> tuple[float, float]:
+        """Returns a range whose ends that no value is beyond are beyond all stored values too."""
+        if self._exact is None:
+            return low, high
+        first, last = sorted(self.value_of(stored) for stored in self._internal.stored_range())
+        return (
+            min(low, first) if low <= self.range[0] else low,
+            max(high, last) if high >= self.range[1] else high,
+        )
+
+    def _between(self, low: float, high: float) -> _core.Segment:
+        """Returns the voxels with low <= value <= high, as the values were read."""
+        if self._exact is None:
+            return self._internal.threshold(self._nearby(low), self._nearby(high))
+        mask = np.empty(self.shape, np.uint8)
+        for values, inside in zip(self._exact, mask, strict=True):
+            inside[...] = (values >= low) & (values <= high)
+        return _core.Segment.from_mask(mask)
+
+    def _nearby(self, limit: float) -> float:
+        """Returns the value of a stored number where a limit is that but for rounding."""
+        value = self.value_of(round((limit - self.intercept) / self.slope))
+        return value if abs(value - limit) <= self.scale.rounding(limit) else limit
 
     def offered_bone(self) -> Segment:
         """Returns bone by a default threshold: 250 HU, or one estimated from the histogram."""
@@ -272,17 +390,54 @@ class Volume:
             name: Name of the segment.
 
         Raises:
-            OptionError: The mask has another shape.
+            OptionError: The mask has another shape, or NaN, or other things than numbers.
         """
         array = np.asarray(mask)
         if array.shape != self.shape:
             raise OptionError(
                 f"mask of {name!r} has shape {list(array.shape)}; allowed: {list(self.shape)}"
             )
+        if array.dtype.kind not in "biuf":
+            raise OptionError(
+                f"mask of {name!r} is of type {array.dtype}; allowed: numbers or bool"
+            )
+        nan = int(np.count_nonzero(np.isnan(array))) if array.dtype.kind == "f" else 0
+        if nan:
+            raise OptionError(
+                f"mask of {name!r} is NaN in {nan} voxels; allowed: numbers, 0 outside of it"
+            )
         bits = np.ascontiguousarray(array != 0, dtype=np.uint8)
         return Segment(_core.Segment.from_mask(bits), name=name, volume=self, range=None)
 
 
-def _triple(numbers: Sequence[float]) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in numbers)
+def _triple(name: str, numbers: Sequence[float]) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(number) for number in numbers)
+    except (TypeError, ValueError):
+        raise VolumeFormatError(
+            f"{name} {numbers!r} given; allowed: three numbers, along x, y, z"
+        ) from None
     return x, y, z
+
+
+def _matrix(direction: ArrayLike) -> NDArray[np.float64]:
+    matrix = np.array(direction, dtype=np.float64)
+    if matrix.shape != (3, 3):
+        raise VolumeFormatError(
+            f"direction of shape {list(matrix.shape)} given; allowed: [3, 3], axes as columns"
+        )
+    return matrix
+
+
+def _checked(values: ArrayLike) -> NDArray[Any]:
+    """Returns values as an array of numbers with three axes."""
+    array = np.asarray(values)
+    if array.ndim != AXES or not array.size:
+        raise VolumeFormatError(
+            f"values of shape {list(array.shape)} given; allowed: [depth, height, width]"
+        )
+    if array.dtype.kind not in "biuf":
+        raise VolumeFormatError(
+            f"values of type {array.dtype} given; allowed: bool, integers and floats"
+        )
+    return array.astype(np.uint8) if array.dtype.kind == "b" else array

@@ -8,12 +8,15 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from palpate.base.errors import OptionError
 from palpate.bench.fuzz_import import Limits, Sample, damaged, measure, sample_of, samples_in, tried
+from palpate.bench.structured_damage import restructured
 from palpate.cli.commands import run
 
 CASES = 15
+KINDS = {"archive", "labels", "mesh", "pictures", "recipe", "scan", "scene", "series"}
 
 
 def test_damage_follows_from_the_seed_alone() -> None:
@@ -29,12 +32,12 @@ def test_damage_follows_from_the_seed_alone() -> None:
 @pytest.mark.data
 def test_every_reader_has_samples(data_folder: Path, tmp_path: Path) -> None:
     samples = samples_in(data_folder, tmp_path)
-    assert {each.kind for each in samples} == {"scan", "series", "archive", "labels", "mesh"}
+    assert {each.kind for each in samples} == KINDS
     endings = {each.path.suffix for each in samples}
     assert endings >= {".dcm", ".gz", ".nii", ".mha", ".mhd", ".nrrd", ".nhdr", ".zip", ".stl"}
     drawn = [sample_of(samples, seed) for seed in range(100)]
     assert drawn == [sample_of(samples, seed) for seed in range(100)]
-    assert len({each.kind for each in drawn}) == 5
+    assert {each.kind for each in drawn} == KINDS
 
 
 class Ends:
@@ -82,3 +85,15 @@ def test_without_files_to_damage_there_is_nothing_to_measure(
         measure(tmp_path, cases=1)
     assert run(["bench", "fuzz-import", str(tmp_path), "--cases", "1", "--minutes", "1"]) == 2
     assert "allowed: one of both" in capsys.readouterr().err
+
+
+@pytest.mark.data
+def test_structured_damage_knows_files(data_folder: Path, tmp_path: Path) -> None:
+    samples = {each.path.suffix: each.path for each in samples_in(data_folder, tmp_path)}
+    endings = {".dcm", ".gz", ".nii", ".mha", ".nrrd", ".zip", ".png", ".tif", ".palpate"}
+    for ending in sorted(endings & samples.keys()):
+        content = samples[ending].read_bytes()
+        made = [restructured(content, np.random.default_rng(seed)) for seed in range(30)]
+        assert len(set(made) - {content}) >= 8, ending
+        # what it is can still be seen
+        assert sum(each[:2] == content[:2] for each in made) >= 15, ending

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import palpate
 import pytest
+from dicom_cases import case
 from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.cli.commands import run
@@ -373,6 +374,40 @@ def complaints(path: Path) -> list[str]:
     program = Path(sys.executable).parent / "dciodvfy"
     ended = subprocess.run([program, path], capture_output=True, text=True, check=False)
     return [line for line in ended.stderr.splitlines() if line.startswith("Error")]
+
+
+OPTIONAL = (
+    "PositionReferenceIndicator", "PatientSex", "StudyID", "ReferringPhysicianName", "PatientName",
+    "PatientID", "PatientBirthDate", "AccessionNumber", "StudyDate", "StudyTime", "SeriesNumber",
+    "InstanceNumber", "Manufacturer", "ImageType", "SliceThickness", "SeriesDate",
+)  # fmt: skip
+"""What scans may lack."""
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("lacking", ["as reported", "most", "empty"])
+def test_objects_of_scans_that_lack_elements_are_valid(
+    data_folder: Path, tmp_path: Path, lacking: str
+) -> None:
+    folder = tmp_path / "mr"
+    folder.mkdir()
+    for path in (case(data_folder, 30) / "mr").iterdir():
+        dataset = dcmread(path)
+        for name in () if lacking == "as reported" else OPTIONAL:
+            if lacking == "empty" and name in dataset:
+                dataset[name].clear()
+            elif name in dataset:
+                del dataset[name]
+        dataset.save_as(folder / path.name)
+    volume = read(folder)
+    labels = palpate.read_labels(case(data_folder, 30) / "labels.nii.gz", volume).labels
+    scene = Scene(volume, [label.segment for label in labels])
+    for kind in ("rtstruct", "dicom-seg"):
+        made = tmp_path / f"{kind}.dcm"
+        export_scene(scene, made, kind=kind, keep_identity=True)
+        assert complaints(made) == []
+        # and it belongs to the scan
+        assert len(palpate.read_labels(made, volume).labels) == len(labels)
 
 
 @pytest.mark.data

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from file_cases import places_differ, values_of
 from palpate.base.errors import PalpateError, SeriesChoiceError
 from palpate.base.progress import silent
 from palpate.io.image_file import header_of, image_files, middle_of, read_file
+from palpate.io.upright import upright
 
 OWN = Path(nibabel.__file__).parent / "tests" / "data"
 """nibabel's own test files."""
@@ -134,6 +136,57 @@ def test_volumes_of_five_axes_are_counted_with_the_fourth_first(tmp_path: Path) 
     for frame in range(6):
         volume = palpate.read(tmp_path / "a.nii", frame=frame + 1)
         np.testing.assert_array_equal(values_of(volume), values[..., frame % 2, frame // 2].T)
+
+
+def some_file(folder: Path, kind: str) -> tuple[Path, bytes]:
+    """Writes a small file of a kind; returns its path and what is behind its compression."""
+    values = np.random.default_rng(9).integers(0, 99, (5, 6, 7)).astype(np.int16)
+    path = folder / MADE[kind]
+    made = {
+        "nifti-2": nibabel.Nifti2Image,
+        "mgh": nibabel.MGHImage,
+        "analyze": nibabel.AnalyzeImage,
+    }
+    if kind in ("minc", "parrec", "afni"):
+        for own in OWN.glob(f"{path.stem}.*"):
+            (folder / own.name).write_bytes(own.read_bytes())
+    else:
+        nibabel.save(made.get(kind, nibabel.Nifti1Image)(values, oblique()), path.with_suffix(
+            ".img" if kind == "analyze" else path.suffix))  # fmt: skip
+    content = path.read_bytes()
+    return path, gzip.decompress(content) if kind == "packed" else content
+
+
+MADE = {
+    "nifti": "a.nii", "packed": "a.nii.gz", "nifti-2": "a.nii", "mgh": "a.mgh",
+    "analyze": "a.hdr", "minc": "tiny.mnc", "parrec": "phantom_EPI_asc_CLEAR_2_1.PAR",
+    "afni": "scaled+tlrc.HEAD",
+}  # fmt: skip
+EXTREMES = (0, 1, 0xFFFFFFFF, 0x7F800000, 0x7FC00000, 0x7FFFFFFF, 0x80000000, 1_000_000)
+
+
+@pytest.mark.parametrize("kind", MADE)
+def test_headers_of_any_bytes_give_a_scan_or_one_line(tmp_path: Path, kind: str) -> None:
+    path, content = some_file(tmp_path, kind)
+    draw = np.random.default_rng(10)
+    said = []
+    for _ in range(60):
+        changed = bytearray(content)
+        for _ in range(int(draw.integers(1, 4))):
+            place = int(draw.integers(0, min(len(content), 400) // 4)) * 4
+            changed[place : place + 4] = int(draw.choice(EXTREMES)).to_bytes(4, "little")
+        place = int(draw.integers(0, len(content)))
+        whole = bytes(changed if draw.random() < 0.7 else changed[:place])
+        path.write_bytes(gzip.compress(whole) if kind == "packed" else whole)
+        for frame in (None, 1):
+            try:
+                middle_of(path, frame or 1)
+                scan = read_file(path, frame=frame, max_voxels=10**6, progress=silent)
+                upright("scan", scan, max_voxels=10**6, progress=silent)
+            except PalpateError as error:
+                said.append(str(error))
+    assert said
+    assert [one for one in said if "\n" in one or "allowed" not in one] == []
 
 
 def test_short_voxels_beside_a_header_of_philips_are_refused(tmp_path: Path) -> None:

@@ -61,11 +61,11 @@ def test_an_unknown_unit_is_said_with_what_to_do(write_image: Any) -> None:
     assert any("give --unit HU" in warning for warning in palpate.read(path).warnings)
 
 
-def test_real_values_are_rounded_and_the_error_is_told(write_image: Any) -> None:
+def test_real_values_are_kept_beside_rounded_ones(write_image: Any) -> None:
     values = np.random.default_rng(3).normal(0.0, 100.0, (3, 4, 5)).astype(np.float32)
     volume = palpate.read(write_image(values), unit="HU")
-    (warning,) = volume.warnings
-    assert "rounded to steps of" in warning
+    assert volume.warnings == ()
+    np.testing.assert_array_equal(volume.values(), values)
     np.testing.assert_allclose(
         volume.array * volume.slope + volume.intercept, values, atol=volume.slope / 2 * 1.001
     )
@@ -160,14 +160,22 @@ def test_options_that_are_not_allowed_are_refused(
 
 @pytest.mark.parametrize("kind", ["f4", "f8"])
 @pytest.mark.parametrize("name", ["a.nrrd", "a.mha", "a.nii", "a.nii.gz", "a.hdr"])
-def test_values_that_are_not_finite_are_refused_or_filled(
+def test_values_that_are_not_finite_are_none_or_filled_or_refused(
     write_image: Any, name: str, kind: str
 ) -> None:
     values = np.zeros((3, 4, 5)).astype(kind)
     values[0, 0, 0], values[1, 1, 1] = np.nan, np.inf
     path = write_image(values, name)
-    with pytest.raises(VolumeFormatError, match=r"2 of 60 values are NaN or infinite.*--fill"):
-        palpate.read(path)
+    volume = palpate.read(path)
+    np.testing.assert_array_equal(np.isnan(volume.values()), ~np.isfinite(values))
+    assert volume.range == (0.0, 0.0)
+    assert volume.threshold(0.0).voxel_count == 58
+    assert any(
+        "2 of 60 values are NaN or infinite: taken as no" in each for each in volume.warnings
+    )
+    with pytest.raises(VolumeFormatError, match=r"2 of 60 values are NaN or infinite.*\(fill\)"):
+        palpate.read(path, strict=True)
+    palpate.read(path, strict=True, fill=0.0)
     volume = palpate.read(path, fill=-1000.0)
     assert volume.range == (-1000.0, 0.0)
     assert "2 NaN or infinite values were set to -1000" in volume.warnings

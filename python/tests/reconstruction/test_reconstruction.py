@@ -198,7 +198,7 @@ def test_stacks_are_read_from_files_and_folders(tmp_path: Path) -> None:
         SimpleITK.WriteImage(SimpleITK.GetImageFromArray(image), str(folder / f"{number}.tif"))
     np.testing.assert_array_equal(read_projections(folder), stack)
     (tmp_path / "none.nrrd").write_text("no image")
-    with pytest.raises(VolumeFormatError, match="cannot be read"):
+    with pytest.raises(VolumeFormatError, match="is no readable nrrd file"):
         read_projections(tmp_path / "none.nrrd")
 
 

@@ -330,3 +330,38 @@ def test_a_second_scan_of_no_file_goes_into_the_scene(scan: Path, tmp_path: Path
     second = open_scene(path).second
     assert second is not None
     assert second.volume.array.sum() == 24
+
+
+@pytest.mark.parametrize("kind", ["f4", "i4", "f8"])
+def test_values_beyond_16_bits_come_back_with_their_scene(tmp_path: Path, kind: str) -> None:
+    values = np.random.default_rng(5).choice([0.0007, 0.003, 70000.0, 2.0**25 + 1.0], (9, 8, 7))
+    values = values.astype(kind)
+    if kind == "f4":
+        values[0, 0, :2] = np.nan
+    scan = Volume(values, spacing=(1.0, 1.0, 2.0))
+    scene = Scene(scan, [scan.threshold(1.0)])
+    scene.second = SecondScan(scan)
+    path = tmp_path / "kept.palpate"
+    with Session(scene, options=STANDING) as session:
+        save_scene(path, session)
+    again = open_scene(path)
+    assert again.second is not None
+    for opened in (again.volume, again.second.volume):
+        np.testing.assert_array_equal(opened.values(), scan.values())
+        assert opened.values().dtype == scan.values().dtype
+        np.testing.assert_array_equal(opened.array, scan.array)
+
+
+def test_a_type_of_values_that_is_none_is_refused(tmp_path: Path) -> None:
+    scan = Volume(np.random.default_rng(5).normal(size=(9, 8, 7)), spacing=(1.0, 1.0, 2.0))
+    path = tmp_path / "kept.palpate"
+    with Session(Scene(scan), options=STANDING) as session:
+        save_scene(path, session)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    members["scene.json"] = members["scene.json"].replace(b'"<f4"', b'"|O4"')
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    with pytest.raises(SceneFormatError, match=r"values of type '\|O4' given; allowed: \|u1, "):
+        open_scene(path)

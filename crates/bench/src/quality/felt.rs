@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use palpate_engine::scene::{Properties, Scene, Step};
 use palpate_engine::touch::{Part, ScanValues, Threshold, Touchable};
 use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::force::Uniform;
@@ -13,9 +14,11 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy_fractions::OccupancyFractions;
 use palpate_volume::relax::{self, relaxed_fractions};
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::Voxels;
 
 use super::body::Body;
-use super::solid::{Solid, THRESHOLD};
+use super::solid::{FULL, Solid, THRESHOLD};
 
 /// Stiffness that forces are given at [N/mm].
 pub const STIFFNESS: f64 = 1.0;
@@ -43,6 +46,9 @@ pub enum Touch {
     Exact,
     /// As it touches what a threshold made: the force comes from the values.
     Intensities,
+    /// The same where the threshold ends with the highest value of the scan, which all voxels inside
+    /// have, as metal does.
+    RangeEnd,
     /// With a ball of this radius [h].
     Ball(u8),
     /// The same as `exact` without smoothing: the force of the hard proxy.
@@ -55,9 +61,10 @@ pub enum Touch {
 
 impl Touch {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Exact,
         Self::Intensities,
+        Self::RangeEnd,
         Self::Ball(1),
         Self::Ball(2),
         Self::Ball(5),
@@ -72,6 +79,7 @@ impl Touch {
         match self {
             Self::Exact => "exact".into(),
             Self::Intensities => "exact, intensities".into(),
+            Self::RangeEnd => "exact, range's end".into(),
             Self::Ball(radius) => format!("exact, r {radius}"),
             Self::Stairs => "stairs".into(),
             Self::ThesisOriginal => "thesis-original".into(),
@@ -98,7 +106,7 @@ impl Touch {
     #[must_use]
     pub fn solid(self, body: &Body, grid: &Grid) -> Solid {
         match self {
-            Self::Intensities => Solid::of_fractions(body, grid),
+            Self::Intensities | Self::RangeEnd => Solid::of_fractions(body, grid),
             _ => Solid::of_middles(body, grid),
         }
     }
@@ -110,12 +118,12 @@ impl Touch {
             Self::Exact | Self::Ball(_) => Some(fractions_of(solid, grid)),
             _ => None,
         };
-        let touched = Touchable::new(
-            grid,
-            vec![part_of(solid, fractions)],
-            self.radius() * grid.smallest_spacing(),
-        )
-        .expect("a ball of some voxels fits");
+        let part = match self {
+            Self::RangeEnd => part_of_scene(solid, grid),
+            _ => part_of(solid, fractions),
+        };
+        let touched = Touchable::new(grid, vec![part], self.radius() * grid.smallest_spacing())
+            .expect("a ball of some voxels fits");
         let exact = Exact {
             limits: touched.limits(),
         };
@@ -123,7 +131,9 @@ impl Touch {
             Self::Exact | Self::Ball(_) => {
                 feel(exact, Smoothing::Intensities, touched, grid, start)
             }
-            Self::Intensities => feel(exact, Smoothing::Intensities, touched, grid, start),
+            Self::Intensities | Self::RangeEnd => {
+                feel(exact, Smoothing::Intensities, touched, grid, start)
+            }
             Self::Stairs => feel(exact, Smoothing::Off, touched, grid, start),
             Self::ThesisOriginal => {
                 let model = ThesisOriginal::default();
@@ -167,6 +177,22 @@ fn part_of(solid: &Solid, fractions: Option<Arc<OccupancyFractions>>) -> Part {
         punctured: false,
         rigid: None,
     }
+}
+
+/// What a session makes of a threshold that ends with the highest value.
+fn part_of_scene(solid: &Solid, grid: &Grid) -> Part {
+    let values = solid.values.clone().expect("values of a threshold");
+    let voxels = Voxels::new(*grid, values).expect("values on their grid");
+    let mut scene = Scene::new(voxels);
+    let range = (THRESHOLD, FULL);
+    let insert = Step::Insert {
+        id: SegmentId(1),
+        segment: Segment::from_bits(solid.bits.clone()),
+        properties: Box::new(Properties::of_threshold(true, Some(range))),
+    };
+    scene.perform(insert).expect("a segment of this scan");
+    let mut parts = scene.touchable_parts();
+    parts.pop().expect("the segment can be touched")
 }
 
 /// A spring without damper between the hand and the proxy of a contact model.

@@ -11,8 +11,8 @@ use palpate_volume::segment::Segment;
 
 use super::body::Body;
 
-/// The value of a voxel that is all inside, and the threshold.
-const FULL: f64 = 1000.0;
+/// The value of a voxel that is all inside: the highest.
+pub const FULL: f64 = 1000.0;
 /// Values from here on are solid.
 pub const THRESHOLD: f64 = 0.5 * FULL;
 /// Points along the shortest edge of a voxel by which its fraction is counted; along the others as

@@ -221,6 +221,7 @@ RANDOM = "random moves"
 Touch = Literal[
     "exact",
     "exact, intensities",
+    "exact, range's end",
     "exact, r 1",
     "exact, r 2",
     "exact, r 5",
@@ -230,11 +231,11 @@ Touch = Literal[
 ]
 
 EXACT_TOUCHES: tuple[Touch, ...] = (
-    *("exact", "exact, intensities"),
+    *("exact", "exact, intensities", "exact, range's end"),
     *("exact, r 1", "exact, r 2", "exact, r 5"),
 )
-"""``exact`` with a point on a mask, with a point on a threshold of intensities, and with balls [h],
-which are compared with the dilated body."""
+"""``exact`` with a point on a mask, with a point on a threshold of intensities (open, or up to the
+highest value of the scan), and with balls [h], which are compared with the dilated body."""
 
 TOUCHES: tuple[Touch, ...] = (*EXACT_TOUCHES, "stairs", "thesis-original", "thesis-improved")
 """Models of touch: ``exact``, the same unsmoothed, and the thesis' models."""

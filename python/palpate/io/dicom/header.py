@@ -22,18 +22,21 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from palpate.base.errors import PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
+from palpate.io.dicom.detector import detector_place
 from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
 from palpate.io.dicom.mark import has_mark, read_dataset
 from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
 from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
+from palpate.io.dicom.stacks import stacks_of
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
 __all__ = [
     "PARALLEL",
+    "Concatenation",
     "Frame",
     "Header",
     "Series",
@@ -41,6 +44,7 @@ __all__ = [
     "find_series",
     "frame_of",
     "read_header",
+    "volumes_in",
 ]
 
 DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
@@ -67,6 +71,8 @@ class Frame:
     """Between rows, between columns [mm], in DICOM's order."""
     scale: tuple[float, float] | None
     """Rescale slope and intercept; None where numbers are values as they are stored."""
+    stack: str = ""
+    """Stack ID."""
     phase: tuple[str, ...] = ()
     """What may tell it from slices at the same place, as ``phases`` has it."""
 
@@ -116,12 +122,24 @@ class Header:
     """Which values stored numbers have, in the place of slopes and intercepts."""
     told: tuple[str, ...] = ()
     """What is wrong with the header and matters to whoever looks at the scan."""
+    concatenation: Concatenation | None = None
+    """Which part of several files of many frames it is."""
     taken: tuple[int, ...] | None = None
     """Which of the file's frames ``frames`` are; None for all of them."""
     pet: PetTags | None = None
     """What a file of PET says about its values."""
     dose: DoseTags | None = None
     """What a dose says of itself."""
+
+
+@dataclass(frozen=True)
+class Concatenation:
+    """Which part a file is of an image of many frames (PS3.3, C.7.6.16.2.2.4)."""
+
+    uid: str
+    number: int
+    """From 1."""
+    total: int | None
 
 
 @dataclass(frozen=True)
@@ -180,17 +198,28 @@ def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series]
     whole = [
         Series(headers[0].series, headers[0].description, headers[0].modality, tuple(headers))
         for alike in groups.values()
-        for headers in alike
+        for headers in (sorted(group, key=_part_number) for group in alike)
     ]
-    found = [part for series in whole for part in phases_of(series)]
+    found = [part for series in whole for part in volumes_in(series)]
     # phases of one series keep their order; doses come after the scans that they belong to
     found.sort(key=lambda series: (series.modality == RTDOSE, -series.slices, series.uid))
     return found, damaged
 
 
+def volumes_in(series: Series) -> list[Series]:
+    """Returns the volumes of a series: its stacks, and of each the times, echoes, …."""
+    return [part for stack in stacks_of(series) for part in phases_of(stack)]
+
+
+def _part_number(header: Header) -> int:
+    return header.concatenation.number if header.concatenation else 0
+
+
 def _group(header: Header) -> tuple[Any, ...]:
     """Returns what the files of one volume have in common, beside their orientation."""
-    own_volume = header.path if len(header.frames) > 1 else None
+    own_volume: Path | str | None = header.path if len(header.frames) > 1 else None
+    if header.concatenation is not None:
+        own_volume = header.concatenation.uid
     # without a UID, what lies on one grid in one frame of reference belongs together
     told = header.series or (header.study, header.modality, header.frames[0].pixel_spacing)
     return (told, header.patient, header.rows, header.columns, own_volume)
@@ -301,6 +330,7 @@ def _header(
             str(dataset.get("PatientID") or ""),
             str(dataset.get("PatientName") or ""),
         ),
+        concatenation=_concatenation(dataset),
         number=_number(dataset),
         step=_length(dataset, "SpacingBetweenSlices"),
         thickness=_length(dataset, "SliceThickness"),
@@ -316,12 +346,20 @@ def frame_of(dataset: Dataset, index: int) -> Frame:
     plane = _holder(dataset, index, "PlanePositionSequence")
     orientation = _holder(dataset, index, "PlaneOrientationSequence")
     measures = _holder(dataset, index, "PixelMeasuresSequence")
+    content = _holder(dataset, index, "FrameContentSequence")
+    place = (
+        _numbers(plane, "ImagePositionPatient", 3),
+        _numbers(orientation, "ImageOrientationPatient", 6),
+    )
+    if None in place:
+        place = detector_place(dataset, index) or place
     return Frame(
-        position=_numbers(plane, "ImagePositionPatient", 3),
-        orientation=_numbers(orientation, "ImageOrientationPatient", 6),
+        position=place[0],
+        orientation=place[1],
         pixel_spacing=_numbers(measures, "PixelSpacing", 2),
         scale=_scale(dataset, index),
-        phase=phase_of(dataset, _groups(dataset, index)),
+        stack=str(content.get("StackID") or ""),
+        phase=phase_of(dataset, _groups(dataset, index), index),
     )
 
 
@@ -331,6 +369,15 @@ def _numbers(holder: Dataset, name: str, count: int) -> tuple[float, ...] | None
     except (TypeError, ValueError):
         return None
     return numbers if len(numbers) == count else None
+
+
+def _concatenation(dataset: Dataset) -> Concatenation | None:
+    uid = dataset.get("SOPInstanceUIDOfConcatenationSource") or dataset.get("ConcatenationUID")
+    number = dataset.get("InConcatenationNumber")
+    if not uid or not number:
+        return None
+    total = dataset.get("InConcatenationTotalNumber")
+    return Concatenation(str(uid), int(number), int(total) if total else None)
 
 
 def _number(dataset: Dataset) -> int | None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from palpate.io.dicom.header import Header, Series
 
-__all__ = ["phase_of", "phases_of"]
+__all__ = ["parted", "phase_of", "phases_of"]
 
 DIGITS = 2
 """After the point, to which places [mm] are the same."""
@@ -68,25 +68,39 @@ ELEMENTS = (
     Element(
         "acquisition {}", "AcquisitionNumber", "FrameContentSequence", "FrameAcquisitionNumber"
     ),
+    Element("phase {}", "PhaseVector", "", ""),
+    Element("time slot {}", "TimeSlotVector", "", ""),
+    Element("R-R interval {}", "RRIntervalVector", "", ""),
+    Element("energy window {}", "EnergyWindowVector", "", ""),
     Element("at {}", "AcquisitionTime", "", ""),
 )
+RANKED = {"TriggerTime": "phase {} of {} after the trigger", "AcquisitionTime": "time {} of {}"}
+"""Elements whose order at each place parts a series, where their values differ from place to place:
+other heartbeats, other breath-holds."""
+OF_TIME = (*RANKED, "TemporalPositionIdentifier", "NominalPercentageOfCardiacPhase")
+"""Elements that say no more than when a slice was taken."""
 
 
-def phase_of(dataset: Dataset, groups: Sequence[Dataset]) -> tuple[str, ...]:
+def phase_of(dataset: Dataset, groups: Sequence[Dataset], index: int) -> tuple[str, ...]:
     """Returns what a frame says for each of the elements; "" where it says nothing.
 
     Args:
         dataset: Of the whole file.
         groups: The frame's own functional groups and the shared ones.
+        index: Which frame of the file it is.
     """
-    return tuple(_value(dataset, groups, element) for element in ELEMENTS)
+    return tuple(_value(dataset, groups, index, element=element) for element in ELEMENTS)
 
 
-def _value(dataset: Dataset, groups: Sequence[Dataset], element: Element) -> str:
+def _value(dataset: Dataset, groups: Sequence[Dataset], index: int, *, element: Element) -> str:
     for group in groups:
         if element.group and group.get(element.group):
             return _told(_within(group[element.group][0], element.in_group))
-    return _told(dataset.get(element.keyword))
+    value = dataset.get(element.keyword)
+    if element.keyword.endswith("Vector") and isinstance(value, Sequence):
+        # of nuclear medicine: one number for each frame
+        value = value[index] if index < len(value) else None
+    return _told(value)
 
 
 def _within(group: Dataset, way: str) -> object:
@@ -120,9 +134,44 @@ def phases_of(series: Series) -> list[Series]:
             parts.setdefault(tuple(phase[i] for i in chosen), []).append((header, index))
         if len(parts) > 1 and all(len(p) > 1 and not _has_doubles(p) for p in parts.values()):
             return [
-                _part(series, _words(chosen, values), parts[values]) for values in _sorted(parts)
+                parted(series, _words(chosen, values), parts[values]) for values in _sorted(parts)
             ]
-    return [series]
+    return _ranked(series, slices) or [series]
+
+
+def _ranked(series: Series, slices: Sequence[tuple[Header, int]]) -> list[Series]:
+    """Returns the phases of a series by the order of times at each place; none where it has none.
+
+    Nothing but times may differ, so that what comes first is the first phase.
+    """
+    phases = [header.frames[index].phase for header, index in slices]
+    keywords = [element.keyword for element in ELEMENTS]
+    kept = [at for at, keyword in enumerate(keywords) if keyword not in OF_TIME]
+    if len({tuple(phase[at] for at in kept) for phase in phases}) > 1:
+        return []
+    places: dict[tuple[float, ...], list[int]] = {}
+    for number, (header, index) in enumerate(slices):
+        places.setdefault(_place(header.frames[index].position or ()), []).append(number)
+    counts = {len(numbers) for numbers in places.values()}
+    if len(counts) != 1 or len(places) == 1:
+        return []
+    count = counts.pop()
+    for keyword, words in RANKED.items():
+        times = [phase[keywords.index(keyword)] for phase in phases]
+        if any(len({times[number] for number in here} - {""}) < count for here in places.values()):
+            continue
+        ordered = [
+            sorted(here, key=lambda number: _number(times[number])) for here in places.values()
+        ]
+        return [
+            parted(series, words.format(rank + 1, count), [slices[here[rank]] for here in ordered])
+            for rank in range(count)
+        ]
+    return []
+
+
+def _place(position: Sequence[float]) -> tuple[float, ...]:
+    return tuple(round(number, DIGITS) + 0.0 for number in position)
 
 
 def _choices() -> Iterator[tuple[int, ...]]:
@@ -132,13 +181,14 @@ def _choices() -> Iterator[tuple[int, ...]]:
 
 def _has_doubles(slices: Sequence[tuple[Header, int]]) -> bool:
     """Says whether two slices are at one place; copies of a file count once."""
-    places: dict[tuple[float, ...], tuple[str, int]] = {}
+    places: dict[tuple[float, ...], tuple[object, ...]] = {}
     for header, index in slices:
         position = header.frames[index].position
         if position is None:
             return False
-        place = tuple(round(number, DIGITS) + 0.0 for number in position)
-        which = (header.instance or str(header.path), index)
+        place = _place(position)
+        # all slices may have one UID, where it was badly taken away
+        which = (header.instance or header.path, header.number, index, header.frames[index].phase)
         if places.setdefault(place, which) != which:
             return True
     return False
@@ -164,17 +214,20 @@ def _words(chosen: tuple[int, ...], values: tuple[str, ...]) -> str:
     return ", ".join(ELEMENTS[i].words.format(value) for i, value in pairs if value) or "others"
 
 
-def _part(series: Series, words: str, slices: Sequence[tuple[Header, int]]) -> Series:
+def parted(series: Series, words: str, slices: Sequence[tuple[Header, int]]) -> Series:
+    """Returns some slices of a series as one of its own, named by words."""
     of_files: dict[int, tuple[Header, list[int]]] = {}
     for header, index in slices:
         of_files.setdefault(id(header), (header, []))[1].append(index)
     headers = tuple(_frames_of(header, indices) for header, indices in of_files.values())
-    description = f"{series.description}, {words}".removeprefix(", ")
-    return replace(series, description=description, headers=headers, part=words)
+    part = f"{series.part}, {words}".removeprefix(", ")
+    description = f"{series.whole}, {part}".removeprefix(", ")
+    return replace(series, description=description, headers=headers, part=part)
 
 
 def _frames_of(header: Header, indices: list[int]) -> Header:
     if len(indices) == len(header.frames):
         return header
     frames = tuple(header.frames[index] for index in indices)
-    return replace(header, frames=frames, taken=tuple(indices))
+    before = header.taken or range(len(header.frames))
+    return replace(header, frames=frames, taken=tuple(before[index] for index in indices))

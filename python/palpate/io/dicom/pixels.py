@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import Frame, Header, damage_told
 from palpate.io.dicom.mark import read_dataset
@@ -30,7 +31,15 @@ from palpate.io.dicom.rescale import looked_up
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["AIR_HU", "DEFLATED_FRAMES", "SlicePixels", "read_slice", "read_slices", "stored_pixels"]
+__all__ = [
+    "AIR_HU",
+    "DEFLATED_FRAMES",
+    "SlicePixels",
+    "file_values",
+    "read_slice",
+    "read_slices",
+    "stored_pixels",
+]
 
 AIR_HU = -1000.0
 """What stands where a scanner measured nothing [HU]."""
@@ -50,23 +59,31 @@ class SlicePixels:
     """int16 or int32 where all are whole, else float32; shape [slices, rows, columns]."""
     air: float
     """What stands where nothing was measured [unit of the scan]."""
+    failed: tuple[tuple[Header, VolumeFormatError], ...] = ()
+    """Files that cannot be decoded, whose slices are left out."""
 
 
 def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels:
     """Decodes and rescales the slices of a series, several files at a time.
 
     Raises:
-        VolumeFormatError: A file cannot be decoded.
+        VolumeFormatError: No file can be decoded.
     """
     voxels = sum(len(header.frames) * header.rows * header.columns for header in headers)
     said = f"reading {len(headers)} files, {voxels * 2 / 2**20:.0f} MiB"
     parts: list[_Part] = []
+    failed: list[tuple[Header, VolumeFormatError]] = []
     # filters of warnings belong to all threads: what each of them sets is undone here
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        for part in _in_parallel(_part, headers):
-            parts.append(part)
-            progress(said, len(parts) / len(headers))
+        for header, part in zip(headers, _in_parallel(_part_or_error, headers), strict=True):
+            if isinstance(part, VolumeFormatError):
+                failed.append((header, part))
+            else:
+                parts.append(part)
+            progress(said, (len(parts) + len(failed)) / len(headers))
+    if not parts:
+        raise failed[0][1]
 
     # what was not measured is air, or where that has no known value the lowest that was
     air = AIR_HU if headers[0].unit == "HU" else min(part.lowest for part in parts)
@@ -74,7 +91,7 @@ def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels
     for part in parts:
         if part.padded is not None:
             part.values[part.padded] = air
-    return SlicePixels(np.concatenate([part.values for part in parts]), air)
+    return SlicePixels(np.concatenate([part.values for part in parts]), air, tuple(failed))
 
 
 def read_slice(header: Header, frame: int) -> NDArray[Any]:
@@ -88,7 +105,9 @@ def read_slice(header: Header, frame: int) -> NDArray[Any]:
     return values
 
 
-def _in_parallel(work: Callable[[Header], _Part], headers: Sequence[Header]) -> Iterator[_Part]:
+def _in_parallel(
+    work: Callable[[Header], _Part | VolumeFormatError], headers: Sequence[Header]
+) -> Iterator[_Part | VolumeFormatError]:
     """Yields results in order; whatever ends the loop also ends the work."""
     threads = min(MOST_THREADS, os.cpu_count() or 1, len(headers))
     with ThreadPoolExecutor(threads) as pool:
@@ -111,12 +130,28 @@ class _Part:
     """Of those that are not padding."""
 
 
+def _part_or_error(header: Header) -> _Part | VolumeFormatError:
+    try:
+        return _part(header)
+    except VolumeFormatError as error:
+        return error
+
+
 def _part(header: Header) -> _Part:
     stored = _stored(header)
     padded = _padded(stored, header.padding)
     values = _values(header, stored)
     measured = values if padded is None else values[~padded]
     return _Part(values, padded, float(measured.min()) if measured.size else np.inf)
+
+
+def file_values(header: Header) -> NDArray[Any]:
+    """Decodes and rescales all slices of a file, shape [frames, rows, columns].
+
+    Raises:
+        VolumeFormatError: It cannot be decoded.
+    """
+    return _values(header, _stored(header))
 
 
 def _values(header: Header, stored: NDArray[Any]) -> NDArray[Any]:
@@ -144,7 +179,7 @@ def _stored(header: Header) -> NDArray[Any]:
 def _plain(header: Header) -> NDArray[Any] | None:
     """Returns pixels that stand in a file as they are; None where they do not."""
     # of a file of several phases the pixels in between would be counted wrong
-    if header.plain is None or header.taken is not None:
+    if header.plain is None or header.taken is not None or header.truncated:
         return None
     start, kind = header.plain
     shape = (len(header.frames), header.rows, header.columns)

@@ -21,14 +21,14 @@ from palpate.base.progress import Progress, silent
 from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
 from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
-from palpate.io.dicom.header import Header, Series, find_series, read_header
-from palpate.io.dicom.phases import phases_of
-from palpate.io.dicom.pixels import read_slices
+from palpate.io.dicom.header import Header, Series, find_series, read_header, volumes_in
+from palpate.io.dicom.pixels import SlicePixels, read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
 from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
 from palpate.io.dicom.suv import quantified
 from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
+from palpate.io.dicom.usable import left_out, tolerable, usable
 from palpate.io.raw_scan import RawScan, check_shape
 from palpate.volumes.stored_values import Scale
 
@@ -147,7 +147,7 @@ def volumes_of(path: Path) -> list[Series]:
         raise VolumeFormatError(
             f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
         )
-    return phases_of(Series(header.series, header.description, header.modality, (header,)))
+    return volumes_in(Series(header.series, header.description, header.modality, (header,)))
 
 
 def _listed(path: Path, progress: Progress) -> tuple[list[Series], list[Path]]:
@@ -200,15 +200,10 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
             f"{what} has {first.samples} numbers per pixel, as colour images have; "
             "allowed: one intensity per pixel"
         )
-    series, said = _without_copies(series)
+    check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
+    series, said = usable(what, series)
     said += dose_told(what, series)
     check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
-    short = [header.path.name for header in series.headers if header.truncated]
-    if short:
-        raise VolumeFormatError(
-            f"{what} is truncated: {len(short)} files are shorter than their image, such as "
-            f"{short[0]}; allowed: complete files"
-        )
     check_numbers(what, series.headers)
     stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
     if stack is None:
@@ -229,7 +224,7 @@ def _told(series: Series) -> tuple[str, ...]:
     """Says what is wrong with headers, once for all that say the same."""
     found = Counter(words for header in series.headers for words in header.told)
     count = len(series.headers)
-    return tuple(
+    return _missing_parts(series) + tuple(
         words if times == count else f"{words} ({times} of {count} files)"
         for words, times in found.items()
     )
@@ -239,27 +234,47 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
     # where the slices lie, before the long work
     plan = plan_of(what, series, max_voxels=max_voxels)
     series, told = quantified(what, plan.series)
+    plan = replace(plan, series=series)
     pixels = read_slices(series.headers, progress=progress)
+    if pixels.failed:
+        plan = _without_failed(what, plan, pixels, max_voxels=max_voxels)
     values = pixels.values
     if plan.stack is not None:
         if plan.stack.order != tuple(range(len(values))):
             values = values[list(plan.stack.order)]
         if plan.grid.resampled:
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
-    scan = _scan(replace(plan, series=series), values)
+    scan = _scan(plan, values)
     scan.warnings += [*plan.said, *told]
     return scan
 
 
-def _without_copies(series: Series) -> tuple[Series, list[str]]:
-    """Returns a series with each slice once, and what was left out."""
-    once: dict[str, Header] = {}
-    for header in series.headers:
-        once.setdefault(header.instance or str(header.path), header)
-    kept = tuple(once.values())
-    copies = len(series.headers) - len(kept)
-    said = [f"{copies} files are copies of others and were left out"] if copies else []
-    return replace(series, headers=kept), said
+def _missing_parts(series: Series) -> tuple[str, ...]:
+    """Says which files of an image of many frames are missing."""
+    parts = [header.concatenation for header in series.headers if header.concatenation]
+    there = {part.number for part in parts}
+    total = max([0, *there, *(part.total or 0 for part in parts)])
+    missing = [str(number) for number in range(1, total + 1) if number not in there]
+    if not missing:
+        return ()
+    return (f"parts {', '.join(missing)} of {total} files of the scan are missing",)
+
+
+def _without_failed(what: str, plan: Plan, pixels: SlicePixels, *, max_voxels: int) -> Plan:
+    """Returns how a series is read without the few files that cannot be decoded.
+
+    Raises:
+        VolumeFormatError: They are too many.
+    """
+    headers = plan.series.headers
+    first, why = pixels.failed[0]
+    if len(first.frames) > 1 or not tolerable(len(pixels.failed), len(headers)):
+        raise why
+    told = left_out([(header, "not to be decoded") for header, _ in pixels.failed], len(headers))
+    failed = {header.path for header, _ in pixels.failed}
+    kept = tuple(header for header in headers if header.path not in failed)
+    again = plan_of(what, replace(plan.series, headers=kept), max_voxels=max_voxels)
+    return replace(again, said=(*plan.said, told))
 
 
 def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:

@@ -24,6 +24,8 @@ __all__ = [
     "series_in",
 ]
 
+MOST_ODD = 2
+"""Slices that are no scan, beside one."""
 MOST_LISTED = 12
 """Series named in one message."""
 MOST_FILES = 50_000
@@ -119,8 +121,16 @@ def choose_series(
         chosen = [series for series in found if wanted in (series.uid, series.description)]
         if wanted.isdecimal() and 1 <= int(wanted) <= len(found):
             chosen = chosen or [found[int(wanted) - 1]]
+        # odd slices of the series itself leave no doubt either
+        if len({series.uid for series in chosen}) == 1 and len(chosen) > 1:
+            chosen = [series for series in chosen if series.slices > MOST_ODD] or chosen
         if len(chosen) == 1:
-            return chosen[0], []
+            odd = [one for one in found if one is not chosen[0] and one.uid == chosen[0].uid]
+            return chosen[0], [
+                f"left out of the series: {one}{_files_told(one)}"
+                for one in odd
+                if one.slices <= MOST_ODD and not one.part
+            ]
         raise SeriesChoiceError(
             f"{folder} holds {len(chosen) or 'no'} series {wanted!r}; "
             f"allowed with --series: a number, UID or description of {listed}"
@@ -128,14 +138,24 @@ def choose_series(
 
     # a scout of one or two slices or a dose beside a scan leaves no doubt which one is meant
     scans = [series for series in found if series.modality != RTDOSE] or found
-    volumes = [series for series in scans if series.slices > 2]
+    volumes = [series for series in scans if series.slices > MOST_ODD]
     if len(scans) > 1 and len(volumes) != 1:
         raise SeriesChoiceError(
             f"{folder} holds {len(found)} series; choose one with --series NUMBER or UID: {listed}"
         )
     chosen_one = volumes[0] if volumes else scans[0]
-    left_out = [f"left out series {series}" for series in found if series is not chosen_one]
+    left_out = [
+        f"left out series {series}{_files_told(series)}"
+        for series in found
+        if series is not chosen_one
+    ]
     return chosen_one, left_out
+
+
+def _files_told(series: Series) -> str:
+    """Names the files of a few slices, which may be bad ones of another series."""
+    names = ", ".join(header.path.name for header in series.headers)
+    return f" ({names})" if len(series.headers) <= MOST_ODD else ""
 
 
 def _listed(found: list[Series]) -> str:

@@ -18,7 +18,7 @@ __all__ = ["grid_unplaced", "in_told_order"]
 
 def in_told_order(headers: Sequence[Header]) -> tuple[tuple[Header, ...], str]:
     """Returns files in the order of their Instance Numbers, or of their names, and which it is."""
-    if len(headers) == 1:
+    if len(headers) == 1 or all(header.concatenation for header in headers):
         return tuple(headers), "frames are in the order of their file"
     numbers = {header.number for header in headers}
     if None not in numbers and len(numbers) == len(headers):

@@ -203,6 +203,7 @@ def _read(place: Place, progress: Progress) -> Opening:
     return opening(
         place.path,
         series=place.series,
+        frame=place.frame,
         raw=place.raw,
         voxel_size=place.voxel_size,
         progress=progress,
@@ -216,6 +217,7 @@ def _read_volume(place: Place, progress: Progress) -> Volume:
     return read(
         place.path,
         series=place.series,
+        frame=place.frame,
         raw=place.raw,
         voxel_size=place.voxel_size,
         progress=progress,

@@ -44,6 +44,8 @@ class OpenRequest(msgspec.Struct, frozen=True):
     choice: int = 0
     path: str | None = None
     series: str | None = None
+    frame: int | None = None
+    """Volume of an image file with several."""
     raw: str | None = None
     """Layout of raw voxels, as ``palpate.read`` takes it."""
     voxel_size: tuple[float, float, float] | None = None
@@ -92,6 +94,7 @@ class Place:
     path: Path
     upload: int | None = None
     series: str | None = None
+    frame: int | None = None
     fetch: Fetch | None = None
     """Downloads its files first; None where they are here."""
     given: bool = False

@@ -209,6 +209,7 @@ class SearchResults:
             return Place(
                 path_of(wanted.path),
                 series=wanted.series,
+                frame=wanted.frame,
                 given=True,
                 raw=wanted.raw,
                 voxel_size=wanted.voxel_size,
@@ -231,11 +232,21 @@ class SearchResults:
         if choice.refused is not None:
             raise OptionError(choice.refused)
         given = find.upload is None and choice.fetch is None and choice.path == find.path
-        return Place(choice.path, find.upload, choice.series, choice.fetch, given)
+        return Place(
+            choice.path,
+            find.upload,
+            series=choice.series,
+            frame=choice.frame,
+            fetch=choice.fetch,
+            given=given,
+        )
 
 
 def _labels_of(choice: Choice) -> str | None:
     """Says what an image file of a list is where it holds segments."""
+    if choice.frame is not None:
+        # labels come as one volume
+        return None
     if choice.uid or choice.fetch is not None or not choice.path.is_file():
         return None
     labels = labels_told(choice.path)

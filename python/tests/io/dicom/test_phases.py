@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import palpate
 import pytest
+from dicom_cases import case
 from palpate.base.errors import SeriesChoiceError, VolumeFormatError
 from palpate.cli.commands import run
 from palpate.io.browse import browsed
@@ -215,3 +216,44 @@ def test_volumes_in_one_file_of_many_frames_are_told_apart(
         assert [one.series for one in choices] == ["1", "2"]
         small = [choice.picture() for choice in choices]
         assert not np.array_equal(small[0], small[1])
+
+
+# --- times that differ from place to place ---------------------------------------------------
+
+
+@pytest.mark.data
+def test_phases_of_other_heartbeats_are_told_by_their_order(data_folder: Path) -> None:
+    folder = case(data_folder, 24)
+    assert [series.slices for series in list_series(folder)] == [12] * 4
+    last = palpate.read(folder, series="4")
+    assert (last.range, last.dimensions[2]) == ((0.0, 1000.0), 12)
+    assert last.name.endswith("phase 4 of 4 after the trigger")
+
+
+@pytest.mark.parametrize("name", ["TriggerTime", "AcquisitionTime"])
+def test_times_are_ranked_at_each_place(write_series: Any, name: str) -> None:
+    def change(number: int, dataset: FileDataset) -> None:
+        place, phase = number % 4, number // 4
+        # later places begin later than the last phase of the first, and run the other way in files
+        setattr(dataset, name, str(101000 + 10 * place + 2 * (2 - phase)))
+
+    folder = write_series(positions=PLACES * 3, each=change)
+    for rank in range(3):
+        volume = palpate.read(folder, series=str(rank + 1))
+        numbers = (volume.array[:, 0, 0] + 1024) // 100
+        assert numbers.tolist() == [4 * (2 - rank) + place for place in range(4)]
+
+
+@pytest.mark.parametrize("differ", ["ImageType", "places", "equal"])
+def test_times_do_not_rank_what_differs_otherwise(write_series: Any, differ: str) -> None:
+    def change(number: int, dataset: FileDataset) -> None:
+        place, phase = number % 4, number // 4
+        dataset.TriggerTime = 5 if differ == "equal" else 100 + 3 * place + 20 * phase
+        if differ == "ImageType":
+            dataset.ImageType = ["ORIGINAL", "PRIMARY", "MP"[(place + phase) % 3 == 0]]
+
+    # one place has no second phase
+    places = PLACES * 2 if differ != "places" else PLACES + PLACES[:3]
+    folder = write_series(positions=places, each=change)
+    with pytest.raises(VolumeFormatError, match="at the place of another"):
+        palpate.read(folder)

@@ -26,6 +26,8 @@ export interface ListedScan {
 export interface RecentScan {
   readonly path: string;
   readonly series: string | null;
+  /** Volume of an image file with several. */
+  readonly frame: number | null;
   readonly name: string;
   /** ISO 8601. */
   readonly when: string;

@@ -36,6 +36,12 @@ export function physical(biased: number, { slope, intercept }: Rescale): number 
   return slope * (biased - bias) + intercept;
 }
 
+/** A value with two decimals, or where stored ones are nearer to each other, with as many as they tell. */
+export function withoutNoise(value: number, { slope }: Pick<Rescale, "slope">): number {
+  const decimals = Math.min(Math.max(Math.floor(-Math.log10(Math.abs(slope))), 2), 20);
+  return Number(value.toFixed(decimals));
+}
+
 /** Biased value (a real number) of a physical one. */
 export function biasedOf(value: number, { slope, intercept }: Rescale): number {
   return (value - intercept) / slope + bias;

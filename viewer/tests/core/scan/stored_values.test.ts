@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { biasedOf, biasedRange, biasInPlace, physical } from "../../../src/core/scan/stored_values";
+import { biasedOf, biasedRange, biasInPlace, physical, withoutNoise } from "../../../src/core/scan/stored_values";
 
 test("biasing turns signed values into unsigned ones of the same order", () => {
   const signed = Int16Array.from([-32768, -1024, -1, 0, 1, 3071, 32767]);
@@ -21,4 +21,12 @@ test("physical values come back from biased ones, also with a slope and an inter
 
 test("a range stays rising where the slope is negative", () => {
   expect(biasedRange(10, 20, { slope: -1, intercept: 0 })).toEqual([32748, 32758]);
+});
+
+test("values are read with two decimals, and small ones with the digits that stored ones tell", () => {
+  expect(withoutNoise(-512.4999, { slope: 1 })).toBe(-512.5);
+  expect(withoutNoise(1288.3400001, { slope: -2 })).toBe(1288.34);
+  // 16 bits over 0 to 0.003, half a step off
+  expect(withoutNoise(0.0007 + 2.2e-8, { slope: 4.58e-8 })).toBe(0.0007);
+  expect(withoutNoise(0.25001, { slope: 1e-5 })).toBe(0.25001);
 });

@@ -243,8 +243,8 @@ export class Library {
     await this.attempt((signal) => (listed ? this.exchange(this.place, signal) : this.find(this.place, signal, what)));
   }
 
-  async openRecent({ path, series, raw, voxel_size }: RecentScan): Promise<void> {
-    await this.attempt((signal) => this.exchange({ path, series, raw, voxel_size }, signal));
+  async openRecent({ path, series, frame, raw, voxel_size }: RecentScan): Promise<void> {
+    await this.attempt((signal) => this.exchange({ path, series, frame, raw, voxel_size }, signal));
   }
 
   /** Opens the scan of a damaged scene as the last autosave has it. */

@@ -2,6 +2,7 @@
  * What a click in the picture has found: what it is, where it stands, and the scan's value there.
  */
 import { formatPoint, formatValue } from "../../../core/base/format";
+import { withoutNoise } from "../../../core/scan/stored_values";
 import type { PaneName } from "../../../core/view/pane";
 import type { Vec3 } from "../../../core/geometry/vector";
 
@@ -54,8 +55,10 @@ export class Readout {
 }
 
 /** "-512.5 HU"; empty outside of the scan. */
-export function valueText(value: number | null, unit: string): string {
-  return value === null ? "" : `${formatValue(Math.round(value * 100) / 100)}${unit === "" ? "" : ` ${unit}`}`;
+export function valueText(value: number | null, scan: { readonly slope: number; readonly unit: string }): string {
+  return value === null
+    ? ""
+    : `${formatValue(withoutNoise(value, scan))}${scan.unit === "" ? "" : ` ${scan.unit}`}`;
 }
 
 /** What stands at a point as a line of text. @param rows names and values, first of what is seen. */
