@@ -67,6 +67,8 @@ def dose_tags_of(dataset: Dataset, frames: tuple[Frame, ...]) -> DoseTags:
     places, refused = _places(dataset, frames)
     if scaling is None:
         refused = "has no DoseGridScaling above 0; allowed: doses that tell their scale"
+    elif dataset.get("ModalityLUTSequence"):
+        refused = "has a ModalityLUTSequence; allowed: doses by DoseGridScaling alone"
     elif units not in UNITS:
         refused = f"has DoseUnits {units or 'missing'}; allowed: {', '.join(UNITS)}"
     scale = None if scaling is None else (scaling, 0.0)

@@ -83,8 +83,8 @@ def quantified(what: str, series: Series) -> tuple[Series, list[str]]:
             f"{what} has slices of PET in different units ({units}); allowed: one unit for all"
         )
     quantity = _quantity(tags, alone=not series.part)
-    if any(frame.scale is None for header in series.headers for frame in header.frames):
-        quantity = _Quantity("", told=("PET without RescaleSlope: its unit is not known",))
+    if not all(map(_has_scale, series.headers)):
+        quantity = _Quantity("", told=("PET without a RescaleSlope of its own: no unit is known",))
     headers = tuple(_scaled(header, quantity) for header in series.headers)
     return replace(series, headers=headers), list(quantity.told)
 
@@ -96,6 +96,10 @@ def unit_tags(unit: str) -> tuple[str, str] | None:
             return "GML", suv_type
     found = [units for units, named in PLAIN_UNITS.items() if named == unit]
     return (found[0], "BSA" if found[0] == "CM2ML" else "") if found else None
+
+
+def _has_scale(header: Header) -> bool:
+    return header.table is None and all(frame.scale is not None for frame in header.frames)
 
 
 def _scaled(header: Header, quantity: _Quantity) -> Header:

@@ -294,6 +294,21 @@ def test_slices_of_different_weights_are_not_converted(pet: Any) -> None:
 # --- values -------------------------------------------------------------------------------
 
 
+def test_numbers_without_a_scale_have_no_unit(pet: Any) -> None:
+    table = Dataset()
+    table.LUTDescriptor, table.ModalityLUTType = [400, 0, 16], "US"
+    table.LUTData = np.arange(0, 800, 2, dtype="<u2").tobytes()
+    looked_up = pet(ModalityLUTSequence=[table])
+    assert looked_up.unit == ""
+    assert any("without a RescaleSlope" in said for said in looked_up.warnings)
+    bare = pet(folder="bare", each=lambda _, dataset: _take_scale(dataset))
+    assert bare.unit == ""
+
+
+def _take_scale(dataset: FileDataset) -> None:
+    del dataset.RescaleSlope, dataset.RescaleIntercept
+
+
 def test_each_slice_has_its_own_slope(pet: Any) -> None:
     slopes = np.array([0.31, 2.57, 11.0, 1.125])
 
@@ -302,9 +317,9 @@ def test_each_slice_has_its_own_slope(pet: Any) -> None:
 
     volume = pet(each=scale)
     expected = HALVED * slopes[:, None, None] * STORED
-    # a step of 16 bits over the range, if they are not kept as floats
-    step = expected.max() / 65535
-    np.testing.assert_allclose(values_of(volume), expected, atol=0.51 * step)
+    # as exact as floats of 32 bits
+    np.testing.assert_allclose(volume.values(), expected, rtol=2e-7)
+    assert volume.warnings == ()
 
 
 def test_values_with_a_unit_are_not_turned_around(pet: Any) -> None:
