@@ -32,7 +32,7 @@ def opened(data_folder: Path) -> Iterator[Opened]:
     with palpate("open", path, "--unit", "HU") as command, browser() as page:
         assert page.do("open", url=command.url, **SIZE)["firstPicture"] is not None
         # tests draw on the CPU, which people are told of
-        assert "without a graphics card" in page.read("document.body.textContent")
+        page.wait("document.body.textContent.includes('without a graphics card')")
         page.read("window.palpate.setView('A')")
         yield Opened(page, SimpleITK.ReadImage(str(path)))
 

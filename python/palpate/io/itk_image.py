@@ -37,6 +37,7 @@ MILLIMETRES = {
 }  # fmt: skip
 """In units of length by the names that NRRD and MetaImage files have for them."""
 ALLOWED = "complete, undamaged image files, or a DICOM folder"
+SPACE_AXES = 3
 VOLUMES = ("list", "point")
 """Kinds of NRRD axes whose samples are volumes; those of others make one voxel together."""
 
@@ -59,7 +60,8 @@ class ItkImage:
         # samples of an axis beside those of space
         self.listed = components > 1 and _is_list(path, format_name, self.reader)
         self.size = (*self.reader.GetSize(), *([components] if self.listed else []))
-        self.scale, self.told = unit_of(path, format_name)
+        self.scale, told = unit_of(path, format_name)
+        self.told = (*told, *_assumed(path, format_name))
         across, down, *along = (length * self.scale for length in self.reader.GetSpacing())
         self.spacing = (across, down, *along[:1])
 
@@ -148,8 +150,13 @@ def unit_of(path: Path, format_name: str) -> tuple[float, tuple[str, ...]]:
     """Returns how many millimetres a file's unit of length is, and what to tell of it."""
     units: list[str] = []
     if format_name == "nrrd":
-        told = nrrd_header(path)[0].get("space units", "")
+        fields, _ = nrrd_header(path)
+        told = fields.get("space units", "")
         units = re.findall(r'"([^"]*)"', told) or told.split()
+        if not units:
+            # of each axis, where there is no space: those of others are no lengths
+            each = re.findall(r'"([^"]*)"', fields.get("units", ""))
+            units = [unit for unit in each if unit.strip().lower() in MILLIMETRES]
     if format_name == "metaimage":
         units = [metaimage_header(path)[0].get("DistanceUnits", "")]
     named = sorted({unit.strip() for unit in units if unit.strip() not in ("", "?", "none", "???")})
@@ -163,6 +170,40 @@ def unit_of(path: Path, format_name: str) -> tuple[float, tuple[str, ...]]:
     if scale is None:
         return 1.0, (f"the unit of length {named[0][:40]!r} is unknown: mm are assumed",)
     return scale, ()
+
+
+def _assumed(path: Path, format_name: str) -> tuple[str, ...]:
+    """Says what ITK takes without a word, since the file does not tell it.
+
+    Raises:
+        VolumeFormatError: A spacing is no number.
+    """
+    told = []
+    if format_name == "nrrd":
+        fields, _ = nrrd_header(path)
+        spacings = fields.get("spacings", "").lower().split()
+        axes = sum(spacing not in ("nan", "-nan") for spacing in spacings)
+        if "space directions" not in fields:
+            if spacings and axes < SPACE_AXES:
+                raise VolumeFormatError(
+                    f"{path} has spacings of {' '.join(spacings)}; allowed: numbers along three "
+                    "axes"
+                )
+            told += [] if spacings else ["the file tells no size of voxels: 1 mm is assumed"]
+    if format_name == "metaimage":
+        fields, _ = metaimage_header(path)
+        if not {"ElementSpacing", "ElementSize"} & fields.keys():
+            told.append("the file tells no size of voxels: 1 mm is assumed")
+        scale = (
+            fields.get("ElementToIntensityFunctionSlope", "1"),
+            fields.get("ElementToIntensityFunctionOffset", "0"),
+        )
+        if [float(part) for part in scale] != [1.0, 0.0]:
+            told.append(
+                f"slope {scale[0]} and offset {scale[1]} (ElementToIntensityFunction) are not "
+                "applied, as in ITK: values are as stored"
+            )
+    return tuple(told)
 
 
 def _orientation_known(path: Path, format_name: str) -> bool:

@@ -22,6 +22,9 @@ __all__ = ["ANOTHER", "check_belonging"]
 ANOTHER = "of another patient, study or frame of reference than the scan, as was asked for"
 """Said where it is so."""
 
+FOREIGN = "told in another frame of reference than the scan: coordinates are taken as they are"
+"""Said where segments are resampled so."""
+
 
 def check_belonging(
     path: Path,
@@ -49,7 +52,7 @@ def check_belonging(
     others = _others(dataset, volume.traits)
     if others and not another_patient:
         raise OptionError(
-            f"{path} is not of this scan: its {' and '.join(others)} differ; allowed: the scan's "
+            f"{path} is not of this scan (other {' and '.join(others)}); allowed: the scan's "
             "own segments, or those of another patient where they are asked for (--another-patient)"
         )
     scan = volume.traits.frame
@@ -60,7 +63,9 @@ def check_belonging(
             "in the patient may have other coordinates there; allowed: structures of the scan's "
             "frame, or of others where they are asked to be resampled as they are (--resample)"
         )
-    return [ANOTHER] if others or (scan and foreign and another_patient) else []
+    if others or (scan and foreign and another_patient):
+        return [ANOTHER]
+    return [FOREIGN] if scan and foreign else []
 
 
 def _others(dataset: Dataset, scan: VolumeTraits) -> list[str]:

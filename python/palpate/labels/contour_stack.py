@@ -16,10 +16,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ContourStack", "planes_of"]
+__all__ = ["MOST_SLICES", "ContourStack", "planes_of"]
 
 WIDEST_STEP = 1.5
 """Steps wider than this are gaps between parts of a structure [usual step]."""
+MOST_SLICES = 2.1
+"""Planes up to this far apart belong together [slices]; wider ones, where they are regular."""
+LEAST_REGULAR = 3
+"""Steps of one height that show how far apart a structure was drawn, if most steps are such."""
+SAME_STEP = 0.1
+"""By how much such steps differ [step]."""
 
 
 def planes_of(
@@ -50,16 +56,30 @@ class ContourStack:
     """Between rows and between columns, in one unit."""
     thickness: float
     """Of a structure that lies in one plane."""
+    widest: float
+    """Planes further apart than this belong together only where a structure is drawn regularly."""
 
     def __post_init__(self) -> None:
         steps = np.diff(self.planes)
-        self._usual = float(np.median(steps)) if len(steps) else self.thickness
+        self._usual = self._usual_step(steps)
         self._joined = steps <= WIDEST_STEP * self._usual
         half = 0.5 * np.where(self._joined, steps, self._usual)
         # how far each plane's shape goes on below and above it, where it has no neighbour
         self._below = np.concatenate([half[:1] if len(half) else [0.5 * self._usual], half])
         self._above = np.concatenate([half, half[-1:] if len(half) else [0.5 * self._usual]])
         self._distances: dict[int, NDArray[np.float64]] = {}
+
+    def _usual_step(self, steps: NDArray[np.float64]) -> float:
+        """Returns the distance of planes that belong together.
+
+        Lesions of one slice each, far apart, are no tube: few wide steps show nothing.
+        """
+        usual = float(np.median(steps)) if len(steps) else 0.0
+        regular = np.count_nonzero(np.abs(steps - usual) <= SAME_STEP * usual)
+        if regular >= max(LEAST_REGULAR, 0.5 * len(steps)):
+            return usual
+        near = steps[steps <= self.widest]
+        return float(np.median(near)) if len(near) else self.thickness
 
     @property
     def ends(self) -> tuple[float, float]:

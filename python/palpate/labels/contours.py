@@ -23,7 +23,7 @@ from palpate.base.progress import Progress
 from palpate.io.dicom.header import damage_told
 from palpate.labels.belonging import check_belonging
 from palpate.labels.contour_fill import fill_contours
-from palpate.labels.contour_stack import ContourStack, planes_of
+from palpate.labels.contour_stack import MOST_SLICES, ContourStack, planes_of
 from palpate.labels.dicom_objects import dataset_of
 from palpate.labels.grid import RESAMPLED, Colour, Label, Labels
 from palpate.labels.oblique_contours import NotFlatError, filled_aslant
@@ -200,7 +200,7 @@ def _filled_upright(
         ]
     )
     across, down = (volume.spacing[other] for other in rest)
-    stack = ContourStack(planes, sheets, pixel=(down, across), thickness=1.0)
+    stack = ContourStack(planes, sheets, pixel=(down, across), thickness=1.0, widest=MOST_SLICES)
     low, high = stack.ends
     there = np.arange(max(0, int(np.floor(low))), min(len(slices), int(np.ceil(high)) + 1))
     found = {int(at): sheet for at in there if (sheet := stack.at(float(at))) is not None}

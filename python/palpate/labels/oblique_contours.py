@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.labels.contour_fill import fill_contours
-from palpate.labels.contour_stack import ContourStack, planes_of
+from palpate.labels.contour_stack import MOST_SLICES, ContourStack, planes_of
 from palpate.volumes.volume import Volume
 
 __all__ = ["NotFlatError", "filled_aslant"]
@@ -63,7 +63,8 @@ def filled_aslant(
             for number in range(len(planes))
         ]
     )
-    stack = ContourStack(planes, sheets, pixel=(pixel, pixel), thickness=pixel)
+    widest = MOST_SLICES * max(volume.spacing)
+    stack = ContourStack(planes, sheets, pixel=(pixel, pixel), thickness=pixel, widest=widest)
     return _looked_up(stack, low, volume, scan=scan, box=_box(polygons, volume, stack))
 
 

@@ -118,7 +118,7 @@ class Volume:
         self.direction = _matrix(direction)
         array = _checked(values)
         if array.dtype != np.int16:
-            scaled = array if (slope, intercept) == (1.0, 0.0) else slope * array + intercept
+            scaled = _scaled(array, slope, intercept)
             stored = to_stored(scaled, file_scale=Scale(slope, intercept))
             array, slope, intercept = stored.values, stored.scale.slope, stored.scale.intercept
             exact = stored.exact
@@ -429,9 +429,23 @@ def _matrix(direction: ArrayLike) -> NDArray[np.float64]:
     return matrix
 
 
+def _scaled(array: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]:
+    """Returns the values of given numbers; integers would wrap around in their own type."""
+    if (slope, intercept) == (1.0, 0.0):
+        return array
+    if not (np.isfinite(slope) and np.isfinite(intercept) and slope != 0.0):
+        raise VolumeFormatError(
+            f"slope {slope:g} and intercept {intercept:g} given; allowed: finite numbers, and a "
+            "slope other than 0"
+        )
+    return slope * array.astype(np.float64) + intercept
+
+
 def _checked(values: ArrayLike) -> NDArray[Any]:
-    """Returns values as an array of numbers with three axes."""
+    """Returns values as an array of numbers with three axes; masked ones are NaN."""
     array = np.asarray(values)
+    if isinstance(values, np.ma.MaskedArray) and values.mask.any():
+        array = np.where(values.mask, np.nan, array)
     if array.ndim != AXES or not array.size:
         raise VolumeFormatError(
             f"values of shape {list(array.shape)} given; allowed: [depth, height, width]"

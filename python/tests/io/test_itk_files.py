@@ -54,6 +54,29 @@ def test_units_of_nrrd_are_those_of_the_file(tmp_path: Path, unit: str, scale: f
     assert volume.warnings == ()
 
 
+def without_space(path: Path, *lines: str) -> Path:
+    """Writes a file whose axes lie in no space."""
+    written = nrrd(path, *lines).read_bytes()
+    for field in (b"space: left-posterior-superior\n", b"space origin: (-10,20,30)\n"):
+        written = written.replace(field, b"")
+    path.write_bytes(written)
+    return path
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("cm", 10.0), ("um", 1e-3), ("", 1.0)])
+def test_units_of_axes_without_a_space_are_used(tmp_path: Path, unit: str, scale: float) -> None:
+    axes = ("spacings: 1 1.5 2.5", f'units: "{unit}" "{unit}" "{unit}"')
+    volume = palpate.read(without_space(tmp_path / "a.nrrd", *axes))
+    assert volume.spacing == pytest.approx(tuple(np.multiply((1, 1.5, 2.5), scale)))
+
+
+def test_a_size_of_voxels_that_is_missing_is_told(tmp_path: Path) -> None:
+    (told, *_) = palpate.read(without_space(tmp_path / "a.nrrd")).warnings
+    assert told == "the file tells no size of voxels: 1 mm is assumed"
+    with pytest.raises(VolumeFormatError, match=r"spacings of 1 1\.5 nan; allowed: numbers"):
+        palpate.read(without_space(tmp_path / "b.nrrd", "spacings: 1 1.5 nan"))
+
+
 def test_a_unit_that_nobody_knows_is_told(tmp_path: Path) -> None:
     path = nrrd(tmp_path / "a.nrrd", SPACE, 'space units: "pixel" "pixel" "pixel"')
     assert "'pixel' is unknown: mm are assumed" in palpate.read(path).warnings[0]

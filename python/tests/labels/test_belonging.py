@@ -19,11 +19,11 @@ def test_segments_of_another_patient_are_refused(data_folder: Path) -> None:
     name = "seg.dcm"
     folder = case(data_folder, 12)
     volume = palpate.read(folder / "ct")
-    with pytest.raises(OptionError, match=r"its .* differ; allowed: .*--another-patient") as told:
+    with pytest.raises(OptionError, match=r"\(other .*\); allowed: .*--another-patient") as told:
         palpate.read_labels(folder / name, volume)
     assert volume.traits.patient_id not in str(told.value).replace(str(folder), "")
     # that the grid may be another does not mean that the patient may
-    with pytest.raises(OptionError, match="differ"):
+    with pytest.raises(OptionError, match="is not of this scan"):
         palpate.read_labels(folder / name, volume, resample=True)
     found = palpate.read_labels(folder / name, volume, another_patient=True)
     assert len(found.labels) == 1
@@ -36,6 +36,8 @@ def test_structures_of_another_frame_of_reference_are_refused(data_folder: Path)
     volume = palpate.read(folder / "ct")
     with pytest.raises(OptionError, match="is drawn in frame of reference"):
         palpate.read_labels(folder / "rt.dcm", volume)
+    resampled = palpate.read_labels(folder / "rt.dcm", volume, resample=True)
+    assert any("another frame of reference" in warning for warning in resampled.warnings)
     found = palpate.read_labels(folder / "rt.dcm", volume, another_patient=True)
     assert any("frame of reference" in warning for warning in found.warnings)
 
@@ -64,12 +66,12 @@ def of_scan(data_folder: Path) -> tuple[Path, Volume]:
         ({}, None),
         ({"frame": "1.2.3"}, "frame of reference"),
         ({"frame": ""}, None),
-        ({"patient_id": "someone"}, "its Patient ID differ"),
-        ({"patient_id": "", "patient_name": "Some^One"}, "its patient's name differ"),
+        ({"patient_id": "someone"}, "other Patient ID"),
+        ({"patient_id": "", "patient_name": "Some^One"}, "other patient's name"),
         # one number, written with another name
         ({"patient_name": "Some^One"}, None),
         ({"patient_id": "", "patient_name": "", "study": ""}, None),
-        ({"study": "1.2.3", "series": "1.2.4"}, "its study differ"),
+        ({"study": "1.2.3", "series": "1.2.4"}, "other study"),
         # it refers to the scan from a study of its own
         ({"study": "1.2.3"}, None),
         ({"series": "1.2.4"}, None),

@@ -153,6 +153,23 @@ def test_a_gap_between_parts_is_not_filled() -> None:
     assert volume_of(polygons, 1.0) == pytest.approx(np.pi * 25.0 * 6.0, rel=0.03)
 
 
+@pytest.mark.parametrize("heights", [(-20.0, 0.0), (-20.0, -12.0, 0.0), (-9.0, 0.0, 1.0)])
+@pytest.mark.parametrize("axes", [np.eye(3), TURNED])
+def test_lesions_of_one_slice_far_apart_are_no_tube(
+    heights: tuple[float, ...], axes: NDArray[np.float64]
+) -> None:
+    polygons = circles(np.full(len(heights), 5.0), np.array(heights), axes)
+    volume = volume_of(polygons, 1.0, free=axes is TURNED)
+    assert volume == pytest.approx(np.pi * 25.0 * len(heights), rel=0.15)
+
+
+def test_contours_that_are_regular_belong_together_however_thin_slices_are() -> None:
+    # one of them is missing
+    heights = np.array([-12.0, -8.0, -4.0, 0.0, 8.0, 12.0])
+    polygons = circles(np.full(len(heights), 5.0), heights, np.eye(3))
+    assert volume_of(polygons, 0.8) == pytest.approx(np.pi * 25.0 * 24.0, rel=0.03)
+
+
 def test_what_is_thinner_than_a_slice_is_not_lost() -> None:
     polygons = circles(np.array([5.0]), np.array([1.5]), np.eye(3))
     polygons += circles(np.array([5.0]), np.array([2.0]), np.eye(3))

@@ -124,6 +124,27 @@ def test_whole_floats_beyond_single_precision_are_kept() -> None:
     np.testing.assert_array_equal(volume_of(given).values(), given)
 
 
+@pytest.mark.parametrize(
+    ("kind", "number", "slope"),
+    [("u1", 200, 2), ("i4", 2**30, 4), ("u8", 2**63, 2), ("f2", 60000, 2)],
+)
+def test_values_wrap_around_in_no_type(kind: str, number: int, slope: int) -> None:
+    given = np.array([[[0, number]]]).astype(kind)
+    assert volume_of(given, slope=slope).range == (0.0, float(given.max()) * slope)
+
+
+@pytest.mark.parametrize("slope", [0, 0.0, np.nan, np.inf])
+def test_a_slope_that_gives_no_values_is_refused(slope: float) -> None:
+    with pytest.raises(VolumeFormatError, match="slope"):
+        volume_of(np.array([[[0.0, 1.0]]]), slope=slope)
+
+
+@pytest.mark.parametrize("kind", ["i2", "u1", "f4"])
+def test_masked_values_are_none(kind: str) -> None:
+    given = np.ma.MaskedArray([[[1, 2, 3]]], mask=[[[False, True, False]]], dtype=kind)
+    np.testing.assert_array_equal(volume_of(given).values(), [[[1.0, np.nan, 3.0]]])
+
+
 def test_slope_and_intercept_are_those_of_any_numbers_given() -> None:
     given = np.array([[[0, 40000, 65535]]], np.uint16)
     volume = volume_of(given, slope=0.1, intercept=-5.0)

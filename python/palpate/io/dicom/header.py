@@ -28,7 +28,13 @@ from palpate.io.dicom.mark import has_mark, read_dataset
 from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
-from palpate.io.dicom.rescale import ModalityTable, scale_of, scale_trouble, table_of
+from palpate.io.dicom.rescale import (
+    ModalityTable,
+    real_world_scale,
+    scale_of,
+    scale_trouble,
+    table_of,
+)
 from palpate.io.dicom.stacks import stacks_of
 
 if TYPE_CHECKING:
@@ -49,6 +55,7 @@ __all__ = [
 
 DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
+PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
 PARALLEL = 2e-3
 """By how much the cosines of parallel slices differ at most: writers leave three digits."""
 PLAIN = {
@@ -413,14 +420,42 @@ def _groups(dataset: Dataset, index: int) -> list[Dataset]:
 
 
 def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
-    return scale_of(_holder(dataset, index, "PixelValueTransformationSequence"))
+    own = scale_of(_holder(dataset, index, "PixelValueTransformationSequence"))
+    mapping = _mapping(dataset, index, own)
+    return own if mapping is None else real_world_scale(mapping) or own
+
+
+def _mapping(dataset: Dataset, index: int, own: tuple[float, float] | None) -> Dataset | None:
+    """Returns what maps stored numbers to real world values, where that gives a frame its values.
+
+    That is in parametric maps, and where the frame has no slope and intercept of its own.
+    """
+    if own is not None and dataset.get("SOPClassUID") != PARAMETRIC_MAP:
+        return None
+    for holder in (*_groups(dataset, index), dataset):
+        if holder.get("RealWorldValueMappingSequence"):
+            mapping: Dataset = holder.RealWorldValueMappingSequence[0]
+            return mapping
+    return None
 
 
 def _told(dataset: Dataset, count: int) -> tuple[str, ...]:
     holders = (
         _holder(dataset, index, "PixelValueTransformationSequence") for index in range(count)
     )
-    return tuple(dict.fromkeys(filter(None, map(scale_trouble, holders))))
+    trouble = dict.fromkeys(filter(None, map(scale_trouble, holders)))
+    own = scale_of(_holder(dataset, 0, "PixelValueTransformationSequence"))
+    mapping = _mapping(dataset, 0, own)
+    return (*trouble, *([] if mapping is None else [_mapped(mapping)]))
+
+
+def _mapped(mapping: Dataset) -> str:
+    """Says what real world values are, or that they are not to be had."""
+    if real_world_scale(mapping) is None:
+        return "real world values are told by a table, which is not read: values are as stored"
+    unit = mapping.get("MeasurementUnitsCodeSequence") or []
+    code = str(unit[0].get("CodeValue") or "") if unit else ""
+    return f"values are real world values, in {code or 'an unknown unit'}"
 
 
 def _joined(dataset: Dataset, *names: str) -> str:

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["ModalityTable", "looked_up", "scale_of", "scale_trouble", "table_of"]
+__all__ = [
+    "ModalityTable",
+    "looked_up",
+    "real_world_scale",
+    "scale_of",
+    "scale_trouble",
+    "table_of",
+]
 
 
 @dataclass(frozen=True)
@@ -36,6 +43,20 @@ def scale_of(holder: Dataset) -> tuple[float, float] | None:
     if (slope is None and intercept is None) or scale_trouble(holder) is not None:
         return None
     return 1.0 if slope is None else slope, 0.0 if intercept is None else intercept
+
+
+def real_world_scale(mapping: Dataset) -> tuple[float, float] | None:
+    """Returns slope and intercept of a Real World Value Mapping; None where it has none.
+
+    Source: DICOM PS3.3, C.7.6.16.2.11 (real world value mapping).
+    """
+    slope = _number(mapping, "RealWorldValueSlope")
+    intercept = _number(mapping, "RealWorldValueIntercept")
+    if slope is None or not math.isfinite(slope) or slope == 0.0:
+        return None
+    if intercept is not None and not math.isfinite(intercept):
+        return None
+    return slope, intercept or 0.0
 
 
 def scale_trouble(holder: Dataset) -> str | None:

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from pydicom import dcmread
 from pydicom.dataset import Dataset, FileDataset
 from pydicom.pixels.processing import apply_modality_lut
+from pydicom.uid import UID
 
 STORED = np.array([100 * k + np.arange(12).reshape(3, 4) for k in range(4)])
 """Numbers of the series that tests write."""
 
+PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
 Values = Callable[[NDArray[Any]], NDArray[Any]]
 
 
@@ -31,6 +33,40 @@ def test_a_modality_lut_is_applied(data_folder: Path) -> None:
 @pytest.mark.parametrize("kind", ["missing", "empty"])
 def test_a_slope_alone_is_applied(data_folder: Path, kind: str) -> None:
     assert palpate.read(case(data_folder, 9) / kind).range == (0.0, 2000.0)
+
+
+def real_world(dataset: Dataset) -> None:
+    mapping, unit = Dataset(), Dataset()
+    unit.CodeValue, unit.CodingSchemeDesignator, unit.CodeMeaning = "um2/s", "UCUM", "um2/s"
+    mapping.RealWorldValueSlope, mapping.RealWorldValueIntercept = 0.01, 3.0
+    mapping.MeasurementUnitsCodeSequence = [unit]
+    dataset.RealWorldValueMappingSequence = [mapping]
+
+
+def test_real_world_values_are_those_of_files_without_a_slope(write_series: Any) -> None:
+    def change(_: int, dataset: FileDataset) -> None:
+        real_world(dataset)
+        del dataset.RescaleSlope, dataset.RescaleIntercept
+
+    volume = palpate.read(write_series(each=change))
+    np.testing.assert_allclose(values_of(volume), STORED * 0.01 + 3.0, rtol=1e-6)
+    assert "values are real world values, in um2/s" in volume.warnings
+
+
+def test_a_slope_goes_before_real_world_values_but_in_parametric_maps(write_series: Any) -> None:
+    volume = palpate.read(
+        write_series(scale=(2.5, -1024.0), each=lambda _, dataset: real_world(dataset))
+    )
+    np.testing.assert_allclose(values_of(volume), STORED * 2.5 - 1024.0, atol=1e-3)
+
+    def change(_: int, dataset: FileDataset) -> None:
+        real_world(dataset)
+        dataset.SOPClassUID = UID(PARAMETRIC_MAP)
+        dataset.file_meta.MediaStorageSOPClassUID = UID(PARAMETRIC_MAP)
+
+    folder = write_series(prefix="map", uid="1.2.9", scale=(1.0, 0.0), each=change)
+    volume = palpate.read(folder, series="1.2.9")
+    np.testing.assert_allclose(values_of(volume), STORED * 0.01 + 3.0, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

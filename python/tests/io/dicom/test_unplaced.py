@@ -39,6 +39,15 @@ def order_of(folder: Path) -> list[int]:
     return [int(value) // 100 for value in values_of(palpate.read(folder))[:, 0, 0] + 1024]
 
 
+def test_positions_without_a_pixel_spacing_are_not_said_to_be_missing(write_series: Any) -> None:
+    def change(number: int, dataset: FileDataset) -> None:
+        dataset.InstanceNumber = number
+        del dataset.PixelSpacing
+
+    (told, *_) = palpate.read(write_series(each=change)).warnings
+    assert told.startswith("the files tell no pixel spacing, so that their positions are not used")
+
+
 def test_numbers_count_before_names(write_series: Any) -> None:
     # more than ten, so that text would order them otherwise
     folder = unplaced(write_series, InstanceNumber=lambda number: 40 - 3 * number)
