@@ -149,8 +149,9 @@ class Writing:
     target: Target
     segments: Path | None = None
     resample: bool = False
-    another_patient: bool = False
     """Whether segments may lie on another grid."""
+    another_patient: bool = False
+    """Whether DICOM segments may be of another patient, study or frame of reference."""
 
 
 def write_import(volume: Volume, wanted: Writing, *, progress: Progress) -> list[dict[str, Any]]:
@@ -163,27 +164,20 @@ def write_import(volume: Volume, wanted: Writing, *, progress: Progress) -> list
         OptionError: The segments do not belong to the scan.
         OSError: The disk refuses it; what was there is as it was.
     """
-    out, file, resample = wanted.out, wanted.segments, wanted.resample
-    if wanted.target == "scene":
-        scene = scene_of(
-            volume,
-            bounds=None,
-            label_map=file,
-            resample=resample,
-            another_patient=wanted.another_patient,
-            progress=progress,
-        )
-        progress(f"writing {out.name}", None)
-        _write_scene(scene, out)
-        return [_written(out, f"scan and {_counted(scene)}")]
-    scene = wanted_scene(
+    out, file = wanted.out, wanted.segments
+    make = scene_of if wanted.target == "scene" else wanted_scene
+    scene = make(
         volume,
         bounds=None,
         label_map=file,
-        resample=resample,
+        resample=wanted.resample,
         another_patient=wanted.another_patient,
         progress=progress,
     )
+    if wanted.target == "scene":
+        progress(f"writing {out.name}", None)
+        _write_scene(scene, out)
+        return [_written(out, f"scan and {_counted(scene)}")]
     export_scene(scene, out, kind="scan", progress=progress)
     files = [_written(out, "scan")]
     if file is not None:
