@@ -24,7 +24,7 @@ from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import read_slice
 from palpate.io.dicom.reading import plan_of, volumes_of
 from palpate.io.dicom.series import MOST_FILES, called_of, is_dicom, series_among, series_in
-from palpate.io.image_file import check_own_voxels, form_of, header_of, image_files, middle_of
+from palpate.io.image_file import form_of, header_of, image_files, middle_of
 from palpate.io.preview import preview
 
 __all__ = ["Choice", "browsed", "choices_among", "previews"]
@@ -209,11 +209,7 @@ def _in_folder(folder: Path, *, progress: Progress, called: Path | None = None) 
         found = []
     return [
         *_series(called or folder, found),
-        *(
-            one
-            for path in images
-            for one in _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
-        ),
+        *(one for path in images for one in _image(path, path.relative_to(folder).as_posix())),
     ]
 
 
@@ -267,11 +263,9 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
 # --- image files --------------------------------------------------------------------------
 
 
-def _image(path: Path, name: str, *, packed: bool = False) -> list[Choice]:
+def _image(path: Path, name: str) -> list[Choice]:
     """Lists the volumes of an image file; most files hold one."""
     try:
-        if packed:
-            check_own_voxels(path)
         with looking_at(path, form_of(path)):
             header = header_of(path)
     except VolumeFormatError as error:

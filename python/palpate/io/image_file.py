@@ -6,7 +6,6 @@ Frame: LPS [mm]; see the modules of each library.
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -23,7 +22,6 @@ from palpate.io.raw_scan import RawScan, check_shape, choose_frame
 __all__ = [
     "FORMATS",
     "ImageHeader",
-    "check_own_voxels",
     "form_of",
     "header_of",
     "image_files",
@@ -57,11 +55,6 @@ HALVES = (".img", ".img.gz", ".rec", ".brik", ".brik.gz")
 APPLE_DOUBLE = b"\x00\x05\x16\x07"
 """How the files begin that macOS lays beside others on foreign disks, as ``._name``."""
 
-DATA_FILE = ("elementdatafile", "data file", "datafile")
-"""Fields of MetaImage and NRRD that name the file of the voxels."""
-MOST_HEADER = 1 << 16
-"""Of a header that is looked through [bytes]."""
-
 ALLOWED = (
     "NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), MINC (.mnc), FreeSurfer "
     "(.mgh, .mgz), Analyze (.hdr), PAR/REC (.par), AFNI (.HEAD), a DICOM folder or a zip archive "
@@ -91,27 +84,6 @@ def form_of(path: Path) -> str:
     """Returns what people call the format of a file, by its name."""
     name = path.name.lower()
     return next((NAMES[key] for key, ends in FORMATS.items() if name.endswith(ends)), "an image")
-
-
-def check_own_voxels(path: Path) -> None:
-    """Refuses a header that names voxels elsewhere than in itself or in one file beside it.
-
-    Raises:
-        VolumeFormatError: It does, as no header of an archive should.
-    """
-    if not path.name.lower().endswith((".mha", ".mhd", ".nrrd", ".nhdr")):
-        return
-    with path.open("rb") as file:
-        head = file.read(MOST_HEADER).decode("latin-1")
-    for line in head.splitlines():
-        key, _, name = (part.strip() for part in line.replace("=", ":", 1).partition(":"))
-        if key.lower() not in DATA_FILE:
-            continue
-        if not re.fullmatch(r"[^/\\%:]+", name) or name.split(" ")[0].lower() == "list":
-            raise VolumeFormatError(
-                f"{path} names voxels in {name[:100]!r}; allowed: in the same file, or in one "
-                "beside it"
-            )
 
 
 def read_file(

@@ -7,7 +7,7 @@ from pathlib import Path
 from palpate.base.errors import SeriesChoiceError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.series import MOST_FILES, series_in
-from palpate.io.image_file import check_own_voxels, image_files, read_file
+from palpate.io.image_file import image_files, read_file
 from palpate.io.raw_scan import RawScan
 
 __all__ = ["image_of", "read_unpacked"]
@@ -72,7 +72,6 @@ def read_unpacked(
             elsewhere.
     """
     try:
-        check_own_voxels(image)
         return read_file(image, frame=frame, max_voxels=max_voxels, progress=progress)
     except VolumeFormatError as error:
         raise type(error)(str(error).replace(f"{folder}/", f"{called}: ")) from None

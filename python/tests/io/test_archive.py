@@ -165,8 +165,10 @@ def test_dicom_goes_before_image_files_unless_one_is_named(
     [
         ("ElementDataFile = /etc/passwd", "names voxels in '/etc/passwd'; allowed: in the same"),
         ("ElementDataFile = ../secret.raw", "names voxels in '../secret.raw'"),
-        ("ElementDataFile = slice%d.raw 1 9 1", "names voxels in 'slice%d"),
-        ("ElementDataFile = LIST", "names voxels in 'LIST'"),
+        ("ElementDataFile = ../slice%d.raw 1 4 1", "names voxels in '../slice1.raw'"),
+        ("ElementDataFile = slice%d.raw 1 9 1", "names 9 files for 4 slices"),
+        ("ElementDataFile = LIST", "names 0 files for 4 slices"),
+        ("ElementDataFile = LIST" + 4 * "\n/etc/passwd", "names voxels in '/etc/passwd'"),
     ],
 )
 def test_a_header_in_an_archive_names_no_file_elsewhere(
