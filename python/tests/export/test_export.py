@@ -242,7 +242,9 @@ def test_every_kind_has_a_name_that_asks_for_it() -> None:
 
 NARROW = """
 import resource, sys
+from palpate.base.reader_process import warm
 from palpate.cli.commands import run
+warm()  # a reader started below would keep the limit
 resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 sys.exit(run(sys.argv[1:]))
 """
@@ -266,6 +268,7 @@ def test_a_full_disk_leaves_what_was_there(tmp_path: Path, name: str) -> None:
     )
     assert ended.returncode == 2, ended.stderr
     assert "allowed" in ended.stderr
+    assert "scan.mha" not in ended.stderr  # it is the writer that fails, not the reader
     assert "Traceback" not in ended.stderr
     assert (out / name).read_text() == "what was there"
     assert [file.name for file in out.iterdir()] == [name]
