@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from palpate.base.console import WRONG_INPUT, fail
+from palpate.base.console import WRONG_INPUT, fail, told_by
 from palpate.base.errors import PalpateError
 from palpate.base.reader_process import warm
 from palpate.cli.bench import (
@@ -36,6 +36,7 @@ from palpate.cli.bench_touch import (
     bench_touch_quality,
 )
 from palpate.cli.export import export
+from palpate.cli.flags import as_flags
 from palpate.cli.import_scan import EXAMPLES as IMPORT_EXAMPLES
 from palpate.cli.import_scan import import_scan
 from palpate.cli.info import info
@@ -80,6 +81,11 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Runs the command line with these arguments; returns the exit code."""
+    with told_by(lambda message: as_flags(message, app, arguments)):
+        return _run(arguments)
+
+
+def _run(arguments: list[str]) -> int:
     try:
         result = app(args=arguments, prog_name="palpate", standalone_mode=False)
     except TyperException as error:

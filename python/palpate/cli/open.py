@@ -23,7 +23,8 @@ from palpate.cli.options import (
     Transform,
     With,
 )
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
@@ -31,11 +32,11 @@ if TYPE_CHECKING:
 __all__ = ["demo", "open_scan"]
 
 
-@with_reading
+@with_requests
 def open_scan(  # noqa: PLR0913  # one per option of the command line
     path: ScanOrNone = None,
     *,
-    reading: Reading,
+    reading: ReadRequest,
     threshold: Threshold = None,
     segments: Segments = None,
     resample: Resample = False,
@@ -78,7 +79,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     bounds = parse_threshold(threshold)
     if path is None or is_scene(path):
         of_scans = (bounds, segments, mesh, second, transform)
-        if reading != Reading() or any(option is not None for option in of_scans):
+        if reading != ReadRequest() or any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
     if path is None:

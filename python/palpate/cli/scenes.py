@@ -7,9 +7,11 @@ from pathlib import Path
 import typer
 
 from palpate.base.console import warn
-from palpate.base.errors import MeshFormatError, OptionError, SceneFormatError
+from palpate.base.errors import MeshFormatError, OptionError, PalpateError, SceneFormatError
+from palpate.base.hints import prefixed
 from palpate.base.progress import Progress
 from palpate.base.typed_numbers import Bounds
+from palpate.cli.flags import of_import
 from palpate.io.reading import read
 from palpate.labels.labels import read_labels
 from palpate.saved.autosave import with_autosave
@@ -32,6 +34,7 @@ __all__ = [
     "add_labels",
     "add_mesh",
     "add_second",
+    "further_scan",
     "mesh_file",
     "saved_scene",
     "scene_of",
@@ -134,11 +137,23 @@ def add_second(
         if transform is not None:
             raise OptionError(f"--transform {transform} given; allowed: together with --with")
         return
-    volume = read(path, progress=progress)
+    volume = further_scan(path, progress)
     known = None if transform is None else read_transform(transform)
     scene.second = placed(scene.volume, volume, known)
     for warning in (*doubts_of(scene.volume, scene.second), *volume.warnings):
-        warn(f"{path.name}: {warning}")
+        warn(f"{path.name}: {of_import(warning)}")
+
+
+def further_scan(path: Path, progress: Progress) -> Volume:
+    """Reads a scan for which the command has no options of reading.
+
+    Raises:
+        PalpateError: It cannot be read, or there are several.
+    """
+    try:
+        return read(path, progress=progress)
+    except PalpateError as error:
+        raise type(error)(of_import(str(error))) from None
 
 
 def saved_scene(path: Path, progress: Progress) -> Opening:
@@ -188,8 +203,7 @@ def add_mesh(
         file = mesh_file(path, frame=frame, unit=unit, close=False)
     except OptionError as error:
         # here the options of a mesh are called otherwise than in `palpate surface`
-        said = str(error).replace("--frame", "--mesh-frame").replace("--unit", "--mesh-unit")
-        raise OptionError(said) from None
+        raise OptionError(prefixed(str(error), "mesh")) from None
     if file.holes:
         raise MeshFormatError(
             f"{file.name!r} has {file.holes} hole{'s' if file.holes > 1 else ''}, so no inside; "

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import Scan, Segments, Threshold
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.options import AnotherPatient, Resample, Scan, Segments, Threshold
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
+from palpate.volumes.surface_request import SurfaceRequest
 
 if TYPE_CHECKING:
     from palpate.volumes.mesh_read import MeshFile
     from palpate.volumes.segment import Segment
-    from palpate.volumes.surface import Source
     from palpate.volumes.volume import Volume
 
 __all__ = ["surface"]
@@ -27,47 +28,36 @@ surface = typer.Typer(
 
 
 @surface.command("export")
-@with_reading
+@with_requests
 def surface_export(
     path: Scan,
-    file: Annotated[
-        Path, typer.Argument(help="Mesh to write (.stl, .ply, .obj, .glb).", metavar="FILE")
-    ],
     *,
-    segment: Annotated[
-        str | None, typer.Option(help="Name of the segment, if there are several.")
-    ] = None,
-    smoothing: Annotated[
-        int | None,
-        typer.Option(help="Degree of smoothing, 0 to 12; 0 keeps the shape of the voxels."),
-    ] = None,
-    step: Annotated[int | None, typer.Option(help="Cell size: 1, 2 or 4 voxels.")] = None,
-    source: Annotated[
-        str,
-        typer.Option(
-            "--from", help="intensities (of a threshold; smooth) or bits (the voxels; with steps)."
-        ),
-    ] = "intensities",
-    reading: Reading,
+    request: SurfaceRequest,
+    reading: ReadRequest,
     threshold: Threshold = None,
     segments: Segments = None,
+    resample: Resample = False,
+    another_patient: AnotherPatient = False,
 ) -> None:
     """Write the surface of a segment as a mesh, in LPS mm."""
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.base.whole_file import check_target
     from palpate.cli.scenes import scene_of
-    from palpate.volumes.mesh_write import SUFFIXES
     from palpate.volumes.scene import choose_segment
 
-    check_target(file, SUFFIXES)
     bounds = parse_threshold(threshold)
     with quiet_libraries(), Display() as display:
         volume = reading.read(path, display)
-        scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+        scene = scene_of(
+            volume,
+            bounds=bounds,
+            label_map=segments,
+            resample=resample,
+            another_patient=another_patient,
+            progress=display,
+        )
     for warning in volume.warnings:
         warn(warning)
-    chosen = choose_segment(scene, segment)
-    _export(chosen, file, step=step, smoothing=smoothing, source=source)
+    _export(choose_segment(scene, request.segment), request)
 
 
 @surface.command("voxels")
@@ -84,29 +74,26 @@ def surface_voxels(
     frame: Annotated[str | None, typer.Option(help="Frame of the mesh: LPS or RAS.")] = None,
     unit: Annotated[str | None, typer.Option(help="Unit of the mesh: mm or m.")] = None,
     close: Annotated[bool, typer.Option("--close", help="Close holes in the mesh.")] = False,
-    shell: Annotated[
+    as_shell: Annotated[
         bool, typer.Option("--shell", help="Label only the surface, not the inside.")
     ] = False,
 ) -> None:
     """Make a label map of the inside of a mesh."""
     from palpate.base.errors import OptionError
     from palpate.base.whole_file import check_target
-    from palpate.cli.scenes import mesh_file
-    from palpate.io.reading import read
+    from palpate.cli.scenes import further_scan, mesh_file
 
     check_target(file, MASK_SUFFIXES)
     if (spacing is None) == (like is None):
         raise OptionError("one grid is needed; allowed: --spacing MM, or --like SCAN")
     with quiet_libraries(), Display() as display:
         given = mesh_file(mesh, frame=frame, unit=unit, close=close)
-        grid = spacing if like is None else read(like, progress=display)
+        grid = spacing if like is None else further_scan(like, display)
     assert grid is not None  # noqa: S101  # one of both is given
-    _write_voxels(given, file, grid=grid, shell=shell)
+    _write_voxels(given, file, grid=grid, shell=as_shell)
 
 
-def _export(
-    segment: Segment, path: Path, *, step: int | None, smoothing: int | None, source: str
-) -> None:
+def _export(segment: Segment, request: SurfaceRequest) -> None:
     """Writes the surface of a segment and prints its size.
 
     Raises:
@@ -115,7 +102,10 @@ def _export(
     from palpate.volumes.mesh_write import write_mesh
     from palpate.volumes.surface import Surface
 
-    surface = Surface(segment, step=step, smoothing=smoothing, source=cast("Source", source))
+    path = request.out
+    surface = Surface(
+        segment, step=request.step, smoothing=request.smoothing, source=request.source
+    )
     write_mesh(surface.mesh(), path)
     typer.echo(
         f"{path}: {surface.triangle_count} triangles, {surface.area / 100.0:.1f} cm², "

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
@@ -21,7 +21,8 @@ from palpate.export.dicom_object import save_dicom
 from palpate.export.dicom_scan import make_series
 from palpate.export.dicom_seg import make_seg
 from palpate.export.dicom_source import IDENTIFIERS, DicomSource, dicom_source
-from palpate.export.image import IMAGE_SUFFIXES, write_label_map, write_scan
+from palpate.export.image import write_label_map, write_scan
+from palpate.export.kinds import Kind, check_export, kind_of
 from palpate.export.masks import written_segments
 from palpate.export.seg_nrrd import write_seg_nrrd
 from palpate.io.dicom.header import damage_told
@@ -30,66 +31,7 @@ from palpate.volumes.scene import Scene, SceneSegment, require_scene
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["KINDS", "Kind", "check_export", "export_scene", "kind_of"]
-
-Kind = Literal["seg-nrrd", "labels", "scan", "dicom-seg", "dicom-labelmap", "rtstruct", "dicom"]
-"""What to write: segments for 3D Slicer; a label map; the scan with its edits; one DICOM object; or
-a folder of DICOM with all of these."""
-KINDS: tuple[Kind, ...] = get_args(Kind)
-
-ENDINGS: dict[Kind, tuple[str, ...]] = {
-    "seg-nrrd": (".seg.nrrd",),
-    "labels": IMAGE_SUFFIXES,
-    "scan": IMAGE_SUFFIXES,
-    "dicom-seg": (".dcm",),
-    "dicom-labelmap": (".dcm",),
-    "rtstruct": (".dcm",),
-    "dicom": ("",),
-}
-"""File name extensions of each kind."""
-
-
-def kind_of(path: Path, *, has_segments: bool) -> Kind:
-    """Returns the kind for a name; for an image, labels where there are segments, else the scan.
-
-    Raises:
-        OptionError: The extension is not known.
-    """
-    name = path.name.lower()
-    if name.endswith(".seg.nrrd"):
-        return "seg-nrrd"
-    if name.endswith(IMAGE_SUFFIXES):
-        return "labels" if has_segments else "scan"
-    if name.endswith(".dcm"):
-        return "dicom-seg"
-    if "." in name:
-        endings = ", ".join((".seg.nrrd", *IMAGE_SUFFIXES, ".dcm"))
-        raise OptionError(
-            f"{path.name!r} given; allowed: a name with {endings}, or a new folder for DICOM"
-        )
-    return "dicom"
-
-
-def check_export(path: Path, kind: Kind, *, keep_identity: bool) -> None:
-    """Refuses what could not be written, before anything is computed.
-
-    Raises:
-        OptionError: The name does not fit, its folder does not exist, or a DICOM object would refer
-            to nothing.
-    """
-    if kind not in KINDS:
-        raise OptionError(f"kind {kind!r} given; allowed: {', '.join(KINDS)}")
-    if not path.name.lower().endswith(ENDINGS[kind]):
-        endings = ", ".join(ENDINGS[kind])
-        raise OptionError(f"{path.name!r} given for {kind}; allowed: a name with {endings}")
-    if not path.absolute().parent.is_dir():
-        raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")
-    if ENDINGS[kind] == (".dcm",) and not keep_identity:
-        raise OptionError(
-            f"{path.name!r} would refer to a scan that names the patient; allowed: with "
-            "--keep-identity for an archive that has the scan, or a new folder (a name without an "
-            "ending), into which the scan goes along, all de-identified"
-        )
+__all__ = ["export_scene"]
 
 
 def export_scene(
@@ -162,8 +104,8 @@ def _export_folder(
     """Writes everything that DICOM can represent of a scene into a new folder."""
     if keep and not segments and not scene.volume.edited:
         raise OptionError(
-            "the scan is as it was read, and there are no segments to write; allowed: with "
-            "--segments FILE or --threshold LOW,HIGH, or without --keep-identity to share the scan"
+            "the scan is as it was read, and there are no segments to write; allowed: a scan "
+            "with segments, or without `keep_identity=True` to share the scan"
         )
     lost: list[str] = []
     with (

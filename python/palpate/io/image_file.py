@@ -58,7 +58,7 @@ APPLE_DOUBLE = b"\x00\x05\x16\x07"
 ALLOWED = (
     "NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), MINC (.mnc), FreeSurfer "
     "(.mgh, .mgz), Analyze (.hdr), PAR/REC (.par), AFNI (.HEAD), a DICOM folder or a zip archive "
-    "of one, or pictures of slices with --voxel-size"
+    "of one, or pictures of slices with `voxel_size=X,Y,Z`"
 )
 
 

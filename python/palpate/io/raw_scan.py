@@ -71,7 +71,7 @@ def check_shape(what: str, size: tuple[int, ...], max_voxels: int) -> None:
     if math.prod(size) > max_voxels:
         raise VolumeFormatError(
             f"{what} has {named} = {math.prod(size)} voxels; allowed: at most {max_voxels}, "
-            "or more with --max-voxels"
+            "or more with `max_voxels=COUNT`"
         )
     expect(math.prod(size))
 
@@ -115,9 +115,9 @@ def choose_frame(what: str, size: tuple[int, ...], frame: int | None) -> int:
         asked = "" if frame is None else f", and {frame} was asked for"
         raise SeriesChoiceError(
             f"{what} is a {len(size)}-D image of {count} volumes{axes}{asked}; allowed: one of "
-            f"them, with --frame 1 to {count}"
+            f"them, with `frame=NUMBER` from 1 to {count}"
             if count > 1
-            else f"{what} holds one volume{asked}; allowed: --frame 1"
+            else f"{what} holds one volume{asked}; allowed: `frame=1`"
         )
     return frame - 1
 

@@ -99,7 +99,7 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     progress("storing values as 16 bits", None)
     stored = _stored(scan, source, fill=fill, strict=strict)
     if not scan.unit:
-        scan.warnings.append("the unit of the values is unknown; give --unit HU if it is HU")
+        scan.warnings.append("the unit of the values is unknown; give `unit=HU` if it is HU")
     volume = Volume(
         stored.values,
         spacing=scan.spacing,

@@ -161,7 +161,7 @@ def filled(
     if axis is None and not free:
         raise OptionError(
             f"{what} has contours that lie across the scan's slices; allowed: contours drawn on "
-            "slices of the scan, or others where they are asked to be resampled (--resample)"
+            "slices of the scan, or others with `resample=True`"
         )
     if axis is None:
         try:

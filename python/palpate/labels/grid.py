@@ -198,9 +198,10 @@ def placement(
     if not is_turn or np.abs(meant - lies).max() > OFF:
         if resample:
             return Resampling(np.linalg.inv(scan_from_mask))
+        size = " x ".join(map(str, volume.dimensions))
         raise OptionError(
-            f"{what} lies on another grid than the scan; allowed: voxels of the grid of {volume!r}"
-            ", or others where they are asked to be resampled (--resample)"
+            f"{what} lies on another grid than the scan; allowed: the scan's {size} voxels, or "
+            "others with `resample=True`"
         )
     # from x, y, z to the order of arrays
     axes = [int(np.flatnonzero(row)[0]) for row in turn[::-1]]

@@ -167,8 +167,10 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     check_choices(kind, metric, named)
     for volume in (fixed, moving):
         if min(volume.dimensions) < LEAST_VOXELS:
+            size = " x ".join(map(str, volume.dimensions))
             raise OptionError(
-                f"{volume!r} is too small; allowed: {LEAST_VOXELS} voxels or more along each axis"
+                f"{volume.name!r} of {size} voxels is too small; allowed: {LEAST_VOXELS} voxels or "
+                "more along each axis"
             )
     chosen = metric_for(fixed, moving) if metric == "automatic" else metric
     images = _image(fixed), _image(moving)

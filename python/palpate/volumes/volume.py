@@ -29,8 +29,8 @@ HISTOGRAM_BINS = 512
 Region = Any
 """Part of an array [z, y, x] as NumPy's indices take it, such as a tuple of slices."""
 UNKNOWN_SIDES = (
-    "nothing tells the orientation, so left and right may be swapped; give it with --orientation, "
-    "such as LPS"
+    "nothing tells the orientation, so left and right may be swapped; give it, such "
+    "as `orientation=LPS`"
 )
 
 

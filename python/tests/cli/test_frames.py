@@ -39,7 +39,10 @@ def told(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> Any:
 
 def test_a_volume_is_asked_for_and_listed(cine: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["info", str(cine)]) == 2
-    assert "6 volumes; allowed: one of them, with --frame 1 to 6" in capsys.readouterr().err
+    assert (
+        "6 volumes; allowed: one of them, with --frame NUMBER from 1 to 6"
+        in capsys.readouterr().err
+    )
     for command in ("series", "import"):
         rows = told(capsys, command, cine)
         assert [row["frame"] for row in rows] == [1, 2, 3, 4, 5, 6]

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.whole_file import whole_file, whole_folder
 from palpate.cli.commands import run
-from palpate.export.export import KINDS, export_scene, kind_of
+from palpate.export.export import export_scene
+from palpate.export.kinds import KINDS, kind_of
 from palpate.io.reading import read
 from palpate.saved.scene_file import save_scene
 from palpate.session.session import Session, SessionOptions
@@ -203,7 +204,7 @@ def test_a_saved_scene_is_exported_with_its_edits(
         ("organs.nii", {"kind": "seg-nrrd"}, "'organs.nii' given for seg-nrrd; allowed"),
         ("none/organs.seg.nrrd", {}, "allowed: one that exists"),
         ("organs.seg.nrrd", {"only": ["spleen"]}, "allowed: liver, "),
-        ("organs.dcm", {}, "allowed: with --keep-identity for an archive"),
+        ("organs.dcm", {}, "allowed: with `keep_identity=True` for an archive"),
         ("organs.dcm", {"keep_identity": True}, "comes from no file; allowed: .seg.nrrd, NIfTI"),
         ("folder", {}, "comes from no file; allowed: .seg.nrrd, NIfTI"),
     ],
@@ -225,7 +226,7 @@ def test_a_scan_of_other_files_is_told_what_to_use(
         assert run(["export", str(path), *options]) == 2
         assert "is no DICOM series; allowed: .seg.nrrd, NIfTI or NRRD" in capsys.readouterr().err
     assert run(["export", str(path), "-o", str(tmp_path / "seg.seg.nrrd")]) == 2
-    assert "no segments to write" in capsys.readouterr().err
+    assert "no segments given; allowed: --segments FILE" in capsys.readouterr().err
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
 

@@ -123,7 +123,7 @@ def test_a_map_on_another_grid_is_resampled_where_that_is_asked_for(
             for name, value in (("Name", "ball"), ("LabelValue", "3"), ("Layer", "0")):
                 image.SetMetaData(f"Segment0_{name}", value)
         SimpleITK.WriteImage(image, str(path))
-    with pytest.raises(OptionError, match="asked to be resampled"):
+    with pytest.raises(OptionError, match="others with `resample=True`"):
         palpate.read_labels(path, scan)
     found = palpate.read_labels(path, scan, resample=True)
     assert "it lies on another grid" in found.warnings[-1]
@@ -443,7 +443,7 @@ def test_contours_of_another_grid_are_taken_in_one_frame_of_reference(
 ) -> None:
     path = structures(tmp_path / "rt.dcm", ("block", turned_block()), frame="1.2.9")
     # a scan that does not say which frame it has, and one that has another
-    with pytest.raises(OptionError, match=r"across the scan's slices; allowed.*--resample"):
+    with pytest.raises(OptionError, match=r"across the scan's slices; allowed.*`resample=True`"):
         palpate.read_labels(path, table)
     table.traits = replace(table.traits, frame="1.2.8")
     with pytest.raises(OptionError, match=r"reference 1\.2\.9, the scan has 1\.2\.8: .*allowed"):

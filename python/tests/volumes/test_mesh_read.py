@@ -88,7 +88,7 @@ def test_a_frame_and_a_unit_that_are_not_told_are_asked_for(tmp_path: Path) -> N
     content = bytearray(path.read_bytes())
     content[:80] = b" " * 80
     path.write_bytes(content)
-    with pytest.raises(OptionError, match="--frame LPS or --frame RAS"):
+    with pytest.raises(OptionError, match="`frame=LPS` or `frame=RAS`"):
         read_mesh(path)
     ras = read_mesh(path, frame="RAS").mesh
     lps = read_mesh(path, frame="LPS").mesh
@@ -122,7 +122,7 @@ def test_a_leaky_mesh_is_reported_with_its_holes_and_voxelised_as_a_shell() -> N
     assert hole_count(leaky) == 2
     file = read_back(Mesh(mesh.vertices, mesh.normals, leaky))
     volume = grid_around([mesh], 0.5)
-    with pytest.raises(MeshFormatError, match=r"2 holes.*--shell"):
+    with pytest.raises(MeshFormatError, match=r"2 holes.*`as_shell=True`"):
         segment_of_mesh(file, volume)
     shell = segment_of_mesh(file, volume, as_shell=True)
     solid = segment_of_mesh(read_back(mesh), volume)

@@ -133,7 +133,7 @@ def choose_series(
             ]
         raise SeriesChoiceError(
             f"{folder} holds {len(chosen) or 'no'} series {wanted!r}; "
-            f"allowed with --series: a number, UID or description of {listed}"
+            f"allowed with `series=NAME`: a number, UID or description of {listed}"
         )
 
     # a scout of one or two slices or a dose beside a scan leaves no doubt which one is meant
@@ -141,7 +141,8 @@ def choose_series(
     volumes = [series for series in scans if series.slices > MOST_ODD]
     if len(scans) > 1 and len(volumes) != 1:
         raise SeriesChoiceError(
-            f"{folder} holds {len(found)} series; choose one with --series NUMBER or UID: {listed}"
+            f"{folder} holds {len(found)} series; choose one with `series=NUMBER` or its UID: "
+            f"{listed}"
         )
     chosen_one = volumes[0] if volumes else scans[0]
     left_out = [

@@ -75,7 +75,7 @@ def test_several_series_are_listed_and_one_can_be_chosen(write_series: Any) -> N
     write_series(uid="1.2.3", description="soft", prefix="a")
     folder = write_series(uid="1.2.4", description="lung", prefix="b", positions=UPRIGHT[:3])
     message = refused(folder)
-    assert "holds 2 series; choose one with --series" in message
+    assert "holds 2 series; choose one with `series=" in message
     assert "[1] 1.2.3 'soft' CT, 4 of 4 x 3" in message
     assert "[2] 1.2.4 'lung' CT, 3 of 4 x 3" in message
     for chosen in ("1.2.4", "lung", "2"):
