@@ -99,7 +99,7 @@ def test_a_frame_and_a_unit_that_are_not_told_are_asked_for(tmp_path: Path) -> N
     content = bytearray(path.read_bytes())
     content[:80] = b" " * 80
     path.write_bytes(content)
-    with pytest.raises(OptionError, match="--unit m"):
+    with pytest.raises(OptionError, match="`unit=m`"):
         read_mesh(path, frame="LPS")
     metres = read_mesh(path, frame="LPS", unit="m").mesh
     # half a thousandth of a mm is what single precision resolves of half a metre
