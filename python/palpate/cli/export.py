@@ -60,8 +60,10 @@ def export(
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.scenes import wanted_scene
+    from palpate.export.early_imports import import_early
     from palpate.export.export import export_scene
-    from palpate.saved.opening import is_scene
+    from palpate.export.kinds import FROM_DICOM
+    from palpate.saved.ending import is_scene
 
     bounds = parse_threshold(threshold)
     saved = is_scene(path)
@@ -73,6 +75,8 @@ def export(
         raise OptionError(
             "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
         )
+    if kind in FROM_DICOM:
+        import_early()
     with quiet_libraries(), Display() as display:
         if saved:
             scene = _saved_scene(path, display)

@@ -7,7 +7,7 @@ from typing import Any
 from typer import Typer
 from typer.main import get_command
 
-from palpate.base.hints import retold
+from palpate.base.hints import HINT, retold
 
 __all__ = ["as_flags", "of_import"]
 
@@ -23,6 +23,8 @@ def as_flags(message: str, app: Typer, arguments: list[str]) -> str:
         app: The command line.
         arguments: What was typed, which begins with the command.
     """
+    if not HINT.search(message):
+        return message
     root: Any = get_command(app)
     command = root
     for word in arguments:

@@ -19,7 +19,8 @@ from palpate.io.dicomweb.address import WebAddress
 from palpate.io.dicomweb.series import RemoteSeries, fetch_series
 from palpate.io.reading import list_series
 from palpate.io.request import ReadRequest
-from palpate.saved.scene_file import ENDING, save_scene
+from palpate.saved.ending import ENDING
+from palpate.saved.scene_file import save_scene
 from palpate.session.appearance import appearances_of, keep_appearances
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene

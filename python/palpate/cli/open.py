@@ -71,7 +71,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.scenes import add_mesh, add_second, saved_scene, scene_of
     from palpate.cli.show_page import check_start, choose_on_page, show
-    from palpate.saved.opening import Opening, is_scene
+    from palpate.saved.ending import is_scene
+    from palpate.saved.opening import Opening
     from palpate.server.app import bind_again
     from palpate.server.resume import note_port
 

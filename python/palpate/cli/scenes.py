@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -13,22 +14,13 @@ from palpate.base.progress import Progress
 from palpate.base.typed_numbers import Bounds
 from palpate.cli.flags import of_import
 from palpate.io.reading import read
-from palpate.labels.labels import read_labels
-from palpate.saved.autosave import with_autosave
-from palpate.saved.opening import Opening, offer_bone
-from palpate.saved.scene_file import open_scene
-from palpate.volumes.mesh_read import (
-    Frame,
-    MeshFile,
-    Unit,
-    closed,
-    object_of_mesh,
-    read_mesh,
-    suitable_spacing,
-)
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import doubts_of, placed, read_transform
 from palpate.volumes.volume import Volume
+
+if TYPE_CHECKING:
+    from palpate.saved.opening import Opening
+    from palpate.volumes.mesh_read import Frame, MeshFile, Unit
 
 __all__ = [
     "add_labels",
@@ -96,8 +88,12 @@ def scene_of(
         another_patient=another_patient,
         progress=progress,
     )
-    if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
-        warn(told)
+    if bounds is None and label_map is None:
+        from palpate.saved.opening import offer_bone
+
+        told = offer_bone(scene)
+        if told is not None:
+            warn(told)
     return scene
 
 
@@ -110,6 +106,8 @@ def add_labels(
     progress: Progress,
 ) -> None:
     """Adds the segments of a file or folder, and says what was changed or left out."""
+    from palpate.labels.labels import read_labels
+
     found = read_labels(
         path,
         scene.volume,
@@ -162,6 +160,10 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
     Raises:
         SceneFormatError: It cannot be opened; its last autosave is named then.
     """
+    from palpate.saved.autosave import with_autosave
+    from palpate.saved.opening import Opening
+    from palpate.saved.scene_file import open_scene
+
     try:
         saved = open_scene(path, progress=progress)
         return Opening(saved.scene(), saved, saved.messages)
@@ -175,6 +177,8 @@ def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -
     Raises:
         OptionError: The frame or the unit is not known.
     """
+    from palpate.volumes.mesh_read import closed, read_mesh
+
     frames: dict[str | None, Frame | None] = {None: None, "LPS": "LPS", "RAS": "RAS"}
     units: dict[str | None, Unit | None] = {None: None, "mm": "mm", "m": "m"}
     if frame not in frames:
@@ -199,6 +203,8 @@ def add_mesh(
         MeshFormatError: It holds no mesh, or is open.
         EmptySegmentError: It is thinner than a voxel everywhere.
     """
+    from palpate.volumes.mesh_read import object_of_mesh, suitable_spacing
+
     try:
         file = mesh_file(path, frame=frame, unit=unit, close=False)
     except OptionError as error:

@@ -15,21 +15,18 @@ from typing import TYPE_CHECKING, Literal
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.whole_file import whole_file, whole_folder
-from palpate.export.deidentify import Deidentifier
-from palpate.export.dicom_contours import make_rtstruct
-from palpate.export.dicom_object import save_dicom
-from palpate.export.dicom_scan import make_series
-from palpate.export.dicom_seg import make_seg
-from palpate.export.dicom_source import IDENTIFIERS, DicomSource, dicom_source
 from palpate.export.image import write_label_map, write_scan
 from palpate.export.kinds import Kind, check_export, kind_of
 from palpate.export.masks import written_segments
 from palpate.export.seg_nrrd import write_seg_nrrd
-from palpate.io.dicom.header import damage_told
 from palpate.volumes.scene import Scene, SceneSegment, require_scene
 
 if TYPE_CHECKING:
+    # what makes DICOM is imported where DICOM is made
     from pydicom.dataset import Dataset
+
+    from palpate.export.deidentify import Deidentifier
+    from palpate.export.dicom_source import DicomSource
 
 __all__ = ["export_scene"]
 
@@ -81,17 +78,30 @@ def export_scene(
         case "dicom":
             told += _export_folder(scene, segments, target, keep=keep_identity, progress=progress)
         case _:
-            with dicom_source(scene.volume, complete=False, progress=progress) as source:
-                progress(f"writing {target.name}", None)
-                made = _make(chosen, segments, scene, source=source)
-            with whole_file(target) as unfinished:
-                save_dicom(made, unfinished)
+            _export_object(scene, segments, target, kind=chosen, progress=progress)
     return told
+
+
+def _export_object(
+    scene: Scene, segments: list[SceneSegment], path: Path, *, kind: Kind, progress: Progress
+) -> None:
+    """Writes one DICOM object that refers to the scan's files."""
+    from palpate.export.dicom_object import save_dicom
+    from palpate.export.dicom_source import dicom_source
+
+    with dicom_source(scene.volume, complete=False, progress=progress) as source:
+        progress(f"writing {path.name}", None)
+        made = _make(kind, segments, scene, source=source)
+    with whole_file(path) as unfinished:
+        save_dicom(made, unfinished)
 
 
 def _make(
     kind: Kind, segments: list[SceneSegment], scene: Scene, *, source: DicomSource
 ) -> Dataset:
+    from palpate.export.dicom_contours import make_rtstruct
+    from palpate.export.dicom_seg import make_seg
+
     if kind == "rtstruct":
         return make_rtstruct(segments, scene.volume, source)
     seg_kind: Literal["BINARY", "LABELMAP"] = "BINARY" if kind == "dicom-seg" else "LABELMAP"
@@ -102,6 +112,12 @@ def _export_folder(
     scene: Scene, segments: list[SceneSegment], path: Path, *, keep: bool, progress: Progress
 ) -> list[str]:
     """Writes everything that DICOM can represent of a scene into a new folder."""
+    from palpate.export.deidentify import Deidentifier
+    from palpate.export.dicom_contours import make_rtstruct
+    from palpate.export.dicom_scan import make_series
+    from palpate.export.dicom_seg import make_seg
+    from palpate.export.dicom_source import dicom_source
+
     if keep and not segments and not scene.volume.edited:
         raise OptionError(
             "the scan is as it was read, and there are no segments to write; allowed: a scan "
@@ -140,6 +156,9 @@ def _copy_scan(
     """Writes the files that the scan was read from, de-identified, with their own pixels."""
     import pydicom
 
+    from palpate.export.dicom_source import IDENTIFIERS
+    from palpate.io.dicom.header import damage_told
+
     folder.mkdir()
     for number, (path, headers) in enumerate(zip(source.files, source.images, strict=True)):
         progress(f"writing {len(source.files)} files of the scan", number / len(source.files))
@@ -152,4 +171,6 @@ def _copy_scan(
 
 
 def _save(made: Dataset, path: Path, share: Deidentifier | None) -> None:
+    from palpate.export.dicom_object import save_dicom
+
     save_dicom(made if share is None else share.apply(made), path)

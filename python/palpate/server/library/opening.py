@@ -17,7 +17,8 @@ from palpate.base.progress import Progress
 from palpate.io.reading import read
 from palpate.labels.labels import Labels, read_labels
 from palpate.saved.autosave import autosave_of, note_scene
-from palpate.saved.opening import Opening, is_scene, opening, opening_of
+from palpate.saved.ending import is_scene
+from palpate.saved.opening import Opening, opening, opening_of
 from palpate.saved.recent import note_recent
 from palpate.server.job import Emit
 from palpate.server.library.requests import Place

@@ -23,7 +23,7 @@ from palpate.io.preview import png_of
 from palpate.labels.kind import labels_told
 from palpate.reconstruction.projections import ProjectionStack, are_projections, stack_at
 from palpate.saved.autosave import Autosave
-from palpate.saved.opening import is_scene
+from palpate.saved.ending import is_scene
 from palpate.server.job import Emit
 from palpate.server.library.conversions import (
     Headerless,
