@@ -2,6 +2,21 @@
 
 from __future__ import annotations
 
-from palpate.cli.commands import main
+import sys
+
+from palpate.base.reader_process import warm
 
 __all__ = ["main"]
+
+READING = {"open", "import", "export", "info", "record", "register", "run", "segment", "series"}
+"""Commands that read files in most cases."""
+
+
+def main() -> None:
+    """Runs the command line and ends the process."""
+    if READING.intersection(sys.argv[1:2]) and not {"-h", "--help"}.intersection(sys.argv):
+        # it starts while the modules of the commands do
+        warm()
+    from palpate.cli.commands import run
+
+    sys.exit(run(sys.argv[1:]))

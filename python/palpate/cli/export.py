@@ -57,11 +57,10 @@ def export(
     reading: ReadRequest,
 ) -> None:
     """Writes what was asked for and says what it is."""
+    from palpate.base.early_imports import DICOM_WRITING, IMAGE_WRITING, import_early
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.scenes import wanted_scene
-    from palpate.export.early_imports import import_early
-    from palpate.export.export import export_scene
     from palpate.export.kinds import FROM_DICOM
     from palpate.saved.ending import is_scene
 
@@ -75,8 +74,7 @@ def export(
         raise OptionError(
             "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
         )
-    if kind in FROM_DICOM:
-        import_early()
+    import_early(DICOM_WRITING if kind in FROM_DICOM else IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
         if saved:
             scene = _saved_scene(path, display)
@@ -92,6 +90,8 @@ def export(
                 another_patient=another_patient,
                 progress=display,
             )
+        from palpate.export.export import export_scene
+
         notes = export_scene(
             scene,
             request.out,

@@ -15,18 +15,18 @@ ELSEWHERE = "import"
 """The command that has the options of reading, where another one lacks them."""
 
 
-def as_flags(message: str, app: Typer, arguments: list[str]) -> str:
+def as_flags(message: str, app: Typer, arguments: list[str], *, whole: Typer | None = None) -> str:
     """Returns a message that names options of Python as flags of a command.
 
     Args:
         message: The message.
-        app: The command line.
+        app: The command line, or the part of it with that command.
         arguments: What was typed, which begins with the command.
+        whole: The command line, where the other one is a part of it.
     """
     if not HINT.search(message):
         return message
-    root: Any = get_command(app)
-    command = root
+    command: Any = get_command(app)
     for word in arguments:
         if word not in getattr(command, "commands", {}):
             break
@@ -36,6 +36,7 @@ def as_flags(message: str, app: Typer, arguments: list[str]) -> str:
         parameter = _parameter(command, name)
         if parameter is not None:
             return _flag(parameter, value)
+        root: Any = get_command(app if whole is None else whole)
         other = _parameter(root.commands[ELSEWHERE], name)
         if other is None:
             return f"{name.replace('_', ' ')} {value}"

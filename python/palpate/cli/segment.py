@@ -45,14 +45,17 @@ def segment(
     reading: ReadRequest,
 ) -> None:
     """Segment a scan and write the result."""
+    from palpate.base.early_imports import IMAGE_WRITING, import_early
     from palpate.base.file_suffixes import IMAGE_SUFFIXES
     from palpate.base.whole_file import check_target
-    from palpate.export.export import export_scene
-    from palpate.volumes.scene import Scene
 
     check_target(out, (".seg.nrrd", *IMAGE_SUFFIXES))
+    import_early(IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
         volume = reading.read(path, display)
+        from palpate.export.export import export_scene
+        from palpate.volumes.scene import Scene
+
         made, found_warnings = request.make(volume, progress=display)
         scene = Scene(volume)
         for one in made:

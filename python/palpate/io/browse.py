@@ -20,10 +20,11 @@ from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart, apart_each, looking_at
 from palpate.io.archive import is_archive, unpacked
+from palpate.io.called import called_of
 from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import read_slice
 from palpate.io.dicom.reading import plan_of, volumes_of
-from palpate.io.dicom.series import MOST_FILES, called_of, is_dicom, series_among, series_in
+from palpate.io.dicom.series import MOST_FILES, is_dicom, series_among, series_in
 from palpate.io.image_file import form_of, header_of, image_files, middle_of
 from palpate.io.preview import preview
 

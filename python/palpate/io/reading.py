@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,13 +13,15 @@ from palpate.base.damaged_file import damage_as
 from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
-from palpate.io.dicom.header import Series
-from palpate.io.dicom.series import called_of
+from palpate.io.called import called_of
+from palpate.io.deferred import scan_at, series_at
 from palpate.io.raw_scan import RawScan, check_place
-from palpate.io.scan_at import scan_at, series_at
 from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import Stored, to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
+
+if TYPE_CHECKING:
+    from palpate.io.dicom.header import Series
 
 __all__ = ["list_series", "read"]
 

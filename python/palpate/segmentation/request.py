@@ -151,7 +151,8 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
             raise OptionError("`fast=True` given; allowed: with `auto=True` only")
         if not self.grow and not self.spread is self.passage is self.most is None:
             raise OptionError("options of growing given; allowed: with `grow=X,Y,Z` only")
-        self._growing.check()
+        if self.grow:
+            self._growing.check()
         for point in self.grow:
             parse_point(point)
         self._check_threshold()
@@ -226,10 +227,11 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
         )
 
     def _found(self, volume: Volume, progress: Progress) -> Made:
-        from palpate.segmentation.automatic import found_automatically
         from palpate.segmentation.operations import grown, grown_from_seeds, otsu
 
         if self.auto:
+            from palpate.segmentation.automatic import found_automatically
+
             found = found_automatically(volume, fast=self.fast, progress=progress)
             return [each.segment for each in found.labels], found.warnings
         if self.seeds is not None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress, silent
+from palpate.io.called import called_of
 from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
 from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
@@ -25,7 +26,7 @@ from palpate.io.dicom.header import Header, Series, find_series, read_header, vo
 from palpate.io.dicom.pixels import SlicePixels, read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
-from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.series import choose_series, series_among, series_in
 from palpate.io.dicom.suv import quantified
 from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
 from palpate.io.dicom.usable import left_out, tolerable, usable

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from palpate.base.errors import OptionError, SeriesChoiceError, VolumeFormatError
 from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
+from palpate.io.called import called_of
 from palpate.io.dicom.dose import RTDOSE
 from palpate.io.dicom.header import Series, find_series
 from palpate.io.dicom.mark import is_dicom
@@ -17,7 +17,6 @@ from palpate.io.dicom.series_folds import folds
 
 __all__ = [
     "MOST_FILES",
-    "called_of",
     "choose_series",
     "is_dicom",
     "series_among",
@@ -64,14 +63,6 @@ def series_among(paths: Sequence[Path], *, progress: Progress) -> tuple[list[Ser
         # the same file may be given twice
         files |= dict.fromkeys(_files_below(path) if path.is_dir() else [path])
     return _series_of(list(files), called_of(paths), progress)
-
-
-def called_of(paths: Sequence[Path]) -> Path:
-    """Returns what messages call several files: the folder that all of them are in."""
-    if len(paths) == 1:
-        return paths[0]
-    folders = (path if path.is_dir() else path.parent for path in paths)
-    return Path(os.path.commonpath([folder.absolute() for folder in folders]))
 
 
 def _series_of(
