@@ -14,6 +14,7 @@ from starlette.routing import Route
 
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
+from palpate.base.hints import in_words
 from palpate.base.simpleitk import Transform
 from palpate.server.messages.hello import scan_of
 from palpate.volumes.scene import Scene
@@ -56,7 +57,7 @@ def second_routes(scene: Scene, show: Show) -> list[Route]:
                 transform = await run_in_threadpool(_transform_of, name, body)
             await run_in_threadpool(_lay, scene, show, transform)
         except (PalpateError, OSError) as error:
-            return PlainTextResponse(str(error), status_code=400)
+            return PlainTextResponse(in_words(str(error)), status_code=400)
         return Response(status_code=204)
 
     async def remove(_: Request) -> Response:

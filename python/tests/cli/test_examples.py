@@ -170,6 +170,7 @@ def understand(given: list[str]) -> None:
 def test_nothing_of_a_help_is_taken_for_a_style() -> None:
     # what stands in brackets would not be printed
     helps = [(option.name, option.help) for each in commands() for option in each.params]
+    helps += [(each.name, text) for each in commands() for text in (each.help, each.epilog)]
     lost = [(name, text) for name, text in helps if re.search(r"\[[a-z/#@]", text or "")]
     assert lost == []
 

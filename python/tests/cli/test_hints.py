@@ -13,7 +13,7 @@ import numpy as np
 import palpate
 import pytest
 from palpate.base.console import spoken, told_by, warn
-from palpate.base.hints import HINT, in_recipe, prefixed
+from palpate.base.hints import HINT, in_recipe, in_words, prefixed
 from palpate.base.request import Request, options_of
 from palpate.cli.commands import app, run
 from palpate.cli.flags import as_flags
@@ -168,6 +168,7 @@ def test_each_flag_that_a_command_says_is_one_of_a_command() -> None:
 def test_an_option_is_told_in_the_words_of_whoever_reads_it() -> None:
     said = "choose one with `series=NUMBER`, or `resample=True`"
     assert in_recipe(said) == "choose one with `series: NUMBER`, or `resample: true`"
+    assert in_words(said) == "choose one with series NUMBER, or resample"
     with told_by(lambda message: as_flags(message, app, ["export", "ct"])):
         assert spoken(said) == "choose one with --series NUMBER, or --resample"
     moving = prefixed("choose one with `series=NUMBER`", "moving")
@@ -200,3 +201,24 @@ def test_segments_of_another_grid_are_resampled_as_the_hint_says(
     (flag,) = FLAG.findall(said)
     assert run([*asked, flag]) == 0
     assert out.exists()
+
+
+def test_no_command_writes_over_what_it_reads(
+    tmp_path: Path, write_image: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    values = np.full((12, 13, 14), -1000, np.int16)
+    values[3:9, 3:9, 3:9] = 500
+    scan = str(write_image(values, "scan.nii.gz", spacing=(1.0, 1.0, 1.0)))
+    before = Path(scan).read_bytes()
+    out = str(tmp_path / "new.mha")
+    for given in (
+        ["segment", scan, "--threshold", "0", "-o", scan],
+        ["segment", scan, "--seeds", scan, "-o", scan],
+        ["export", scan, "--threshold", "0", "-o", scan],
+        ["register", scan, out, "--resampled", scan],
+        ["register", scan, scan, "--resampled", out, "--fixed-mask", scan, "-o", scan],
+    ):
+        assert run(given) == 2
+        said = capsys.readouterr().err
+        assert "allowed: " in said
+        assert Path(scan).read_bytes() == before

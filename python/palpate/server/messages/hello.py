@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from palpate import protocol
+from palpate.base.hints import in_words
 from palpate.base.package_version import package_version
 from palpate.segmentation.threshold_presets import PRESETS
 from palpate.server.messages.soft_tissue import models, presets
@@ -55,7 +56,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
         bone=volume.anchors.bone,
         presets=_presets(volume),
         orientation_known=volume.traits.orientation_known,
-        warnings=list(volume.warnings),
+        warnings=[in_words(warning) for warning in volume.warnings],
     )
 
 
