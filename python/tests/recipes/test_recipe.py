@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
 import sys
 from pathlib import Path
@@ -354,5 +355,8 @@ def test_a_registration_of_a_recipe_has_all_options_of_the_command(
     options = ["--iterations", "40", "--samples", "20000", "--seed", "3"]
     other = folder / "other.json"
     assert run(["register", *files, *masked, *options, "--report", str(other)]) == 0
-    # the recipe says that values are HU, which changes no choice here
-    assert other.read_text("utf-8") == (folder / "found.json").read_text("utf-8")
+    one, two = (json.loads(file.read_text("utf-8")) for file in (other, folder / "found.json"))
+    # sums over threads differ in their last digits
+    for name in ("metric_before", "metric_after", "overlap", "moved_mean_mm"):
+        assert one[name] == pytest.approx(two[name], rel=1e-6)
+    assert (one["kind"], one["metric"], one["start"]) == (two["kind"], two["metric"], "geometry")
