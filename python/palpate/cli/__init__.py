@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from palpate.base.early_imports import importing
 from palpate.base.reader_process import warm
 
 __all__ = ["main"]
@@ -17,6 +18,7 @@ def main() -> None:
     if READING.intersection(sys.argv[1:2]) and not {"-h", "--help"}.intersection(sys.argv):
         # it starts while the modules of the commands do
         warm()
-    from palpate.cli.commands import run
+    with importing():
+        from palpate.cli.commands import run
 
     sys.exit(run(sys.argv[1:]))
