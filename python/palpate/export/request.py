@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
+from palpate.base.errors import OptionError
 from palpate.base.request import Request, words
 from palpate.export.kinds import Kind, check_export, kind_of
 
@@ -53,7 +54,11 @@ class ExportRequest(Request, frozen=True, kw_only=True):
 
         Raises:
             OptionError: The name does not fit, its folder does not exist, or a DICOM object would
-                refer to nothing.
+                refer to nothing; or no segment is named where some are to be.
         """
+        if self.only == []:
+            raise OptionError(
+                "only given without a name; allowed: names of segments, or leave it out"
+            )
         kind = self.kind_for(has_segments=True)
         check_export(self.out, kind, keep_identity=self.keep_identity)

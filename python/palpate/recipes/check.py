@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from palpate.base.errors import OptionError
 from palpate.base.nearest import perhaps
@@ -48,10 +49,8 @@ def check_options(recipe: Recipe, source: Source) -> None:
         raise source.wrong("$", f"{given} given; allowed: 'import' or 'reconstruct', one of both")
     if not recipe.segment:
         raise source.wrong("$.segment", "no segment given; allowed: one or more")
+    _check_files(recipe, source)
     for where, step in _steps(recipe):
-        for option, path in files_of(step):
-            with source.at(f"{where}.{option.name}"):
-                check_file(option, path)
         check = getattr(step, "check", None)
         if check is not None:
             with source.at(where):
@@ -59,7 +58,6 @@ def check_options(recipe: Recipe, source: Source) -> None:
     if recipe.reconstruct is not None:
         _check_reconstruct(recipe.reconstruct, source)
     _check_names(recipe, source)
-    _refuse_same_file(recipe, source)
     if recipe.reconstruct is not None:
         _refuse_dicom(recipe, source, "a reconstruction comes from no DICOM files")
     if recipe.register is not None and recipe.register.go_on_with == "moving":
@@ -148,21 +146,23 @@ def _check_name(name: str, known: list[str]) -> None:
         raise OptionError(f"segment {name!r} given{near}; allowed: {', '.join(known)}")
 
 
-def _refuse_same_file(recipe: Recipe, source: Source) -> None:
-    """Refuses files that would replace what is read, or one another."""
-    files = [
-        (f"{where}.{option.name}", option, path)
-        for where, step in _steps(recipe)
-        for option, path in files_of(step)
-    ]
-    taken = {path.resolve(): "read" for _, option, path in files if option.reads}
-    for where, option, path in files:
-        if not option.writes:
-            continue
-        what = taken.setdefault(path.resolve(), "")
-        if what:
-            raise source.wrong(where, f"{path} is {what} by another step; allowed: a new file")
-        taken[path.resolve()] = "written"
+def _check_files(recipe: Recipe, source: Source) -> None:
+    """Refuses files that cannot be read or written, and those that would replace others.
+
+    What a step reads may be written by one before it.
+    """
+    read: set[Path] = set()
+    written: set[Path] = set()
+    for where, step in _steps(recipe):
+        for option, path in files_of(step):
+            place = path.resolve()
+            with source.at(f"{where}.{option.name}"):
+                if not (option.reads and place in written):
+                    check_file(option, path)
+                if option.writes and place in read | written:
+                    done = "written" if place in written else "read"
+                    raise OptionError(f"{path} is {done} by another step; allowed: a new file")
+            (written if option.writes else read).add(place)
 
 
 def _refuse_dicom(recipe: Recipe, source: Source, why: str) -> None:

@@ -166,7 +166,8 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
         """
         self._bounds(volume)
         for file in (self.seeds, *(other for _, other in self._others())):
-            if file is not None:
+            # what another step writes is not there yet
+            if file is not None and file.exists():
                 self._read(file, volume, progress)
 
     @property

@@ -300,9 +300,10 @@ export:
     ("old", "new", "said"),
     [
         ("[ball]", "[bal]", "line 8: export 1: segment 'bal' given (did you mean 'ball'?)"),
+        ("[ball]", "[]", "line 8: export 1: only given without a name; allowed: names"),
         ("out: ball.nii.gz", "out: b.dcm, keep-identity: true", "line 8: export 1: the scan "),
         ("out: ball.nii.gz", "out: shared", "line 8: export 1: the scan "),
-        ("out: ball.nii.gz", "out: found.json", "line 8: export 1: 'found.json' given; allowed"),
+        ("out: ball.nii.gz", "out: found.json", "found.json is written by another step"),
         ("out: ball.nii.gz", "out: mask.nii.gz", "line 8: export 1: "),
         ("metric: automatic", "metric: automatik", "register: metric 'automatik' given (did you"),
         ("fixed-mask: mask", "fixed-mask: gone", "line 3: register: "),
