@@ -52,6 +52,8 @@ from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
 from palpate.cli.series import series
 from palpate.cli.surface import surface
+from palpate.cli.transform import EXAMPLES as TRANSFORM_EXAMPLES
+from palpate.cli.transform import transform
 
 __all__ = ["app", "main"]
 
@@ -64,7 +66,10 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-READING = {"open", "import", "export", "info", "record", "register", "run", "segment", "series"}
+READING = {
+    "open", "import", "export", "info", "record", "register", "run", "segment", "series",
+    "transform",
+}  # fmt: skip
 """Commands that read files in most cases."""
 STOPPED_BY_PERSON = 130
 """Exit code after Ctrl-C, as shells expect it."""
@@ -170,6 +175,7 @@ app.command("export")(export)
 app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
 app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
+app.command("transform", epilog=TRANSFORM_EXAMPLES)(transform)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)

@@ -11,6 +11,7 @@ __all__ = [
     "Browser",
     "Fill",
     "Frame",
+    "Interpolated",
     "MaxVoxels",
     "Mesh",
     "MeshFrame",
@@ -98,6 +99,13 @@ Resample = Annotated[
     typer.Option(
         "--resample",
         help="Resample segments from another grid to that of the scan (nearest neighbour).",
+    ),
+]
+Interpolated = Annotated[
+    str,
+    typer.Option(
+        help="linear (for scans), nearest or labels (the label with the largest share; for label "
+        "maps), or automatic: nearest for label maps, otherwise linear."
     ),
 ]
 AnotherPatient = Annotated[

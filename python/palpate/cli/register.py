@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
+from palpate.cli.options import Interpolated
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
     from palpate.registration.options import Kind, MetricChoice, Pairs, SearchOptions, Start
+    from palpate.volumes.resampled import InterpolationChoice
     from palpate.volumes.segment import Segment
     from palpate.volumes.volume import Volume
 
@@ -43,6 +45,11 @@ def register(  # noqa: PLR0913  # one per option of the command line
             help="Write the moving scan, resampled on the grid of the fixed one (.nii.gz, "
             ".nii, .nrrd, .mha)."
         ),
+    ] = None,
+    interpolation: Interpolated = "automatic",
+    write_inverse: Annotated[
+        Path | None,
+        typer.Option(help="Write the inverse transform, from points of MOVING to FIXED (.tfm)."),
     ] = None,
     picture: Annotated[
         Path | None,
@@ -116,14 +123,17 @@ def register(  # noqa: PLR0913  # one per option of the command line
     from palpate.registration.options import check_choices
     from palpate.registration.registration import register as search
     from palpate.registration.report import report_of, sentence_of, write_checkerboard
+    from palpate.volumes.resampled import check_interpolation, interpolation_for
 
     _check_targets(
         (output, (".tfm",)),
+        (write_inverse, (".tfm",)),
         (resampled, IMAGE_SUFFIXES),
         (picture, (".png",)),
         (report, (".json",)),
     )
     check_choices(kind, metric, start or "centre")
+    check_interpolation(interpolation)
     pairs = None if landmarks is None else read_landmarks(landmarks)
     options = _options(knots=knots, iterations=iterations, samples=samples, seed=seed)
     with quiet_libraries(), Display() as display:
@@ -145,8 +155,12 @@ def register(  # noqa: PLR0913  # one per option of the command line
         told = report_of(found, still, other, landmarks=pairs)
         if output is not None:
             found.save(output)
+        if write_inverse is not None:
+            told["inverse"] = found.save_inverse(write_inverse, other)
         if resampled is not None:
-            write_scan(found.resampled(other, still), resampled)
+            by = interpolation_for(other, cast("InterpolationChoice", interpolation))
+            write_scan(found.resampled(other, still, interpolation=by), resampled)
+            told["interpolation"] = by
         if picture is not None:
             write_checkerboard(found, still, other, path=picture)
         if report is not None:
@@ -154,7 +168,7 @@ def register(  # noqa: PLR0913  # one per option of the command line
                 unfinished.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
     for warning in dict.fromkeys((*still.warnings, *other.warnings)):
         warn(warning)
-    target = output or resampled or picture or report
+    target = output or write_inverse or resampled or picture or report
     typer.echo(json.dumps(told, indent=2) if as_json else f"{target}: {sentence_of(told)}")
 
 
@@ -197,7 +211,8 @@ def _check_targets(*targets: tuple[Path | None, tuple[str, ...]]) -> None:
 
     if all(path is None for path, _ in targets):
         raise OptionError(
-            "nothing to write given; allowed: --output, --resampled, --picture or --report"
+            "nothing to write given; allowed: --output, --write-inverse, --resampled, --picture "
+            "or --report"
         )
     for path, suffixes in targets:
         if path is not None:

@@ -34,12 +34,11 @@ from palpate.labels.grid import (
 )
 from palpate.labels.label_values import label_codes, label_values
 from palpate.volumes.anatomical_colour import colour_of_name
+from palpate.volumes.label_like import MOST_LABELS
 from palpate.volumes.volume import Volume
 
 __all__ = ["ENDINGS", "read_label_map", "read_mask_folder"]
 
-MOST_LABELS = 255
-"""More values than this are intensities, not labels."""
 LARGEST_TABLE = 1 << 20
 """Of a NIfTI file [bytes]."""
 NAMES = ("structure", "name", "label", "segment")

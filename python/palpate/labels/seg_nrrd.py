@@ -33,7 +33,7 @@ from palpate.labels.grid import (
 from palpate.volumes.terminology import Terminology
 from palpate.volumes.volume import Volume
 
-__all__ = ["is_segmentation", "read_seg_nrrd"]
+__all__ = ["SegmentationGrid", "is_segmentation", "read_seg_nrrd", "segmentation_grid"]
 
 
 def is_segmentation(path: Path) -> bool:
@@ -89,6 +89,30 @@ def _image_at(path: Path, *, progress: Progress) -> _Image:
         },
         told=told,
     )
+
+
+@dataclass(frozen=True)
+class SegmentationGrid:
+    """Where the voxels of a file lie, LPS [mm]."""
+
+    shape: tuple[int, int, int]
+    """[depth, height, width]."""
+    spacing: tuple[float, float, float]
+    origin: tuple[float, float, float]
+    direction: NDArray[np.float64]
+
+
+def segmentation_grid(path: Path, *, progress: Progress) -> SegmentationGrid:
+    """Returns the grid of a file.
+
+    Raises:
+        VolumeFormatError: The file is damaged.
+    """
+    image = _image_at(path, progress=progress)
+    depth, height, width = image.layers.shape[:3]
+    x, y, z = image.spacing.tolist()
+    left, back, up = image.origin.tolist()
+    return SegmentationGrid((depth, height, width), (x, y, z), (left, back, up), image.direction)
 
 
 def read_seg_nrrd(

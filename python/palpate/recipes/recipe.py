@@ -210,6 +210,7 @@ def _check_register(step: RegisterStep, source: Source) -> None:
         raise source.wrong("$.register.moving", f"{step.moving} does not exist")
     for name, path, suffixes in (
         ("output", step.output, (".tfm",)),
+        ("write_inverse", step.write_inverse, (".tfm",)),
         ("resampled", step.resampled, IMAGE_SUFFIXES),
         ("picture", step.picture, (".png",)),
     ):
@@ -244,7 +245,7 @@ def _refuse_same_file(recipe: Recipe, source: Source) -> None:
         *([] if output is None else [("$.reconstruct.output", output)]),
         *(
             (f"$.register.{name}", path)
-            for name in ("output", "resampled", "picture")
+            for name in ("output", "write_inverse", "resampled", "picture")
             if register is not None and (path := getattr(register, name)) is not None
         ),
         *((f"$.surface[{n}].out", step.out) for n, step in enumerate(recipe.surface)),

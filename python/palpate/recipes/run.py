@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 from palpate.base.errors import OptionError
@@ -118,10 +119,14 @@ def _registered(
     if step.output is not None:
         found.save(step.output)
         written.append(step.output)
+    if step.write_inverse is not None:
+        found.save_inverse(step.write_inverse, moving)
+        written.append(step.write_inverse)
+    brought = partial(found.resampled, moving, fixed, interpolation=step.interpolation)
     if step.resampled is not None:
-        write_scan(found.resampled(moving, fixed), step.resampled)
+        write_scan(brought(), step.resampled)
         written.append(step.resampled)
     if step.picture is not None:
         write_checkerboard(found, fixed, moving, path=step.picture)
         written.append(step.picture)
-    return found.resampled(moving, fixed) if step.go_on_with == "moving" else fixed
+    return brought() if step.go_on_with == "moving" else fixed

@@ -13,6 +13,7 @@ from palpate.reconstruction.request import ReconstructionRequest
 from palpate.reconstruction.scanner import Beam
 from palpate.registration.options import Kind as RegistrationKind
 from palpate.registration.options import Metric
+from palpate.volumes.resampled import InterpolationChoice
 
 __all__ = ["ExportStep", "ImportStep", "ReconstructStep", "RegisterStep", "Step", "SurfaceStep"]
 
@@ -71,7 +72,9 @@ class RegisterStep(Step, frozen=True, kw_only=True):
     metric: Metric = "mutual-information"
     start: Literal["geometry", "centre", "moments"] = "centre"
     output: Path | None = None
+    write_inverse: Path | None = None
     resampled: Path | None = None
+    interpolation: InterpolationChoice = "automatic"
     picture: Path | None = None
     go_on_with: Literal["fixed", "moving"] = "fixed"
     """The scan that segments are made of: ``moving`` on the grid of the first one."""

@@ -50,6 +50,7 @@ def report_of(
         "start": found.start,
         "metric_before": found.before,
         "metric_after": found.after,
+        "overlap_before": found.overlap_before,
         "overlap": found.overlap,
         "moved_mean_mm": float(lengths.mean()),
         "moved_most_mm": float(lengths.max()),
@@ -76,18 +77,30 @@ def report_of(
 
 def sentence_of(report: dict[str, Any]) -> str:
     """Returns a report in one sentence."""
-    sentence = (
-        f"{report['kind']}, {report['metric']} {report['metric_before']:.4g} → "
-        f"{report['metric_after']:.4g} (less is better), points move by "
-        f"{report['moved_mean_mm']:.1f} mm, at most {report['moved_most_mm']:.1f} mm"
-    )
-    landmarks = report.get("landmarks_mm")
-    if landmarks is None:
-        return sentence
-    return (
-        f"{sentence}; landmarks {landmarks['before_mean']:.2f} → {landmarks['after_mean']:.2f} mm, "
-        f"at most {landmarks['after_most']:.2f} mm"
-    )
+    parts = [
+        (
+            f"{report['kind']}, {report['metric']} {report['metric_before']:.4g} → "
+            f"{report['metric_after']:.4g} (less is better), points move by "
+            f"{report['moved_mean_mm']:.1f} mm, at most {report['moved_most_mm']:.1f} mm"
+        ),
+        (
+            f"{report['overlap']:.0%} of the fixed scan is covered, "
+            f"{report['overlap_before']:.0%} at the start"
+        ),
+    ]
+    if (landmarks := report.get("landmarks_mm")) is not None:
+        parts.append(
+            f"landmarks {landmarks['before_mean']:.2f} → {landmarks['after_mean']:.2f} mm, "
+            f"at most {landmarks['after_most']:.2f} mm"
+        )
+    if report.get("interpolation") == "nearest":
+        parts.append("resampled by the nearest voxel")
+    if (inverse := report.get("inverse")) is not None and not inverse["exact"]:
+        parts.append(
+            f"the inverse is off by {inverse['error_mean_mm']:.2g} mm on average, 99 of 100 "
+            f"points by at most {inverse['error_of_99_in_100_mm']:.2g} mm"
+        )
+    return "; ".join(parts)
 
 
 # --- the picture --------------------------------------------------------------------------
