@@ -23,7 +23,7 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import image_on, reason_of, simpleitk
 from palpate.base.whole_file import whole_file
-from palpate.registration.image_pair import Compared
+from palpate.registration.image_pair import Compared, check_content
 from palpate.registration.inverse import Inverse, inverse_of
 from palpate.registration.options import (
     Kind,
@@ -84,6 +84,8 @@ class Registration:
     """The same share in the end."""
     curve: tuple[Level, ...]
     """The metric after each step, level by level."""
+    start_kept: bool = False
+    """Whether the start was right already, and is the answer."""
 
     def points(self, points: Sequence[Sequence[float]] | Points) -> Points:
         """Returns where points of the fixed scan lie in the moving one, shape [count, 3] [mm]."""
@@ -189,7 +191,8 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         watch: Called with the metric so far after each step.
 
     Raises:
-        OptionError: A choice is not known, landmarks do not fit, or a scan is too small.
+        OptionError: A choice is not known, landmarks do not fit, a scan is too small or has one
+            value only, or a mask has no voxels.
         RegistrationError: The scans do not overlap, or did not become more alike.
     """
     matrix = checked_matrix(start) if isinstance(start, np.ndarray) else None
@@ -205,6 +208,7 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     chosen = metric_for(fixed, moving) if metric == "automatic" else metric
     images = _image(fixed), _image(moving)
     masks = _mask(fixed_mask), _mask(moving_mask)
+    check_content(images, masks)
     wanted = options or SearchOptions()
     search = Search(
         Compared(images, masks, metric=chosen, bins=wanted.bins),
@@ -221,8 +225,10 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     found = search.run(first, kind)
     after = search.measure(found)
     search.check(before, after)
-    if after.metric > before.metric:
+    start_kept = not after.metric < before.metric
+    if start_kept:
         # they are registered already, within the noise of a few samples
+        search.require_best(first, before, after)
         found, after = first, before
     return Registration(
         transform=found,
@@ -234,6 +240,7 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         overlap_before=before.overlap,
         overlap=after.overlap,
         curve=search.curve,
+        start_kept=start_kept,
     )
 
 

@@ -48,6 +48,7 @@ def report_of(
         "kind": found.kind,
         "metric": found.metric,
         "start": found.start,
+        "start_kept": found.start_kept,
         "metric_before": found.before,
         "metric_after": found.after,
         "overlap_before": found.overlap_before,
@@ -88,6 +89,8 @@ def sentence_of(report: dict[str, Any]) -> str:
             f"{report['overlap_before']:.0%} at the start"
         ),
     ]
+    if report["start_kept"]:
+        parts.append("the start was right already and is kept")
     if (landmarks := report.get("landmarks_mm")) is not None:
         parts.append(
             f"landmarks {landmarks['before_mean']:.2f} → {landmarks['after_mean']:.2f} mm, "
