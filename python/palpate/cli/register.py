@@ -245,6 +245,8 @@ def _mask(path: Path | None, volume: Volume, *, progress: Progress) -> Segment |
 
     from palpate.labels.labels import read_labels
 
-    labels = read_labels(path, volume, progress=progress).labels
-    together = np.any([one.segment.mask() != 0 for one in labels], axis=0)
+    read = read_labels(path, volume, progress=progress)
+    for warning in read.warnings:
+        warn(f"{path.name}: {warning}")
+    together = np.any([one.segment.mask() != 0 for one in read.labels], axis=0)
     return volume.segment(together, name=path.name)

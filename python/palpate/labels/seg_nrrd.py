@@ -22,13 +22,12 @@ from palpate.io.header_check import check_header
 from palpate.io.itk_image import unit_of
 from palpate.io.payload import check_payload, header_text, nrrd_header
 from palpate.labels.grid import (
-    RESAMPLED,
     Colour,
     Label,
     Labels,
-    Resampling,
     patient_from_grid,
     placement,
+    told_of,
 )
 from palpate.volumes.terminology import Terminology
 from palpate.volumes.volume import Volume
@@ -148,7 +147,7 @@ def read_seg_nrrd(
             empty += 1
     said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
-    said += [RESAMPLED] if isinstance(place, Resampling) else []
+    said += told_of([place])
     return Labels(tuple(made), tuple(said))
 
 
