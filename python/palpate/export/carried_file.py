@@ -32,7 +32,15 @@ from palpate.volumes.resampled import interpolation_for
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
 
-__all__ = ["CarriedKind", "CarryOptions", "carried_kind", "carry_file", "check_carried", "counted"]
+__all__ = [
+    "CarriedKind",
+    "CarryOptions",
+    "carried_kind",
+    "carry_file",
+    "check_carried",
+    "check_ending",
+    "counted",
+]
 
 CarriedKind = Literal["scan", "labels", "segments", "mesh", "marks"]
 """Labels are a label map, segments all other files of segments."""
@@ -90,13 +98,22 @@ def carried_kind(path: Path, *, progress: Progress = silent) -> CarriedKind:
     return "labels" if told.image and not is_segmentation(path) else "segments"
 
 
+def check_ending(kind: CarriedKind, out: Path) -> None:
+    """Refuses a name under which a file of a kind cannot be written.
+
+    Raises:
+        OptionError: The ending does not fit, or the folder does not exist.
+    """
+    check_target(out, ENDINGS[kind])
+
+
 def check_carried(kind: CarriedKind, out: Path, carrier: Carrier) -> None:
     """Refuses what could not be written, before anything is computed.
 
     Raises:
         OptionError: The ending does not fit, the folder does not exist, or a grid is missing.
     """
-    check_target(out, ENDINGS[kind])
+    check_ending(kind, out)
     if kind in ("scan", "labels", "segments"):
         carrier.require_grid()
 

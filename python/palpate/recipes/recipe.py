@@ -1,9 +1,9 @@
 """Recipes: a scan, its segments and what is written of them, in one file.
 
 A recipe is YAML. Its keys are the stages of the pipeline (thesis 2.2.1), theirs the options of the
-commands: ``import`` or ``reconstruct``, ``register``, ``segment``, ``surface``, ``export``; and
-where the ``report`` goes. Files stand beside the recipe. All of it is checked before anything is
-read, with the line of what is wrong.
+commands: ``import`` or ``reconstruct``, ``register``, ``segment``, ``surface``, ``export``,
+``transform``; and where the ``report`` goes. Files stand beside the recipe. All of it is checked
+before anything is read, with the line of what is wrong.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from palpate.recipes.steps import (
     RegisterStep,
     SurfaceStep,
 )
+from palpate.recipes.transform_step import TransformStep
 from palpate.reconstruction.projections import stack_at
 from palpate.reconstruction.reconstruction import missing_library
 from palpate.reconstruction.request import grid_of
@@ -55,6 +56,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     segment: list[SegmentRequest]
     surface: list[SurfaceStep] = []
     export: list[ExportStep] = []
+    transform: list[TransformStep] = []
     report: Path | None = None
 
 
@@ -149,6 +151,7 @@ def _kind_at(where: str) -> type[msgspec.Struct]:
         "segment": SegmentRequest,
         "surface": SurfaceStep,
         "export": ExportStep,
+        "transform": TransformStep,
     }
     way = re.match(r"\$\.(\w+)(\[\d+\])?\.", where)
     return Recipe if way is None else kinds.get(way[1], Recipe)
@@ -173,6 +176,10 @@ def _check(recipe: Recipe, source: Source) -> None:
     for number, export in enumerate(recipe.export):
         with source.at(f"$.export[{number}]"):
             _check_export(export)
+    made = {path for _, path in _written(recipe)}
+    for number, step in enumerate(recipe.transform):
+        with source.at(f"$.transform[{number}]"):
+            step.check(made)
     if recipe.report is not None:
         with source.at("$.report"):
             check_target(recipe.report, (".html",))
@@ -238,10 +245,11 @@ def _names(recipe: Recipe) -> list[str] | None:
     return [name for name in named if name is not None] if certain and all(named) else None
 
 
-def _refuse_same_file(recipe: Recipe, source: Source) -> None:
+def _written(recipe: Recipe) -> list[tuple[str, Path]]:
+    """Lists where a recipe names the files that it writes, and these."""
     register, reconstruct = recipe.register, recipe.reconstruct
     output = None if reconstruct is None else reconstruct.output
-    places = [
+    return [
         *([] if output is None else [("$.reconstruct.output", output)]),
         *(
             (f"$.register.{name}", path)
@@ -250,14 +258,23 @@ def _refuse_same_file(recipe: Recipe, source: Source) -> None:
         ),
         *((f"$.surface[{n}].out", step.out) for n, step in enumerate(recipe.surface)),
         *((f"$.export[{n}].out", step.out) for n, step in enumerate(recipe.export)),
+        *((f"$.transform[{n}].output", step.output) for n, step in enumerate(recipe.transform)),
         *([("$.report", recipe.report)] if recipe.report is not None else []),
     ]
+
+
+def _refuse_same_file(recipe: Recipe, source: Source) -> None:
+    register, reconstruct = recipe.register, recipe.reconstruct
     written: set[Path] = {
         step.path.resolve() for step in (recipe.scan, reconstruct) if step is not None
     }
     if register is not None:
         written.add(register.moving.resolve())
-    for where, path in places:
+    made = {p.resolve() for at, p in _written(recipe) if not at.startswith("$.transform")}
+    for step in recipe.transform:
+        written |= {step.path.resolve(), step.transform.resolve()} - made
+        made.add(step.output.resolve())
+    for where, path in _written(recipe):
         if path.resolve() in written:
             raise source.wrong(
                 where, f"{path} is read or written by a step before; allowed: a new one"

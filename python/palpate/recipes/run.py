@@ -68,6 +68,9 @@ def run_recipe(
             progress=progress,
         )
         written.append(export.out)
+    for step in recipe.transform:
+        told += step.run(volume, progress=progress)
+        written.append(step.output)
     if recipe.report is not None:
         progress("writing the report", None)
         write_report(scene, recipe.report, written=written, told=told)

@@ -25,8 +25,9 @@ def labels(numbers: tuple[int, int] = (2, 5)) -> NDArray[np.int32]:
     return np.where(off < 8.0, np.where(x > 12, *numbers), 0).astype(np.int32)
 
 
-def volume(values: NDArray[np.generic], **traits: str) -> Volume:
-    return Volume(values, spacing=(1.0, 1.0, 1.0), traits=VolumeTraits(**traits))
+def volume(values: NDArray[np.generic], *, name: str = "scan", modality: str = "") -> Volume:
+    traits = VolumeTraits(name=name, modality=modality)
+    return Volume(values, spacing=(1.0, 1.0, 1.0), traits=traits)
 
 
 @pytest.mark.parametrize("choice", ["automatic", "nearest", "labels"])
