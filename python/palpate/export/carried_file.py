@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
+import numpy as np
+
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.whole_file import check_target, whole_file
@@ -181,13 +183,17 @@ def _carry_image(
     if kind == "labels" and carrier.interpolation == "automatic":
         by = "nearest"
     progress(f"writing {out.name}", None)
-    write_scan(carrier.scan(volume, interpolation=by), out)
-    if kind == "labels":
-        _write_table(path, out, volume, progress=progress)
-    what = "a label map" if kind == "labels" else "a scan"
+    carried = carrier.scan(volume, interpolation=by)
+    write_scan(carried, out)
     # the unit is that of before, known or not
     told = [warning for warning in volume.warnings if "--unit" not in warning]
-    return f"{what}, interpolation {by}", told
+    if kind == "scan":
+        return f"a scan, interpolation {by}", told
+    _write_table(path, out, volume, progress=progress)
+    lost = np.setdiff1d(volume.values(), carried.values())
+    if lost.size:
+        told.append(f"labels {', '.join(map(str, lost.tolist()))} do not reach the grid")
+    return f"a label map, interpolation {by}", told
 
 
 def _carry_segments(

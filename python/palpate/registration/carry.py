@@ -45,6 +45,8 @@ Toward = Literal["fixed", "moving"]
 """The scan to which things are carried."""
 LEAST_TOLD = 0.0005
 """Share of a segment that is told when it is lost."""
+MOST_CHANGE = 0.05
+"""Share of a segment's volume by which voxels may change it untold."""
 MOST_PROBES = 20_000
 """Voxels of a segment by which the share is told that falls outside."""
 
@@ -117,6 +119,8 @@ class Carrier:
                 told.append(f"{one.name} does not reach the grid and is left out")
             elif lost >= LEAST_TOLD:
                 told.append(f"{lost:.1%} of {one.name} lies outside of the grid and is lost")
+            elif (said := self._volume_told(one, made)) is not None:
+                told.append(said)
         if segments and not any(carried):
             raise OptionError(f"none of {len(segments)} segments reaches {self._elsewhere}")
         return carried, told
@@ -157,7 +161,7 @@ class Carrier:
         """
         if self.grid is None:
             raise OptionError(
-                "no grid given; allowed: --like SCAN, the scan to which images are carried"
+                "no grid given; allowed: the scan to which images are carried (--like SCAN)"
             )
         return self.grid
 
@@ -169,10 +173,10 @@ class Carrier:
     @property
     def _elsewhere(self) -> str:
         """The end of an error: what is not reached, and why that may be."""
+        source = "moving" if self.toward == "fixed" else "fixed"
         return (
-            f"{self.require_grid().name} when {self.sentence}; allowed: what belongs to the scan "
-            "that the transform belongs to, in its direction (--inverse: from the fixed scan to "
-            "the moving one)"
+            f"{self.require_grid().name} when {self.sentence}; allowed: what belongs to the "
+            f"{source} scan of this transform, else the other direction"
         )
 
     def _segment(self, one: Segment) -> Segment | None:
@@ -185,6 +189,19 @@ class Carrier:
         made = grid.segment(mask, name=one.name)
         made.terminology = one.terminology
         return made
+
+    def _volume_told(self, before: Segment, after: Segment) -> str | None:
+        """Says that a segment is not as large as it should be; None where it is, or may bend."""
+        if not self.transform.IsLinear():
+            return None
+        factor = abs(float(np.linalg.det(matrix_of(self.transform)[:3, :3])))
+        wanted = before.volume_ml * (factor if self.toward == "moving" else 1.0 / factor)
+        if abs(after.volume_ml - wanted) <= MOST_CHANGE * wanted:
+            return None
+        return (
+            f"{before.name} has {1000.0 * after.volume_ml:.4g} mm³ on the grid and should have "
+            f"{1000.0 * wanted:.4g} mm³: it is thin for voxels of that size"
+        )
 
     def _share_outside(self, segment: Segment) -> float:
         """Returns the share of a segment's voxels whose middles fall outside of the grid."""

@@ -87,7 +87,7 @@ def inverse_of(transform: Any, moving: Volume | None) -> Inverse:  # noqa: ANN40
     if moving is None:
         raise OptionError(
             "the inverse of a transform that bends needs the grid of the moving scan; allowed: "
-            "--inverse with --like MOVING"
+            "with that (--inverse --like MOVING)"
         )
     sitk = simpleitk()
     there = matrix_of(linear_part(transform))

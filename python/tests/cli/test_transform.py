@@ -92,6 +92,15 @@ def test_back_again_everything_is_as_it_was() -> None:
 
 
 @pytest.mark.usefixtures("folder")
+def test_a_label_that_does_not_reach_the_grid_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    far = SimpleITK.ReadImage("labels.nii.gz")
+    far[0, 0, 0] = 9
+    SimpleITK.WriteImage(far, "labels.nii.gz")
+    assert transform("labels.nii.gz", *TO_FIXED, "-o", "out.mha") == 0
+    assert "warning: labels 9 do not reach the grid" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("folder")
 def test_segments_keep_names_colours_and_their_place() -> None:
     words = ("--segments", "labels.nii.gz", "-o", "given.seg.nrrd")
     assert run(["export", "moving.mha", *words]) == 0
@@ -156,7 +165,10 @@ def test_the_inverse_is_written(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["moving.mha", "-o", "a.nrrd"], "no grid given; allowed: --like SCAN"),
+        (
+            ["moving.mha", "-o", "a.nrrd"],
+            "no grid given; allowed: the scan to which images are carried",
+        ),
         (["moving.mha", "-o", "a.stl"], "'a.stl' given; allowed: a name with .nii.gz"),
         (["plain.csv", "-o", "a.nrrd"], "'a.nrrd' given; allowed: a name with .csv"),
         (["moving.mha"], "1 inputs and 0 outputs given; allowed: --output once for each INPUT"),

@@ -178,6 +178,19 @@ def test_what_falls_outside_of_the_grid_is_told() -> None:
     assert told[0] == "gone does not reach the grid and is left out"
 
 
+def test_a_segment_that_is_thin_for_the_grid_is_told_with_its_volumes() -> None:
+    fine = Volume(np.zeros((60, 60, 60), np.int16), spacing=(0.5, 0.5, 0.5))
+    coarse = Volume(np.zeros((10, 10, 10), np.int16), spacing=(3.0, 3.0, 3.0), origin=(1, 1, 1))
+    sheet, block = np.zeros(fine.shape, bool), np.zeros(fine.shape, bool)
+    sheet[:, 20:22] = True
+    block[6:48, 6:48, 6:48] = True
+    carrier = Carrier(SimpleITK.Transform(3, SimpleITK.sitkIdentity), grid=coarse)
+    _, told = carrier.segments([fine.segment(sheet, name="sheet"), fine.segment(block, name="b")])
+    assert told == [
+        "sheet has 2700 mm³ on the grid and should have 900 mm³: it is thin for voxels of that size"
+    ]
+
+
 def test_what_does_not_meet_is_refused_with_the_direction() -> None:
     far = Carrier(SimpleITK.TranslationTransform(3, (900.0, 0.0, 0.0)), grid=FIXED)
     with pytest.raises(OptionError, match="reaches scan when carried from the moving scan to the"):
@@ -185,7 +198,7 @@ def test_what_does_not_meet_is_refused_with_the_direction() -> None:
     whole = FIXED.segment(np.ones(FIXED.shape), name="whole")
     with pytest.raises(OptionError, match="none of 1 segments reaches scan when carried from"):
         far.segments([whole])
-    with pytest.raises(OptionError, match="no grid given; allowed: --like SCAN"):
+    with pytest.raises(OptionError, match="no grid given; allowed: the scan to which"):
         Carrier(linear()).scan(FIXED)
 
 
@@ -205,5 +218,5 @@ def test_what_cannot_be_turned_back_is_refused() -> None:
     points = MIDDLE + random.uniform(-14.0, 14.0, (50, 3))
     with pytest.raises(OptionError, match="of 50 points have no place in the fixed scan"):
         Carrier(folded).points(points)
-    with pytest.raises(OptionError, match=r"needs the grid of the moving scan; allowed: --inverse"):
+    with pytest.raises(OptionError, match="needs the grid of the moving scan; allowed"):
         _ = Carrier(folded, grid=FIXED).inverse
