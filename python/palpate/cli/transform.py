@@ -21,11 +21,11 @@ __all__ = ["EXAMPLES", "transform"]
 
 EXAMPLES = """\b
 Examples:
-  palpate transform mr.nrrd --transform T.tfm --like ct/ -o mr-on-ct.nii.gz
+  palpate transform mr.nii.gz --transform T.tfm --like ct/ -o mr-on-ct.nrrd
   palpate transform mr.seg.nrrd --transform T.tfm --like ct/ -o on-ct.seg.nrrd
-  palpate transform a.stl marks.csv --transform T.tfm -o b.stl -o moved.csv
+  palpate transform a.obj marks.csv --transform T.tfm -o b.stl -o moved.csv
   palpate transform ct/ --transform T.tfm --inverse --like mr/ -o ct-on-mr.mha
-  palpate transform rt.dcm --of mr/ --transform T.tfm --like ct/ -o rt.nii.gz
+  palpate transform seg.dcm --of ct/ --transform T.tfm --inverse --like mr/ -o s.nrrd
   palpate transform mr.palpate --transform T.tfm --like ct/ -o on-ct.palpate
 
 The transform is one that `palpate register FIXED MOVING` writes. What belongs to MOVING is carried
