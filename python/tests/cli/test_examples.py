@@ -123,7 +123,7 @@ def write_carried(place: Path, parts: NDArray[np.uint8]) -> None:
         write(place / name, parts)
     (place / "marks.csv").write_text("tip,-83,278,1170\n")
     ball = trimesh.creation.icosphere(radius=9.0).apply_translation((-83.0, 278.0, 1170.0))
-    text = trimesh.exchange.obj.export_obj(ball)
+    text = ball.export(file_type="obj")
     (place / "a.obj").write_text(f"# SPACE=LPS UNIT=mm\n{text}")
 
 

@@ -19,10 +19,10 @@ from starlette.responses import Response
 
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
-from palpate.base.simpleitk import simpleitk
 from palpate.export.image import write_scan
 from palpate.registration.inverse import inverse_of
 from palpate.registration.options import Curve, Pairs, Points, SearchOptions, Start
+from palpate.registration.point_map import linear_part, matrix_of
 from palpate.registration.registration import (
     Registration,
     RegistrationError,
@@ -284,11 +284,8 @@ def _start_of(wanted: protocol.Register, here: Place) -> tuple[Start | Points, P
 
 
 def _as_opened(second: SecondScan) -> Place:
-    matrix = second.second_from_first
-    transform = simpleitk().AffineTransform(3)
-    transform.SetMatrix(matrix[:3, :3].ravel().tolist())
-    transform.SetTranslation(matrix[:3, 3].tolist())
-    return Place(second.volume, transform, matrix, second, None)
+    transform = second.transform
+    return Place(second.as_read, transform, matrix_of(linear_part(transform)), second, None)
 
 
 def _place_of(found: Registration, volume: Volume, first: Volume) -> Place:
