@@ -12,9 +12,9 @@ from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import Interpolated
 
 if TYPE_CHECKING:
+    from palpate.base.interpolation import InterpolationChoice
     from palpate.base.progress import Progress
     from palpate.registration.options import Kind, MetricChoice, Pairs, SearchOptions, Start
-    from palpate.volumes.resampled import InterpolationChoice
     from palpate.volumes.segment import Segment
     from palpate.volumes.volume import Volume
 

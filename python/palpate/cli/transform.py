@@ -11,11 +11,11 @@ from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import Interpolated
 
 if TYPE_CHECKING:
+    from palpate.base.interpolation import InterpolationChoice
     from palpate.base.progress import Progress
     from palpate.export.carried_file import CarryOptions
     from palpate.registration.carry import Carrier
     from palpate.volumes.mesh_read import Frame, Unit
-    from palpate.volumes.resampled import InterpolationChoice
 
 __all__ = ["EXAMPLES", "transform"]
 

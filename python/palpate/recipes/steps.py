@@ -7,13 +7,13 @@ from typing import Literal
 
 import msgspec
 
+from palpate.base.interpolation import InterpolationChoice
 from palpate.export.export import Kind
 from palpate.reconstruction.reconstruction import WATER
 from palpate.reconstruction.request import ReconstructionRequest
 from palpate.reconstruction.scanner import Beam
 from palpate.registration.options import Kind as RegistrationKind
 from palpate.registration.options import Metric
-from palpate.volumes.resampled import InterpolationChoice
 
 __all__ = ["ExportStep", "ImportStep", "ReconstructStep", "RegisterStep", "Step", "SurfaceStep"]
 

@@ -6,13 +6,13 @@ from collections.abc import Collection
 from pathlib import Path
 
 from palpate.base.errors import OptionError
+from palpate.base.interpolation import InterpolationChoice
 from palpate.base.progress import Progress
 from palpate.export.carried_file import CarryOptions, carried_kind, carry_file, check_ending
 from palpate.io.reading import read
 from palpate.recipes.steps import Step
 from palpate.registration.carry import Carrier
 from palpate.volumes.mesh_read import Frame, Unit
-from palpate.volumes.resampled import InterpolationChoice
 from palpate.volumes.second_scan import read_transform
 from palpate.volumes.volume import Volume
 

@@ -18,6 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 from palpate.base.errors import OptionError
+from palpate.base.interpolation import Interpolation, InterpolationChoice
 from palpate.base.simpleitk import Transform
 from palpate.registration.inverse import Inverse, inverse_of
 from palpate.registration.options import Points
@@ -29,13 +30,7 @@ from palpate.registration.point_map import (
     points_through,
 )
 from palpate.volumes.mesh_read import MeshFile, with_vertices
-from palpate.volumes.resampled import (
-    Interpolation,
-    InterpolationChoice,
-    check_interpolation,
-    on_grid,
-    resampled,
-)
+from palpate.volumes.resampled import check_interpolation, on_grid, resampled
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 

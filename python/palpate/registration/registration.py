@@ -20,6 +20,7 @@ from typing import Any, Literal
 import numpy as np
 
 from palpate.base.errors import OptionError
+from palpate.base.interpolation import InterpolationChoice
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import image_on, reason_of, simpleitk
 from palpate.base.whole_file import whole_file
@@ -44,7 +45,7 @@ from palpate.registration.options import (
 from palpate.registration.point_map import matrix_of
 from palpate.registration.search import Search
 from palpate.registration.start import first_guess, guess_of_matrix
-from palpate.volumes.resampled import InterpolationChoice, resampled
+from palpate.volumes.resampled import resampled
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 

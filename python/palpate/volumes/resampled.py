@@ -7,31 +7,23 @@ most of its surroundings have.
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
+from palpate.base.interpolation import INTERPOLATIONS, Interpolation, InterpolationChoice
 from palpate.base.simpleitk import Transform, image_on, simpleitk
 from palpate.volumes.label_like import MOST_LABELS, are_labels
 from palpate.volumes.volume import Volume
 
 __all__ = [
-    "INTERPOLATIONS",
-    "Interpolation",
-    "InterpolationChoice",
     "check_interpolation",
     "interpolation_for",
     "on_grid",
     "resampled",
 ]
-
-Interpolation = Literal["linear", "nearest", "labels"]
-"""Between voxels: linear; the nearest one; or the label with the largest linear share."""
-InterpolationChoice = Literal["automatic", "linear", "nearest", "labels"]
-"""Automatic is nearest for label maps, else linear."""
-INTERPOLATIONS: tuple[InterpolationChoice, ...] = get_args(InterpolationChoice)
 
 
 def check_interpolation(given: str) -> None:

@@ -7,8 +7,9 @@ import pytest
 import SimpleITK
 from numpy.typing import NDArray
 from palpate import OptionError, Volume
+from palpate.base.interpolation import InterpolationChoice
 from palpate.volumes.label_like import are_labels
-from palpate.volumes.resampled import InterpolationChoice, interpolation_for, resampled
+from palpate.volumes.resampled import interpolation_for, resampled
 from palpate.volumes.volume import VolumeTraits
 
 TURN = SimpleITK.Euler3DTransform()
