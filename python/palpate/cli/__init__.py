@@ -9,7 +9,10 @@ from palpate.base.reader_process import warm
 
 __all__ = ["main"]
 
-READING = {"open", "import", "export", "info", "record", "register", "run", "segment", "series"}
+READING = {
+    "open", "import", "export", "info", "record", "register", "run", "segment", "series",
+    "transform",
+}  # fmt: skip
 """Commands that read files in most cases."""
 
 

@@ -51,6 +51,8 @@ from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
 from palpate.cli.series import series
 from palpate.cli.surface import surface
+from palpate.cli.transform import EXAMPLES as TRANSFORM_EXAMPLES
+from palpate.cli.transform import transform
 
 __all__ = ["app", "run"]
 
@@ -177,6 +179,7 @@ app.command("export")(export)
 app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
 app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
+app.command("transform", epilog=TRANSFORM_EXAMPLES)(transform)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)

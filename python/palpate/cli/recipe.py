@@ -19,6 +19,7 @@ A recipe has a step for each command, with its options:
   register:                    # optional: a second scan
     moving: mr/
     resampled: mr-on-ct.nii.gz
+    output: mr-to-ct.tfm
   segment:
     - threshold: 250
       keep-largest: true
@@ -31,6 +32,10 @@ A recipe has a step for each command, with its options:
       out: bone.stl
   export:
     - out: segments.seg.nrrd
+  transform:                   # the second scan's labels, on the grid of the first
+    - path: mr-labels.nii.gz
+      transform: mr-to-ct.tfm
+      output: on-ct.nii.gz
   report: report.html
 
 Instead of import, reconstruct makes the scan from projections:

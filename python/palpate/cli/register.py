@@ -48,13 +48,14 @@ def register(
 
     if request.output is request.resampled is request.picture is request.report is None:
         raise OptionError(
-            "nothing to write given; allowed: --output, --resampled, --picture or --report"
+            "nothing to write given; allowed: --output, --write-inverse, --resampled, --picture "
+            "or --report"
         )
     with quiet_libraries(), Display() as display:
         still = read(fixed, series=fixed_series, frame=fixed_frame, progress=display)
         other = read_moving(request, progress=display)
         made = registered(still, other, request, progress=display)
-    for warning in dict.fromkeys((*still.warnings, *other.warnings)):
+    for warning in dict.fromkeys((*still.warnings, *other.warnings, *made.warnings)):
         warn(warning)
     told = json.dumps(made.report, indent=2)
     typer.echo(told if as_json else f"{made.written[0]}: {sentence_of(made.report)}")

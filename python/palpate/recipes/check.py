@@ -14,6 +14,7 @@ from palpate.base.nearest import perhaps
 from palpate.base.progress import Progress, silent
 from palpate.base.request import Request
 from palpate.base.request_files import check_file, files_of
+from palpate.export.carried_file import carried_kind, check_ending
 from palpate.export.dicom_source import dicom_source
 from palpate.export.kinds import FROM_DICOM
 from palpate.export.request import ExportRequest
@@ -55,6 +56,11 @@ def check_options(recipe: Recipe, source: Source) -> None:
         if check is not None:
             with source.at(where):
                 check()
+    for number, carried in enumerate(recipe.transform):
+        # what another step writes is not there yet
+        if carried.path.exists():
+            with source.at(f"$.transform[{number}].output"):
+                check_ending(carried_kind(carried.path), carried.output)
     if recipe.reconstruct is not None:
         _check_reconstruct(recipe.reconstruct, source)
     _check_names(recipe, source)
@@ -98,6 +104,8 @@ def _steps(recipe: Recipe) -> Iterator[tuple[str, Request]]:
         yield f"$.surface[{number}]", surface
     for number, export in enumerate(recipe.export):
         yield f"$.export[{number}]", export
+    for number, carried in enumerate(recipe.transform):
+        yield f"$.transform[{number}]", carried
     yield "$", recipe
 
 

@@ -20,6 +20,7 @@ from palpate.registration.landmarks_file import read_landmarks
 from palpate.registration.registration import Registration, register
 from palpate.registration.report import report_of, write_checkerboard
 from palpate.registration.request import RegisterRequest
+from palpate.volumes.resampled import interpolation_for
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
@@ -34,6 +35,8 @@ class Registered:
     report: dict[str, Any]
     """As ``palpate.registration.report.report_of`` makes it."""
     written: tuple[Path, ...]
+    warnings: tuple[str, ...]
+    """Of the masks."""
 
 
 def read_moving(request: RegisterRequest, *, progress: Progress) -> Volume:
@@ -59,6 +62,9 @@ def registered(
         OSError: The disk refuses a file.
     """
     pairs = None if request.landmarks is None else read_landmarks(request.landmarks)
+    warnings: list[str] = []
+    fixed_mask = _mask(request.fixed_mask, fixed, warnings, progress=progress)
+    moving_mask = _mask(request.moving_mask, moving, warnings, progress=progress)
     found = register(
         fixed,
         moving,
@@ -66,8 +72,8 @@ def registered(
         metric=request.metric,
         start=request.start,
         landmarks=pairs,
-        fixed_mask=_mask(request.fixed_mask, fixed, progress=progress),
-        moving_mask=_mask(request.moving_mask, moving, progress=progress),
+        fixed_mask=fixed_mask,
+        moving_mask=moving_mask,
         options=request.search,
         progress=progress,
     )
@@ -75,21 +81,36 @@ def registered(
     report = report_of(found, fixed, moving, landmarks=pairs)
     if request.output is not None:
         found.save(request.output)
+    if request.write_inverse is not None:
+        report["inverse"] = found.save_inverse(request.write_inverse, moving)
     if request.resampled is not None:
-        write_scan(found.resampled(moving, fixed), request.resampled)
+        by = interpolation_for(moving, request.interpolation)
+        write_scan(found.resampled(moving, fixed, interpolation=by), request.resampled)
+        report["interpolation"] = by
     if request.picture is not None:
         write_checkerboard(found, fixed, moving, path=request.picture)
     if request.report is not None:
         with whole_file(request.report) as unfinished:
             unfinished.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    targets = (request.output, request.resampled, request.picture, request.report)
-    return Registered(found, report, tuple(path for path in targets if path is not None))
+    targets = (
+        request.output,
+        request.write_inverse,
+        request.resampled,
+        request.picture,
+        request.report,
+    )
+    return Registered(
+        found, report, tuple(path for path in targets if path is not None), tuple(warnings)
+    )
 
 
-def _mask(path: Path | None, volume: Volume, *, progress: Progress) -> Segment | None:
-    """Returns all labels of a file as one segment."""
+def _mask(
+    path: Path | None, volume: Volume, warnings: list[str], *, progress: Progress
+) -> Segment | None:
+    """Returns all labels of a file as one segment, and adds what is to be told of them."""
     if path is None:
         return None
-    labels = read_labels(path, volume, progress=progress).labels
-    together = np.any([one.segment.mask() != 0 for one in labels], axis=0)
+    read_from = read_labels(path, volume, progress=progress)
+    warnings += [f"{path.name}: {warning}" for warning in read_from.warnings]
+    together = np.any([one.segment.mask() != 0 for one in read_from.labels], axis=0)
     return volume.segment(together, name=path.name)

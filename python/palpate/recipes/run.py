@@ -12,6 +12,7 @@ from palpate.recipes.check import Inputs
 from palpate.recipes.register_step import registered
 from palpate.recipes.report import write_report
 from palpate.recipes.steps import Recipe, RegisterStep
+from palpate.recipes.transform_step import carried
 from palpate.reconstruction.request import reconstruct_file
 from palpate.registration.report import sentence_of
 from palpate.volumes.mesh_write import write_mesh
@@ -65,6 +66,9 @@ def run_recipe(
             progress=progress,
         )
         written.append(export.out)
+    for carried_step in recipe.transform:
+        told += carried(carried_step, volume, progress=progress)
+        written.append(carried_step.output)
     if recipe.report is not None:
         progress("writing the report", None)
         write_report(scene, recipe.report, written=written, told=told)
@@ -120,6 +124,8 @@ def _registered(
     told, written = log
     fixed, moving = pair
     made = registered(fixed, moving, step, progress=progress)
-    told += [*moving.warnings, f"registration: {sentence_of(made.report)}"]
+    told += [*moving.warnings, *made.warnings, f"registration: {sentence_of(made.report)}"]
     written += made.written
-    return made.found.resampled(moving, fixed) if step.go_on_with == "moving" else fixed
+    if step.go_on_with == "fixed":
+        return fixed
+    return made.found.resampled(moving, fixed, interpolation=step.interpolation)

@@ -7,16 +7,18 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from palpate.base.errors import OptionError
 from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.base.request import Request, words
 from palpate.export.request import ExportRequest
 from palpate.io.request import ReadRequest
 from palpate.reconstruction.request import ReconstructionRequest
 from palpate.registration.request import RegisterRequest
+from palpate.registration.transform_request import TransformRequest
 from palpate.segmentation.request import SegmentRequest
 from palpate.volumes.surface_request import SurfaceRequest
 
-__all__ = ["ImportStep", "Recipe", "ReconstructStep", "RegisterStep"]
+__all__ = ["ImportStep", "Recipe", "ReconstructStep", "RegisterStep", "TransformStep"]
 
 
 class ImportStep(ReadRequest, frozen=True, kw_only=True):
@@ -41,6 +43,28 @@ class RegisterStep(RegisterRequest, frozen=True, kw_only=True):
     ] = "fixed"
 
 
+class TransformStep(TransformRequest, frozen=True, kw_only=True):
+    """A file that is carried as by ``palpate transform``, once all other files are written.
+
+    Without ``like``, the grid for images is that of the recipe's scan.
+    """
+
+    path: Annotated[Path, words("The file that is carried.", reads=True)]
+    # which ending fits depends on what is carried
+    output: Annotated[Path, words("File to write.", writes=("",))]
+
+    def check(self) -> None:
+        """Refuses what could not be done, whatever the files are.
+
+        Raises:
+            OptionError: The moving scan is not given where its grid is needed.
+        """
+        if self.inverse and self.like is None:
+            raise OptionError(
+                "inverse without like given; allowed: inverse with like, the moving scan"
+            )
+
+
 class Recipe(Request, frozen=True, kw_only=True):
     """What is to be done, in this order."""
 
@@ -54,6 +78,9 @@ class Recipe(Request, frozen=True, kw_only=True):
         default_factory=list
     )
     export: Annotated[list[ExportRequest], words("Files to write.")] = msgspec.field(
+        default_factory=list
+    )
+    transform: Annotated[list[TransformStep], words("Files to carry.")] = msgspec.field(
         default_factory=list
     )
     report: Annotated[

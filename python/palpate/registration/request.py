@@ -9,13 +9,19 @@ import msgspec
 
 from palpate.base.errors import OptionError
 from palpate.base.file_suffixes import IMAGE_SUFFIXES
+from palpate.base.interpolation import InterpolationChoice
 from palpate.base.request import Request, words
 from palpate.registration.choices import Kind, MetricChoice, Start
 
 if TYPE_CHECKING:
     from palpate.registration.options import SearchOptions
 
-__all__ = ["RegisterRequest"]
+__all__ = ["INTERPOLATED", "RegisterRequest"]
+
+INTERPOLATED = (
+    "linear (for scans), nearest or labels (the label with the largest share; for label maps), or "
+    "automatic: nearest for label maps, otherwise linear."
+)
 
 
 class RegisterRequest(Request, frozen=True, kw_only=True):
@@ -27,6 +33,13 @@ class RegisterRequest(Request, frozen=True, kw_only=True):
     output: Annotated[
         Path | None, words("Transform to write (.tfm).", short="o", writes=(".tfm",))
     ] = None
+    write_inverse: Annotated[
+        Path | None,
+        words(
+            "Write the inverse transform, from points of MOVING to FIXED (.tfm).", writes=(".tfm",)
+        ),
+    ] = None
+    interpolation: Annotated[InterpolationChoice, words(INTERPOLATED)] = "automatic"
     resampled: Annotated[
         Path | None,
         words(

@@ -9,6 +9,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Self
@@ -24,6 +25,7 @@ from starlette.websockets import WebSocket
 from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
 from palpate.saved.scene_file import SavedScene
+from palpate.server.added_labels import add_labels
 from palpate.server.export import export_response
 from palpate.server.live import Live
 from palpate.server.messages.hello import hello_of
@@ -226,7 +228,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/volume", volume),
         Route("/labels", labels),
         Route("/second", second, methods=["GET"]),
-        *second_routes(live.session.scene, live.show_second),
+        *second_routes(live.session.scene, live.show_second, partial(add_labels, live)),
         Route("/registration", _registration_of(live), methods=["POST"]),
         Route("/recording", recording),
         Route("/scenario", scenario),

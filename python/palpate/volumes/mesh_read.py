@@ -37,6 +37,7 @@ __all__ = [
     "read_mesh",
     "segment_of_mesh",
     "suitable_spacing",
+    "with_vertices",
 ]
 
 Frame = Literal["LPS", "RAS"]
@@ -121,6 +122,19 @@ def closed(file: MeshFile) -> MeshFile:
     mesh = Mesh(vertices, _normals(vertices, triangles.astype(np.int64)), triangles)
     note = f"{file.holes} hole{'s were' if file.holes > 1 else ' was'} closed"
     return MeshFile(mesh, file.name, hole_count(triangles), (*file.notes, note))
+
+
+def with_vertices(
+    file: MeshFile, vertices: NDArray[np.float64], *, mirrored: bool = False
+) -> MeshFile:
+    """Returns the same triangles between vertices that stand elsewhere, shape [count, 3] [mm].
+
+    Triangles turn about where space is ``mirrored``, so that their outside stays outside.
+    """
+    triangles = file.mesh.triangles[:, ::-1] if mirrored else file.mesh.triangles
+    normals = _normals(vertices, triangles.astype(np.int64))
+    mesh = Mesh(vertices, normals, np.ascontiguousarray(triangles))
+    return MeshFile(mesh, file.name, file.holes, file.notes)
 
 
 def grid_around(meshes: Iterable[Mesh], spacing: float, *, name: str = "mesh") -> Volume:

@@ -16,6 +16,7 @@ from palpate.volumes.appearance import (
     SegmentAppearance,
     ShownAs,
 )
+from palpate.volumes.same_grid import distance_of_grids, lie_together
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
@@ -142,7 +143,7 @@ class Scene:
             shown_as: How it is drawn: from its voxels, as a surface, or both.
 
         Raises:
-            OptionError: It has another size than the scan, or there are too many segments.
+            OptionError: It lies on another grid than the scan, or there are too many segments.
         """
         if not isinstance(segment, Segment):
             raise OptionError(
@@ -155,6 +156,12 @@ class Scene:
             raise OptionError(
                 f"segment {segment.name!r} is of a scan of {segment.volume.dimensions} voxels; "
                 f"allowed: {self.volume.dimensions}"
+            )
+        elif not lie_together(segment.volume, self.volume):
+            apart = distance_of_grids(segment.volume, self.volume)
+            raise OptionError(
+                f"segment {segment.name!r} lies {apart:.2g} mm off the voxels of the scan; "
+                "allowed: a segment of this scan, or one as an object (as_object)"
             )
         if len(self._segments) == MOST_SEGMENTS:
             raise OptionError(

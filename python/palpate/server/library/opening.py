@@ -15,23 +15,22 @@ from anyio import from_thread
 from palpate.base.errors import OptionError, PalpateError, SceneFormatError, SeriesChoiceError
 from palpate.base.progress import Progress
 from palpate.io.reading import read
-from palpate.labels.labels import Labels, read_labels
+from palpate.labels.labels import read_labels
 from palpate.saved.autosave import autosave_of, note_scene
 from palpate.saved.ending import is_scene
 from palpate.saved.opening import Opening, opening, opening_of
 from palpate.saved.recent import note_recent
+from palpate.server.added_labels import add_labels
 from palpate.server.job import Emit
 from palpate.server.library.requests import Place
 from palpate.server.library.search_results import SearchResults
 from palpate.server.library.upload import Uploads
-from palpate.server.live import Live
 from palpate.server.open_scan import OpenScan
 from palpate.server.workbench import Workbench
-from palpate.volumes.scene import MOST_SEGMENTS
 from palpate.volumes.second_scan import placed
 from palpate.volumes.volume import Volume
 
-__all__ = ["Opener", "add_labels"]
+__all__ = ["Opener"]
 
 PASSING = "its files are a copy that goes when it is closed: a saved scene has the scan in it"
 """Warning of a scan that was uploaded, or came from a server."""
@@ -172,27 +171,6 @@ class Opener:
         if opened is None:
             raise OptionError("no scan is open; allowed: open one first")
         return opened
-
-
-def add_labels(live: Live, found: Labels) -> None:
-    """Adds segments to a session, and notifies all pages; for any thread.
-
-    Raises:
-        OptionError: They are too many.
-    """
-    room, count = MOST_SEGMENTS - len(live.session.segments()), len(found.labels)
-    if count > room:
-        raise OptionError(f"{count} segments given; allowed: {room} more")
-    for label in found.labels:
-        live.segments.add(label.segment, colour=label.colour)
-    for warning in found.warnings:
-        live.notify("warning", f"{warning[:1].upper()}{warning[1:]}.")
-    one = count == 1
-    live.notify(
-        "info",
-        f"{'One segment was' if one else f'{count} segments were'} added: "
-        f"undo takes {'it back' if one else 'them back one by one'}.",
-    )
 
 
 def _read(place: Place, progress: Progress) -> Opening:
