@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import typer
 
 from palpate.base.console import warn
-from palpate.base.errors import MeshFormatError, OptionError, SceneFormatError
+from palpate.base.errors import MeshFormatError, OptionError, PalpateError, SceneFormatError
 from palpate.base.progress import Progress
 from palpate.base.typed_numbers import Bounds
 from palpate.io.reading import read
@@ -122,23 +123,46 @@ def add_labels(
 
 
 def add_second(
-    scene: Scene, path: Path | None, transform: Path | None, *, progress: Progress
+    scene: Scene,
+    path: Path | None,
+    transform: Path | None,
+    *,
+    series: str | None = None,
+    frame: int | None = None,
+    progress: Progress,
 ) -> None:
     """Shows a second scan with the first, where a transform says that it lies.
 
     Raises:
-        OptionError: There is a transform and no scan, or it cannot be used.
+        OptionError: There is a transform, series or frame and no scan, or it cannot be used.
         VolumeFormatError: The scan or the transform cannot be read.
     """
     if path is None:
-        if transform is not None:
-            raise OptionError(f"--transform {transform} given; allowed: together with --with")
+        _refuse_alone({"--transform": transform, "--with-series": series, "--with-frame": frame})
         return
-    volume = read(path, progress=progress)
+    volume = _second_read(path, series=series, frame=frame, progress=progress)
     known = None if transform is None else read_transform(transform)
     scene.second = placed(scene.volume, volume, known)
     for warning in (*doubts_of(scene.volume, scene.second), *volume.warnings):
         warn(f"{path.name}: {warning}")
+
+
+def _refuse_alone(options: Mapping[str, object]) -> None:
+    """Refuses options of a second scan where there is none."""
+    for name, given in options.items():
+        if given is not None:
+            raise OptionError(f"{name} {given} given; allowed: together with --with")
+
+
+def _second_read(
+    path: Path, *, series: str | None, frame: int | None, progress: Progress
+) -> Volume:
+    try:
+        return read(path, series=series, frame=frame, progress=progress)
+    except PalpateError as error:
+        # here the options of the second scan are called otherwise than those of the first
+        said = str(error).replace("--series", "--with-series").replace("--frame", "--with-frame")
+        raise type(error)(said) from None
 
 
 def saved_scene(path: Path, progress: Progress) -> Opening:

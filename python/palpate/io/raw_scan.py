@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import SeriesChoiceError, VolumeFormatError
 from palpate.base.reader_process import expect
+from palpate.volumes.siblings import Siblings
 from palpate.volumes.stored_values import Scale
 
 __all__ = [
@@ -50,6 +51,8 @@ class RawScan:
     """FrameOfReferenceUID, for DICOM."""
     subject: tuple[str, str, str] = ("", "", "")
     """StudyInstanceUID, PatientID and PatientName, for DICOM."""
+    siblings: Siblings | None = None
+    """Volumes of its file or series, such as times; None where it is alone."""
     orientation_known: bool = True
     file_scale: Scale | None = None
     warnings: list[str] = field(default_factory=list)

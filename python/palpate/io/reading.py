@@ -20,7 +20,7 @@ from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import Stored, to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
-__all__ = ["list_series", "read"]
+__all__ = ["list_series", "read", "read_sibling"]
 
 Place = str | PathLike[str]
 
@@ -118,6 +118,7 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
             study=scan.subject[0],
             patient_id=scan.subject[1],
             patient_name=scan.subject[2],
+            siblings=scan.siblings,
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
         ),
@@ -137,6 +138,25 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     # several files have no place of their own to be read from again
     volume.source = Source(source.resolve(), given) if len(places) == 1 else None
     return volume
+
+
+def read_sibling(volume: Volume, number: int, *, progress: Progress = silent) -> Volume:
+    """Reads another volume of the file or series of a scan, such as another time, as that was read.
+
+    Args:
+        volume: The scan.
+        number: Of the volume among those of the file or series, from 1.
+        progress: Takes the progress.
+
+    Raises:
+        OptionError: There is no such volume.
+        PalpateError: As ``read``.
+    """
+    source, siblings = volume.source, volume.traits.siblings
+    if source is None or siblings is None:
+        raise OptionError(f"{volume.name} is the only volume of its file; allowed: to open others")
+    options = {**source.options, siblings.option: siblings.key_of(number)}
+    return read(source.path, progress=progress, **options)
 
 
 def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) -> Stored:

@@ -20,6 +20,7 @@ from palpate.base.errors import EmptySegmentError, OptionError, VolumeFormatErro
 from palpate.volumes.histogram import Anchors, Histogram, anchors
 from palpate.volumes.orientation import letters_of
 from palpate.volumes.segment import Segment
+from palpate.volumes.siblings import Siblings
 from palpate.volumes.stored_values import Scale, to_stored
 
 __all__ = ["Source", "Volume", "VolumeTraits"]
@@ -58,6 +59,8 @@ class VolumeTraits:
     """Of DICOM; only compared, and neither shown nor saved."""
     patient_name: str = field(default="", repr=False)
     """Of DICOM; only compared, and neither shown nor saved."""
+    siblings: Siblings | None = field(default=None, repr=False)
+    """Volumes of its file or series, such as times; None where it is alone."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""

@@ -125,7 +125,8 @@ export interface ThresholdPreset {
  * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape [4, 4]; grid
  * coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. `unit` is such
  * as "HU" or "SUVbw", "" where it is not known. `title` is for windows: it contains no file
- * name that the user did not type.
+ * name that the user did not type. `volume` is which of how many volumes of its file or series
+ * it is, such as times, from 1; null where others cannot be opened.
  */
 export interface Scan {
   readonly name: string;
@@ -142,6 +143,7 @@ export interface Scan {
   readonly soft_tissue: Value;
   readonly bone: Value;
   readonly presets: readonly ThresholdPreset[];
+  readonly volume: readonly [number, number] | null;
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
 }
@@ -1440,6 +1442,7 @@ const isScan = record({
   soft_tissue: isValue,
   bone: isValue,
   presets: list(isThresholdPreset),
+  volume: nullable(tuple(whole(), whole())),
   orientation_known: flag,
   warnings: list(text()),
 });

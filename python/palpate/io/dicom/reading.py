@@ -25,7 +25,13 @@ from palpate.io.dicom.header import Header, Series, find_series, read_header, vo
 from palpate.io.dicom.pixels import SlicePixels, read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
-from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.series import (
+    called_of,
+    choose_series,
+    series_among,
+    series_in,
+    siblings_of,
+)
 from palpate.io.dicom.suv import quantified
 from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
 from palpate.io.dicom.usable import left_out, tolerable, usable
@@ -95,6 +101,7 @@ def _read_chosen(
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
     scan.description = chosen.description
     scan.name = chosen.description or called.name.removesuffix(".zip")
+    scan.siblings = siblings_of(chosen, listed)
     scan.warnings[:0] = warnings
     if damaged:
         scan.warnings.append(
@@ -127,8 +134,10 @@ def read_dicom_file(
     if is_dicomdir(path):
         found = _listed(path, progress)
         return _read_chosen(path, found, series=series, max_voxels=max_voxels, progress=progress)
-    chosen, _ = choose_series(path, volumes_of(path), series)
+    listed = volumes_of(path)
+    chosen, _ = choose_series(path, listed, series)
     scan = _read_series(str(path), chosen, max_voxels=max_voxels, progress=progress)
+    scan.siblings = siblings_of(chosen, listed)
     scan.description = chosen.description
     scan.name = chosen.description or path.stem
     return scan

@@ -14,7 +14,7 @@ from anyio import from_thread
 
 from palpate.base.errors import OptionError, PalpateError, SceneFormatError, SeriesChoiceError
 from palpate.base.progress import Progress
-from palpate.io.reading import read
+from palpate.io.reading import read, read_sibling
 from palpate.labels.labels import Labels, read_labels
 from palpate.saved.autosave import autosave_of, note_scene
 from palpate.saved.opening import Opening, is_scene, opening, opening_of
@@ -27,7 +27,7 @@ from palpate.server.live import Live
 from palpate.server.open_scan import OpenScan
 from palpate.server.workbench import Workbench
 from palpate.volumes.scene import MOST_SEGMENTS
-from palpate.volumes.second_scan import placed
+from palpate.volumes.second_scan import SecondScan, placed
 from palpate.volumes.volume import Volume
 
 __all__ = ["Opener", "add_labels"]
@@ -99,7 +99,12 @@ class Opener:
         if place.upload is not None:
             # its files may be those of a scan by now
             self._uploads.of(place.upload)
-        opened = _read(place, progress)
+        self._replace(_read(place, progress), place, fetched=fetched, progress=progress)
+
+    def _replace(
+        self, opened: Opening, place: Place, *, fetched: Files | None, progress: Progress
+    ) -> None:
+        """Shows a scene that was read in place of the one that is open."""
         # from here on it cannot be taken back
         progress("starting", None)
         for sentence in opened.messages:
@@ -130,6 +135,41 @@ class Opener:
         if read.saved is not None:
             note_scene(read.saved.scan, place.path, passing=place.upload is not None)
         return opened
+
+    def change_volume(self, number: int, progress: Progress) -> None:
+        """Shows another volume of the open scan's file or series in its place.
+
+        Raises:
+            PalpateError: There is none, or it cannot be read.
+        """
+        opened = self._opened()
+        volume = opened.session.scene.volume
+        other = read_sibling(volume, number, progress=progress)
+        place = Place(Path(), given=volume.traits.given)
+        # files that go with a scan are those of the new one too
+        files, opened.files = opened.files, None
+        with ExitStack() as unless_shown:
+            if files is not None:
+                unless_shown.callback(files.cleanup)
+            self._replace(opening_of(other), place, fetched=files, progress=progress)
+            unless_shown.pop_all()
+
+    def change_second(self, number: int, progress: Progress) -> None:
+        """Shows another volume of the second scan's file or series in its place.
+
+        Raises:
+            PalpateError: There is none, or it cannot be read.
+        """
+        opened = self._opened()
+        second = opened.session.scene.second
+        if second is None:
+            raise OptionError("there is no second scan; allowed: add one first")
+        if second.before_resampling is not None:
+            raise OptionError(
+                "the second scan is deformed by a transform; allowed: after it is laid as it was"
+            )
+        volume = read_sibling(second.volume, number, progress=progress)
+        opened.show_second(SecondScan(volume, second.second_from_first))
 
     def _add(self, place: Place, fetched: Files | None, progress: Progress) -> None:
         """Shows a scan with the one that is open."""

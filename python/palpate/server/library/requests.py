@@ -19,10 +19,12 @@ from palpate.volumes.volume import Volume
 __all__ = [
     "LayoutRequest",
     "OpenRequest",
+    "PicturesRequest",
     "Place",
     "ReconstructRequest",
     "SearchRequest",
     "SegmentsRequest",
+    "VolumeRequest",
     "path_of",
 ]
 
@@ -35,6 +37,13 @@ class SearchRequest(msgspec.Struct, frozen=True):
     upload: int | None = None
     taken_as: Literal["anything", "scan", "projections"] = "anything"
     """What it is; as anything, what looks like projections or segments is taken as such."""
+
+
+class PicturesRequest(msgspec.Struct, frozen=True):
+    """Scans of a search result whose pictures are wanted."""
+
+    find: int
+    choices: list[int]
 
 
 class OpenRequest(msgspec.Struct, frozen=True):
@@ -52,6 +61,15 @@ class OpenRequest(msgspec.Struct, frozen=True):
     """Where the files do not have it [mm]."""
     beside: bool = False
     """Whether it is shown with the open scan, and not in its place."""
+
+
+class VolumeRequest(msgspec.Struct, frozen=True):
+    """Another volume of the file or series of the open scan, such as another time."""
+
+    number: int
+    """From 1."""
+    beside: bool = False
+    """Whether it is one of the second scan's, and takes that one's place."""
 
 
 class SegmentsRequest(msgspec.Struct, frozen=True):

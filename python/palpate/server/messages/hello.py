@@ -54,9 +54,18 @@ def scan_of(volume: Volume) -> protocol.Scan:
         soft_tissue=volume.anchors.soft_tissue,
         bone=volume.anchors.bone,
         presets=_presets(volume),
+        volume=_place_of(volume),
         orientation_known=volume.traits.orientation_known,
         warnings=list(volume.warnings),
     )
+
+
+def _place_of(volume: Volume) -> tuple[int, int] | None:
+    """Returns which of how many volumes a scan is, where others can be read from its place."""
+    siblings = volume.traits.siblings
+    if siblings is None or volume.source is None:
+        return None
+    return siblings.number, len(siblings.keys)
 
 
 def _presets(volume: Volume) -> list[protocol.ThresholdPreset]:
