@@ -120,7 +120,7 @@ def choose_frame(what: str, size: tuple[int, ...], frame: int | None) -> int:
             f"{what} is a {len(size)}-D image of {count} volumes{axes}{asked}; allowed: one of "
             f"them, with --frame 1 to {count}"
             if count > 1
-            else f"{what} holds one volume{asked}; allowed: --frame 1"
+            else f"{what} holds one volume{asked}; allowed: the first, with --frame 1"
         )
     return frame - 1
 

@@ -25,6 +25,7 @@ from palpate.server.library.search_results import SearchResults
 from palpate.server.library.upload import Uploads
 from palpate.server.live import Live
 from palpate.server.open_scan import OpenScan
+from palpate.server.page_words import page_words
 from palpate.server.workbench import Workbench
 from palpate.volumes.scene import MOST_SEGMENTS
 from palpate.volumes.second_scan import SecondScan, placed
@@ -113,7 +114,7 @@ class Opener:
         try:
             from_thread.run(self._workbench.exchange, lambda: self._begin(opened, place, fetched))
         except (PalpateError, OSError, RuntimeError) as error:
-            self._workbench.notify(f"The scan was not opened: {error}")
+            self._workbench.notify(f"The scan was not opened: {page_words(str(error))}")
             raise
 
     def _begin(self, read: Opening, place: Place, fetched: Files | None) -> OpenScan:
@@ -225,7 +226,8 @@ def add_labels(live: Live, found: Labels) -> None:
     for label in found.labels:
         live.segments.add(label.segment, colour=label.colour)
     for warning in found.warnings:
-        live.notify("warning", f"{warning[:1].upper()}{warning[1:]}.")
+        said = page_words(warning)
+        live.notify("warning", f"{said[:1].upper()}{said[1:]}.")
     one = count == 1
     live.notify(
         "info",

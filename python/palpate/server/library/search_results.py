@@ -36,6 +36,7 @@ from palpate.server.library.conversions import (
     projections_summary,
 )
 from palpate.server.library.requests import OpenRequest, Place, path_of
+from palpate.server.page_words import page_words
 
 __all__ = ["SearchResults"]
 
@@ -285,7 +286,7 @@ def _listed(choice: Choice, labels: str | None) -> ListedScan:
         modality=choice.modality,
         size=choice.size,
         spacing=choice.spacing,
-        refused=choice.refused,
+        refused=None if choice.refused is None else page_words(choice.refused),
         labels=labels,
         late=choice.late,
     )

@@ -6,6 +6,7 @@ from palpate import protocol
 from palpate.base.package_version import package_version
 from palpate.segmentation.threshold_presets import PRESETS
 from palpate.server.messages.soft_tissue import models, presets
+from palpate.server.page_words import page_words
 from palpate.session.session import Session
 from palpate.volumes.volume import Volume
 
@@ -56,7 +57,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
         presets=_presets(volume),
         volume=_place_of(volume),
         orientation_known=volume.traits.orientation_known,
-        warnings=list(volume.warnings),
+        warnings=[page_words(warning) for warning in volume.warnings],
     )
 
 
