@@ -174,6 +174,10 @@ def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) ->
         )
     if stored.filled:
         scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
+    if stored.off:
+        scan.warnings.append(
+            f"values of 64 bits are kept in 32 bits: they differ by up to {stored.off:.2g}"
+        )
     return stored
 
 

@@ -22,6 +22,7 @@ from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
 from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
 from palpate.io.dicom.header import Header, Series, find_series, read_header, volumes_in
+from palpate.io.dicom.mixtures import mixture_told
 from palpate.io.dicom.pixels import SlicePixels, read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
@@ -220,6 +221,7 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
         series = replace(series, headers=ordered)
         grid = grid_unplaced(ordered, order)
     else:
+        said += stack.told
         grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
         check_shape(what, grid.size, max_voxels)
         if all(len(header.frames) == 1 for header in series.headers):
@@ -233,10 +235,11 @@ def _told(series: Series) -> tuple[str, ...]:
     """Says what is wrong with headers, once for all that say the same."""
     found = Counter(words for header in series.headers for words in header.told)
     count = len(series.headers)
-    return _missing_parts(series) + tuple(
+    of_headers = (
         words if times == count else f"{words} ({times} of {count} files)"
         for words, times in found.items()
     )
+    return (*_missing_parts(series), *mixture_told(series), *of_headers)
 
 
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
@@ -255,6 +258,12 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
     scan = _scan(plan, values)
     scan.warnings += [*plan.said, *told]
+    if pixels.padded:
+        unit = f" {scan.unit}" if scan.unit else ""
+        scan.warnings.append(
+            f"{pixels.padded} voxels of padding (PixelPaddingValue) were set to "
+            f"{pixels.air:g}{unit}, as air"
+        )
     return scan
 
 
