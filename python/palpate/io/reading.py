@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
+from palpate.base.counted import counted
 from palpate.base.damaged_file import damage_as
 from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.base.given import given_text, number, path_of, whole_number
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
 from palpate.io.dicom.header import Series
@@ -76,6 +78,12 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     """
     places = _places(path)
     source = called_of(places)
+    frame = None if frame is None else whole_number("frame", frame)
+    max_voxels = whole_number("max_voxels", max_voxels)
+    fill = None if fill is None else _filling(fill)
+    for name, text in (("series", series), ("orientation", orientation), ("raw", raw)):
+        if text is not None and not isinstance(text, str):
+            raise OptionError(f"{name} {given_text(text)} given; allowed: text")
     if unit is not None and unit not in UNITS:
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
     scan = apart(
@@ -159,6 +167,21 @@ def read_sibling(volume: Volume, number: int, *, progress: Progress = silent) ->
     return read(source.path, progress=progress, **options)
 
 
+def _filling(fill: float) -> float:
+    """Returns a value to put in the place of none.
+
+    Raises:
+        OptionError: It is none either, or beyond what values are kept in.
+    """
+    value = float(number("fill", fill))
+    largest = float(np.finfo(np.float32).max)
+    if not abs(value) <= largest:
+        raise OptionError(
+            f"fill is {value:g}; allowed: a finite number between {-largest:.3g} and {largest:.3g}"
+        )
+    return value
+
+
 def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) -> Stored:
     """Returns the values of a scan as they are used; refuses those that are none where asked to."""
     try:
@@ -167,13 +190,15 @@ def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) ->
     except PalpateError as error:
         raise type(error)(f"{source}: {error}") from None
     if strict and stored.missing:
+        some = counted(stored.missing, "values is", "values are", of=stored.values.size)
         raise VolumeFormatError(
-            f"{source}: {stored.missing} of {stored.values.size} values are NaN or infinite; "
+            f"{source}: {some} NaN or infinite; "
             "allowed: finite values, a value to put in their place (fill), or no value there "
             "(not strict)"
         )
     if stored.filled:
-        scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
+        some = counted(stored.filled, "NaN or infinite value was", "NaN or infinite values were")
+        scan.warnings.append(f"{some} set to {fill:g}")
     if stored.off:
         scan.warnings.append(
             f"values of 64 bits are kept in 32 bits: they differ by up to {stored.off:.2g}"
@@ -193,7 +218,10 @@ def list_series(path: Place | Sequence[Place], *, progress: Progress = silent) -
 
 
 def _places(path: Place | Sequence[Place]) -> list[Path]:
-    places = [Path(path)] if isinstance(path, str | PathLike) else [Path(one) for one in path]
+    if isinstance(path, Iterable) and not isinstance(path, str | bytes | PathLike):
+        places = [path_of(one) for one in path]
+    else:
+        places = [path_of(path)]
     if not places:
         raise OptionError("no path given; allowed: one, or several DICOM files")
     return places

@@ -34,6 +34,8 @@ FLOAT_ERROR = 4.0 * float(np.finfo(np.float32).eps)
 """Error of ``slope * stored + intercept`` as float32, relative to its parts."""
 WHOLE_FLOAT32 = 2.0**24
 """Up to which float32 holds every whole number."""
+WHOLE_FLOAT64 = 2.0**53
+"""Up to which float64 does."""
 SINGLE_BYTES = 4
 """Of a float32."""
 SINGLE_ROUNDING = 2.0**-24
@@ -150,6 +152,9 @@ def _off(values: NDArray[Any], made: Stored, survey: _Survey) -> float:
 
 def _exact_scales(survey: _Survey, file_scale: Scale | None, *, spare: int) -> Iterator[Scale]:
     """Yields the scales that may represent all values exactly, in the order to try them."""
+    if survey.whole and max(abs(survey.low), abs(survey.high)) > WHOLE_FLOAT64:
+        # a scale in floats would round them
+        return
     if survey.whole:
         yield from _steps(survey, Scale(1.0, 0.0), spare=spare)
     if file_scale is not None and file_scale.slope != 0.0:
@@ -177,7 +182,8 @@ def _rounding_scale(values: NDArray[Any], survey: _Survey) -> Scale:
     if high - low > room > 0.0:
         low = max(low, ends[0] - 0.5 * room)
         high = min(high, ends[1] + 0.5 * room)
-    slope = (high - low) / STEPS
+    # integers that are one in floats are kept apart beside it
+    slope = (high - low) / STEPS or 1.0
     if survey.not_finite:
         # the lowest number is that of no value
         slope = (high - low) / (STEPS - 1)

@@ -58,7 +58,7 @@ def test_padding_that_becomes_air_is_counted(write_series: Any) -> None:
 
     volume = palpate.read(write_series(each=change))
     (told,) = volume.warnings
-    assert told == "8 voxels of padding (PixelPaddingValue) were set to -1000 HU, as air"
+    assert told == "8 voxels of padding were set to -1000 HU, as air (PixelPaddingValue)"
     assert np.count_nonzero(volume.values() == -1000) == 8
 
 
@@ -82,11 +82,11 @@ def sideways(*shifts: float, tilt: float = 0.0) -> tuple[str, ...]:
 def test_a_shifted_slice_is_no_tilt(at: int) -> None:
     shifts = np.zeros(12)
     shifts[at] = 3.0
-    assert sideways(*shifts) == ("1 of 12 slices are shifted sideways, by up to 3.0 mm",)
+    assert sideways(*shifts) == ("1 of 12 slices is shifted sideways, by up to 3.0 mm",)
     tilted = sideways(*shifts, tilt=0.3)
     assert tilted == (
         "slices are tilted by 16.7 degrees against their stack (gantry tilt)",
-        "1 of 12 slices are shifted sideways, by up to 3.0 mm",
+        "1 of 12 slices is shifted sideways, by up to 3.0 mm",
     )
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.counted import counted
 from palpate.base.errors import VolumeFormatError
 from palpate.io.dicom.header import PARALLEL, Frame
 
@@ -142,8 +143,8 @@ def _pixel_spacing(what: str, frames: Sequence[Frame]) -> tuple[tuple[float, ...
             "allowed: one spacing above 0 for all slices"
         )
     missing = len(frames) - len(spacings)
-    told = f"{missing} of {len(frames)} slices tell no pixel spacing: that of the others is assumed"
-    return first, (told,) if missing else ()
+    some = counted(missing, "slices tells", "slices tell", of=len(frames))
+    return first, (f"{some} no pixel spacing: that of the others is assumed",) if missing else ()
 
 
 def _axes(what: str, frames: Sequence[Frame]) -> NDArray[np.float64]:
@@ -186,9 +187,8 @@ def _sideways(stack: Stack) -> list[str]:
         angle = np.degrees(np.arctan(tilt))
         told.append(f"slices are tilted by {angle:.1f} degrees against their stack (gantry tilt)")
     if shifted:
-        told.append(
-            f"{shifted} of {len(local)} slices are shifted sideways, by up to {off.max():.1f} mm"
-        )
+        some = counted(shifted, "slices is", "slices are", of=len(local))
+        told.append(f"{some} shifted sideways, by up to {off.max():.1f} mm")
     return told or [f"slices drift sideways, by {np.abs(local[:, :2]).max():.1f} mm"]
 
 
@@ -234,10 +234,8 @@ def _told(steps: NDArray[np.float64], usual: float) -> str:
     missing = np.rint(steps / usual) - 1
     if np.all(np.abs(steps - (missing + 1) * usual) <= 0.1 * usual) and np.all(missing >= 0):
         places = ", ".join(str(int(index) + 1) for index in np.flatnonzero(missing)[:5])
-        return (
-            f"{int(missing.sum())} slices are missing, after number {places}: filled in between "
-            "their neighbours"
-        )
+        some = counted(int(missing.sum()), "slice is", "slices are")
+        return f"{some} missing, after number {places}: filled in between their neighbours"
     return (
         f"steps between slices are uneven: {steps.min():.2f} to {steps.max():.2f} mm, "
         f"{int(np.count_nonzero(off))} of {len(steps)} off the usual {usual:.2f} mm"

@@ -16,6 +16,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from palpate.base.counted import counted
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress, silent
 from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
@@ -105,10 +106,9 @@ def _read_chosen(
     scan.siblings = siblings_of(chosen, listed)
     scan.warnings[:0] = warnings
     if damaged:
-        scan.warnings.append(
-            f"{len(damaged)} files are {_trouble(damaged)} and were left out, such as "
-            f"{damaged[0].name}"
-        )
+        trouble = _trouble(damaged)
+        some = counted(len(damaged), f"file is {trouble} and was", f"files are {trouble} and were")
+        scan.warnings.append(f"{some} left out, such as {damaged[0].name}")
     return scan
 
 
@@ -260,10 +260,8 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
     scan.warnings += [*plan.said, *told]
     if pixels.padded:
         unit = f" {scan.unit}" if scan.unit else ""
-        scan.warnings.append(
-            f"{pixels.padded} voxels of padding (PixelPaddingValue) were set to "
-            f"{pixels.air:g}{unit}, as air"
-        )
+        some = counted(pixels.padded, "voxel of padding was", "voxels of padding were")
+        scan.warnings.append(f"{some} set to {pixels.air:g}{unit}, as air (PixelPaddingValue)")
     return scan
 
 
