@@ -10,16 +10,15 @@ Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi
 from __future__ import annotations
 
 import math
-import struct
 import warnings
-import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from palpate.base.errors import PalpateError, VolumeFormatError
+from palpate.base.damaged_file import damage_as
+from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.dicom.detector import detector_place
@@ -253,22 +252,16 @@ def damage_told(path: Path, *, allowed: str = "complete, undamaged files") -> It
     """
     from pydicom.errors import BytesLengthException
 
-    try:
-        with looking_at(path, "DICOM"), warnings.catch_warnings():
-            # sloppy values are common and judged where they matter
-            warnings.simplefilter("ignore")
-            yield
-    except (PalpateError, MemoryError):
-        raise
-    except (
-        ArithmeticError, AttributeError, EOFError, LookupError, NotImplementedError, OSError,
-        RuntimeError, StopIteration, TypeError, ValueError, struct.error, zlib.error,
-        BytesLengthException,
-    ) as error:  # fmt: skip
-        why = (str(error).strip().splitlines() or [type(error).__name__])[-1].strip().rstrip(".")
-        raise VolumeFormatError(
-            f"{path} is damaged, or DICOM of an unknown kind ({why}); allowed: {allowed}"
-        ) from None
+    what = f"{path} is damaged, or DICOM of an unknown kind"
+    also = (OSError, BytesLengthException)
+    with (
+        damage_as(VolumeFormatError, what, allowed=allowed, also=also),
+        looking_at(path, "DICOM"),
+        warnings.catch_warnings(),
+    ):
+        # sloppy values are common and judged where they matter
+        warnings.simplefilter("ignore")
+        yield
 
 
 def read_header(path: Path) -> Header | None:
