@@ -41,6 +41,7 @@ def test_a_time_is_chosen_by_a_slider_and_changed_by_steps(tmp_path: Path) -> No
         chosen_by_the_slider(page)
         stepped(page)
         told_of_changes(page, tmp_path / "mask.nii.gz")
+        told_by_a_person(page)
         chosen_as_the_second_scan(page, cine)
         assert page.complaints == []
 
@@ -90,10 +91,19 @@ def told_of_changes(page: Browser, mask: Path) -> None:
     page.do("click", testid="open-look")
     page.wait("document.querySelector('dialog') === null && window.palpate.state.can_undo")
     page.do("click", testid="volume-next")
-    page.shows("volume-anyway", f"text === 'Open volume {COUNT} without them'")
+    page.shows("reread-anyway", "text === 'Go on without them'")
     page.do("screenshot", path=str(OUTPUT / "volumes-changed.png"))
-    page.do("click", testid="volume-anyway")
+    page.do("click", testid="reread-anyway")
     opened(page, COUNT)
+
+
+def told_by_a_person(page: Browser) -> None:
+    """Says that values are HU, which the file does not."""
+    assert "--" not in page.read("document.querySelector('aside').textContent")
+    page.do("click", testid="unit-hu")
+    page.wait(f"{READY} && window.palpate.scan.unit === 'HU'", seconds=120.0)
+    opened(page, COUNT)
+    assert page.read("document.querySelector('[data-testid=unit-hu]') === null")
 
 
 def chosen_as_the_second_scan(page: Browser, cine: Path) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import Stored, to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
-__all__ = ["list_series", "read", "read_sibling"]
+__all__ = ["list_series", "read", "read_again", "read_sibling"]
 
 Place = str | PathLike[str]
 
@@ -160,11 +161,27 @@ def read_sibling(volume: Volume, number: int, *, progress: Progress = silent) ->
         OptionError: There is no such volume.
         PalpateError: As ``read``.
     """
-    source, siblings = volume.source, volume.traits.siblings
-    if source is None or siblings is None:
+    siblings = volume.traits.siblings
+    if siblings is None:
         raise OptionError(f"{volume.name} is the only volume of its file; allowed: to open others")
-    options = {**source.options, siblings.option: siblings.key_of(number)}
-    return read(source.path, progress=progress, **options)
+    return read_again(volume, {siblings.option: siblings.key_of(number)}, progress=progress)
+
+
+def read_again(
+    volume: Volume, changes: Mapping[str, Any], *, progress: Progress = silent
+) -> Volume:
+    """Reads a scan again as it was read, but for some options of ``read``.
+
+    Raises:
+        OptionError: It was made, or read from several files.
+        PalpateError: As ``read``.
+    """
+    if volume.source is None:
+        raise OptionError(
+            f"{volume.name} has no file of its own; allowed: a scan that was read from one file, "
+            "folder or archive"
+        )
+    return read(volume.source.path, progress=progress, **{**volume.source.options, **changes})
 
 
 def _filling(fill: float) -> float:

@@ -151,6 +151,22 @@ def test_another_volume_of_the_open_scan_takes_its_place(
     assert client.job("volume", {"number": 1})[-1]["kind"] == "failed"
 
 
+def test_what_a_file_does_not_tell_is_told_on_the_page(client: LibraryClient, cine: Path) -> None:
+    client.job("open", {"path": str(cine), "frame": 3})
+    assert opened(client).unit == ""
+    assert client.job("volume", {"unit": "HU"})[-1] == {"kind": "done"}
+    assert client.job("volume", {"orientation": "RPI"})[-1] == {"kind": "done"}
+    # as it was read before, but for that
+    for _ in range(2):
+        assert (opened(client).unit, opened(client).orientation) == ("HU", "RPI")
+        assert not any("unit of the values" in one for one in opened(client).warnings)
+        client.job("volume", {"number": 3})
+    np.testing.assert_array_equal(opened(client).array, VALUES[..., 2].T)
+    (failed,) = client.job("volume", {"orientation": "up"})
+    assert "orientation 'up' is not known" in failed["reason"]
+    assert client.ask("POST", "library/volume", {"unit": "stones"}).status_code == 400
+
+
 def test_volumes_of_dicom_are_siblings(client: LibraryClient, write_series: Any) -> None:
     for echo in (1, 2, 3):
         folder = write_series(uid="1.2.3", prefix=f"e{echo}", EchoTime=10.0 * echo)

@@ -126,7 +126,8 @@ export interface ThresholdPreset {
  * coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. `unit` is such
  * as "HU" or "SUVbw", "" where it is not known. `title` is for windows: it contains no file
  * name that the user did not type. `volume` is which of how many volumes of its file or series
- * it is, such as times, from 1; null where others cannot be opened.
+ * it is, such as times, from 1; null where others cannot be opened. A `rereadable` scan can be
+ * read again with what its files do not tell.
  */
 export interface Scan {
   readonly name: string;
@@ -144,6 +145,7 @@ export interface Scan {
   readonly bone: Value;
   readonly presets: readonly ThresholdPreset[];
   readonly volume: readonly [number, number] | null;
+  readonly rereadable: boolean;
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
 }
@@ -1443,6 +1445,7 @@ const isScan = record({
   bone: isValue,
   presets: list(isThresholdPreset),
   volume: nullable(tuple(whole(), whole())),
+  rereadable: flag,
   orientation_known: flag,
   warnings: list(text()),
 });

@@ -189,8 +189,8 @@ class Library:
     async def _volume(self, request: Request) -> ASGIApp:
         self._check_free()
         wanted = await json_body(request, VolumeRequest)
-        change = self._opener.change_second if wanted.beside else self._opener.change_volume
-        return Job(lambda progress, _: change(wanted.number, progress))
+        change = self._opener.reread_second if wanted.beside else self._opener.reread
+        return Job(lambda progress, _: change(wanted, progress))
 
     def _check_free(self) -> None:
         if self._workbench.fixed:

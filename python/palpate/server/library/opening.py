@@ -14,13 +14,13 @@ from anyio import from_thread
 
 from palpate.base.errors import OptionError, PalpateError, SceneFormatError, SeriesChoiceError
 from palpate.base.progress import Progress
-from palpate.io.reading import read, read_sibling
+from palpate.io.reading import read, read_again, read_sibling
 from palpate.labels.labels import Labels, read_labels
 from palpate.saved.autosave import autosave_of, note_scene
 from palpate.saved.opening import Opening, is_scene, opening, opening_of
 from palpate.saved.recent import note_recent
 from palpate.server.job import Emit
-from palpate.server.library.requests import Place
+from palpate.server.library.requests import Place, VolumeRequest
 from palpate.server.library.search_results import SearchResults
 from palpate.server.library.upload import Uploads
 from palpate.server.live import Live
@@ -137,15 +137,15 @@ class Opener:
             note_scene(read.saved.scan, place.path, passing=place.upload is not None)
         return opened
 
-    def change_volume(self, number: int, progress: Progress) -> None:
-        """Shows another volume of the open scan's file or series in its place.
+    def reread(self, wanted: VolumeRequest, progress: Progress) -> None:
+        """Shows the open scan as it is wanted in its place.
 
         Raises:
-            PalpateError: There is none, or it cannot be read.
+            PalpateError: It cannot be read like that.
         """
         opened = self._opened()
         volume = opened.session.scene.volume
-        other = read_sibling(volume, number, progress=progress)
+        other = _reread(volume, wanted, progress)
         place = Place(Path(), given=volume.traits.given)
         # files that go with a scan are those of the new one too
         files, opened.files = opened.files, None
@@ -155,11 +155,11 @@ class Opener:
             self._replace(opening_of(other), place, fetched=files, progress=progress)
             unless_shown.pop_all()
 
-    def change_second(self, number: int, progress: Progress) -> None:
-        """Shows another volume of the second scan's file or series in its place.
+    def reread_second(self, wanted: VolumeRequest, progress: Progress) -> None:
+        """Shows the second scan as it is wanted in its place.
 
         Raises:
-            PalpateError: There is none, or it cannot be read.
+            PalpateError: It cannot be read like that.
         """
         opened = self._opened()
         second = opened.session.scene.second
@@ -169,7 +169,7 @@ class Opener:
             raise OptionError(
                 "the second scan is deformed by a transform; allowed: after it is laid as it was"
             )
-        volume = read_sibling(second.volume, number, progress=progress)
+        volume = _reread(second.volume, wanted, progress)
         opened.show_second(SecondScan(volume, second.second_from_first))
 
     def _add(self, place: Place, fetched: Files | None, progress: Progress) -> None:
@@ -250,6 +250,15 @@ def _read(place: Place, progress: Progress) -> Opening:
         voxel_size=place.voxel_size,
         progress=progress,
     )
+
+
+def _reread(volume: Volume, wanted: VolumeRequest, progress: Progress) -> Volume:
+    """Reads a scan again."""
+    if wanted.number is not None:
+        return read_sibling(volume, wanted.number, progress=progress)
+    told = {"unit": wanted.unit, "orientation": wanted.orientation}
+    changes = {name: value for name, value in told.items() if value is not None}
+    return read_again(volume, changes, progress=progress)
 
 
 def _read_volume(place: Place, progress: Progress) -> Volume:

@@ -64,12 +64,15 @@ class OpenRequest(msgspec.Struct, frozen=True):
 
 
 class VolumeRequest(msgspec.Struct, frozen=True):
-    """Another volume of the file or series of the open scan, such as another time."""
+    """The open scan read again: another volume of its file, or with what its file does not tell."""
 
-    number: int
-    """From 1."""
+    number: int | None = None
+    """Of another volume of its file or series, such as another time, from 1."""
+    unit: Literal["HU"] | None = None
+    orientation: str | None = None
+    """Both as ``palpate.read`` takes them."""
     beside: bool = False
-    """Whether it is one of the second scan's, and takes that one's place."""
+    """Whether the second scan is meant."""
 
 
 class SegmentsRequest(msgspec.Struct, frozen=True):

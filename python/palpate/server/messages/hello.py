@@ -56,6 +56,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
         bone=volume.anchors.bone,
         presets=_presets(volume),
         volume=_place_of(volume),
+        rereadable=volume.source is not None,
         orientation_known=volume.traits.orientation_known,
         warnings=[page_words(warning) for warning in volume.warnings],
     )

@@ -29,6 +29,15 @@ export interface Found {
   readonly scans: readonly ListedScan[];
 }
 
+/** How an open scan is wanted: another volume of its file, or with what its file does not tell. */
+export interface Wanted {
+  /** From 1. */
+  readonly number?: number;
+  readonly unit?: "HU";
+  /** Such as "LPS". */
+  readonly orientation?: string;
+}
+
 export class Library {
   /** What the engine says of itself; null before it has, undefined where it does not answer. */
   about = $state.raw<About | null | undefined>(null);
@@ -259,12 +268,12 @@ export class Library {
     await this.attempt((signal) => (listed ? this.exchange(this.place, signal) : this.find(this.place, signal, what)));
   }
 
-  /** Opens another volume of the open scan's file or series, or of the second scan's. */
-  async openVolume(number: number, { beside = false } = {}): Promise<void> {
+  /** Has the open scan, or the second one, read again as it is wanted. */
+  async reread(wanted: Wanted, { beside = false } = {}): Promise<void> {
     await this.attempt(async (signal) => {
       this.opening = true;
       try {
-        await work("volume", { number, beside }, { token: this.token, signal }, this.take.bind(this));
+        await work("volume", { ...wanted, beside }, { token: this.token, signal }, this.take.bind(this));
       } finally {
         // else another one is being opened by now, or none
         if (!signal.aborted) {
