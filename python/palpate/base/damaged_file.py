@@ -41,7 +41,7 @@ def damage_as(
         yield
     except PalpateError:
         raise
-    except (*BROKEN, *also) as error:
+    except BROKEN + also as error:
         # what went wrong stands last, as in tracebacks
         lines = str(error).strip().splitlines() or [type(error).__name__]
         why = " ".join(lines[-1].split())[:MOST_LETTERS].rstrip(".")

@@ -44,8 +44,8 @@ def test_odd_numbers_are_refused(odd: Any, tmp_path: Path) -> None:
         one_line(act)
     if odd is not None:
         one_line(lambda: volume.threshold(0, odd))
-        for name in ("frame", "fill"):
-            assert name in one_line(lambda name=name: palpate.read(tmp_path, **{name: odd}))
+        assert "frame" in one_line(lambda: palpate.read(tmp_path, frame=odd))
+        assert "fill" in one_line(lambda: palpate.read(tmp_path, fill=odd))
     if not isinstance(odd, np.ndarray):
         one_line(lambda: Volume(ARRAY, spacing=(1, 1, 1), direction=odd))
 
@@ -66,8 +66,10 @@ def test_what_numpy_has_is_a_number() -> None:
     assert number("a", np.float32(2.5)) == 2.5
     assert whole_number("a", np.int64(3)) == 3
     assert path_of(Path("a")) == path_of("a") == Path("a")
-    volume = Volume(ARRAY, spacing=np.ones(3), direction=np.eye(3).tolist())
-    assert volume.threshold(np.int16(3), np.float64(5)).voxel_count == 3
+    spacing: Any = np.ones(3)
+    low: Any = np.int16(3)
+    volume = Volume(ARRAY, spacing=spacing, direction=np.eye(3).tolist())
+    assert volume.threshold(low, np.float64(5)).voxel_count == 3
 
 
 @pytest.mark.parametrize("fill", [1e300, -1e39, np.nan, np.inf])
@@ -76,7 +78,7 @@ def test_fillings_that_are_no_value_are_refused(fill: float, tmp_path: Path) -> 
 
 
 def test_a_volume_in_the_place_of_an_array_is_named_by_its_type() -> None:
-    volume = Volume(ARRAY, spacing=(1, 1, 1))
+    volume: Any = Volume(ARRAY, spacing=(1, 1, 1))
     assert "mask of 'a' is of type Volume" in one_line(lambda: volume.segment(volume, name="a"))
     assert "of type Volume" in one_line(lambda: Volume(volume, spacing=(1, 1, 1)))
     assert "of type Volume" in one_line(lambda: Volume(ARRAY, spacing=volume))

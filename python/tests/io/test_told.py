@@ -43,7 +43,7 @@ def test_small_differences_of_large_doubles_are_kept(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", [np.float32, np.int32])
 def test_nothing_is_told_of_numbers_that_are_kept(kind: type) -> None:
-    values = (np.random.default_rng(1).random((4, 5, 6)) * 1e6).astype(kind)
+    values: Any = (np.random.default_rng(1).random((4, 5, 6)) * 1e6).astype(kind)
     assert to_stored(values).off == 0.0
     # nor of rounding that no range shows
     assert to_stored(np.random.default_rng(1).random((4, 5, 6))).off == 0.0
@@ -127,8 +127,8 @@ def sides_told(volume: palpate.Volume) -> list[str]:
 def test_anatomical_orientation_counts_where_it_is_alone(tmp_path: Path) -> None:
     volume = metaimage(tmp_path, "AnatomicalOrientation = LPI")
     # the sides that axes come from
-    assert volume.orientation == "RAS"
-    assert volume.spacing == (1, 2, 3)
+    assert [volume.orientation] == ["RAS"]
+    assert volume.spacing == (1.0, 2.0, 3.0)
     (told,) = sides_told(volume)
     assert told == "axes lie toward RAS, as AnatomicalOrientation tells alone"
     (told,) = sides_told(metaimage(tmp_path, "AnatomicalOrientation = ???"))
