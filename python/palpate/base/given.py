@@ -29,12 +29,14 @@ def number(name: str, given: Any) -> float:  # noqa: ANN401  # whatever a user g
 
 
 def whole_number(name: str, given: Any) -> int:  # noqa: ANN401
-    """Returns a whole number.
+    """Returns a whole number, given as such or as a float that is one, such as 1e9.
 
     Raises:
         OptionError: It is none.
     """
     try:
+        if isinstance(given, float) and given.is_integer():
+            return int(given)
         if not isinstance(given, bool):
             return operator.index(given)
     except TypeError:

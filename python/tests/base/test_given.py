@@ -65,6 +65,7 @@ def test_odd_paths_are_refused(odd: Any) -> None:
 def test_what_numpy_has_is_a_number() -> None:
     assert number("a", np.float32(2.5)) == 2.5
     assert whole_number("a", np.int64(3)) == 3
+    assert whole_number("a", 1e9) == 10**9
     assert path_of(Path("a")) == path_of("a") == Path("a")
     spacing: Any = np.ones(3)
     low: Any = np.int16(3)
