@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-__all__ = ["HINT", "in_recipe", "in_words", "prefixed", "retold"]
+__all__ = ["HINT", "in_recipe", "prefixed", "retold"]
 
 HINT = re.compile(r"`([a-z]\w*)=([^`]+)`")
 """An option and its value in a message."""
@@ -30,15 +30,5 @@ def in_recipe(message: str) -> str:
 
     def tell(name: str, value: str) -> str:
         return f"`{name.replace('_', '-')}: {'true' if value == 'True' else value}`"
-
-    return retold(message, tell)
-
-
-def in_words(message: str) -> str:
-    """Returns a message where options are plain words, such as "resample", for the page."""
-
-    def tell(name: str, value: str) -> str:
-        words = name.replace("_", " ")
-        return words if value == "True" else f"{words} {value}"
 
     return retold(message, tell)

@@ -22,6 +22,8 @@ from palpate.cli.options import (
     Threshold,
     Transform,
     With,
+    WithFrame,
+    WithSeries,
 )
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
@@ -42,6 +44,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     resample: Resample = False,
     another_patient: AnotherPatient = False,
     second: With = None,
+    second_series: WithSeries = None,
+    second_frame: WithFrame = None,
     transform: Transform = None,
     mesh: Mesh = None,
     mesh_frame: MeshFrame = None,
@@ -79,7 +83,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     check_start(rate)
     bounds = parse_threshold(threshold)
     if path is None or is_scene(path):
-        of_scans = (bounds, segments, mesh, second, transform)
+        of_scans = (bounds, segments, mesh, second, second_series, second_frame, transform)
         if reading != ReadRequest() or any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
@@ -102,7 +106,14 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             another_patient=another_patient,
             progress=progress,
         )
-        add_second(scene, second, transform, progress=progress)
+        add_second(
+            scene,
+            second,
+            transform,
+            series=second_series,
+            frame=second_frame,
+            progress=progress,
+        )
         if mesh is not None:
             add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         return Opening(scene, None, tuple(volume.warnings))

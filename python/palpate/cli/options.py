@@ -23,6 +23,8 @@ __all__ = [
     "Threshold",
     "Transform",
     "With",
+    "WithFrame",
+    "WithSeries",
 ]
 
 Scan = Annotated[
@@ -70,6 +72,14 @@ With = Annotated[
         "--with",
         help="Second scan to show together with the first, such as MR or RTDOSE with CT.",
     ),
+]
+WithSeries = Annotated[
+    str | None,
+    typer.Option("--with-series", help="DICOM series of --with: UID, description, or number."),
+]
+WithFrame = Annotated[
+    int | None,
+    typer.Option("--with-frame", help="Volume of --with, if that is an image file with several."),
 ]
 Transform = Annotated[
     Path | None,

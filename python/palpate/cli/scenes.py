@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ import typer
 
 from palpate.base.console import warn
 from palpate.base.errors import MeshFormatError, OptionError, PalpateError, SceneFormatError
-from palpate.base.hints import prefixed
+from palpate.base.hints import prefixed, retold
 from palpate.base.progress import Progress
 from palpate.base.typed_numbers import Bounds
 from palpate.cli.flags import of_import
@@ -123,19 +124,24 @@ def add_labels(
 
 
 def add_second(
-    scene: Scene, path: Path | None, transform: Path | None, *, progress: Progress
+    scene: Scene,
+    path: Path | None,
+    transform: Path | None,
+    *,
+    series: str | None = None,
+    frame: int | None = None,
+    progress: Progress,
 ) -> None:
     """Shows a second scan with the first, where a transform says that it lies.
 
     Raises:
-        OptionError: There is a transform and no scan, or it cannot be used.
+        OptionError: There is a transform, series or frame and no scan, or it cannot be used.
         VolumeFormatError: The scan or the transform cannot be read.
     """
     if path is None:
-        if transform is not None:
-            raise OptionError(f"--transform {transform} given; allowed: together with --with")
+        _refuse_alone({"--transform": transform, "--with-series": series, "--with-frame": frame})
         return
-    volume = further_scan(path, progress)
+    volume = _second_read(path, series=series, frame=frame, progress=progress)
     known = None if transform is None else read_transform(transform)
     scene.second = placed(scene.volume, volume, known)
     for warning in (*doubts_of(scene.volume, scene.second), *volume.warnings):
@@ -152,6 +158,33 @@ def further_scan(path: Path, progress: Progress) -> Volume:
         return read(path, progress=progress)
     except PalpateError as error:
         raise type(error)(of_import(str(error))) from None
+
+
+def _refuse_alone(options: Mapping[str, object]) -> None:
+    """Refuses options of a second scan where there is none."""
+    for name, given in options.items():
+        if given is not None:
+            raise OptionError(f"{name} {given} given; allowed: together with --with")
+
+
+def _second_read(
+    path: Path, *, series: str | None, frame: int | None, progress: Progress
+) -> Volume:
+    try:
+        return read(path, series=series, frame=frame, progress=progress)
+    except PalpateError as error:
+        # here the options of the second scan are called otherwise than those of the first
+        raise type(error)(_of_second(str(error))) from None
+
+
+def _of_second(message: str) -> str:
+    """Returns a message of the second scan with options that are its own."""
+    own = {"series": "--with-series", "frame": "--with-frame"}
+
+    def tell(name: str, value: str) -> str:
+        return f"{own[name]} {value}" if name in own else f"`{name}={value}`"
+
+    return of_import(retold(message, tell))
 
 
 def saved_scene(path: Path, progress: Progress) -> Opening:

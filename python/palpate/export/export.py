@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from palpate.base.errors import OptionError
+from palpate.base.given import path_of
 from palpate.base.progress import Progress, silent
 from palpate.base.whole_file import whole_file, whole_folder
 from palpate.export.image import write_label_map, write_scan
@@ -60,7 +61,7 @@ def export_scene(
         OSError: The file cannot be written; an existing one stays as it was.
     """
     require_scene(scene)
-    target = Path(path)
+    target = path_of(path)
     chosen = kind_of(target, has_segments=len(scene) > 0) if kind is None else kind
     check_export(target, chosen, keep_identity=keep_identity)
     progress(f"writing {target.name}", None)

@@ -18,6 +18,7 @@ from palpate.base.progress import Progress
 from palpate.io.header_check import check_header
 from palpate.io.open_image import OpenImage
 from palpate.io.raw_scan import RawScan, check_shape, choose_frame
+from palpate.volumes.siblings import Siblings
 
 __all__ = [
     "FORMATS",
@@ -98,7 +99,12 @@ def read_file(
         VolumeFormatError: The file is no volume, is damaged, or has too many voxels.
     """
     image = _checked(path, max_voxels)
-    return image.scan(choose_frame(str(path), image.size, frame), progress)
+    chosen = choose_frame(str(path), image.size, frame)
+    scan = image.scan(chosen, progress)
+    count = math.prod(image.size[3:])
+    if count > 1:
+        scan.siblings = Siblings("frame", tuple(range(1, count + 1)), chosen + 1)
+    return scan
 
 
 @dataclass(frozen=True)

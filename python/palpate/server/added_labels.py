@@ -5,6 +5,7 @@ from __future__ import annotations
 from palpate.base.errors import OptionError
 from palpate.labels.labels import Labels
 from palpate.server.live import Live
+from palpate.server.page_words import page_words
 from palpate.volumes.scene import MOST_SEGMENTS
 
 __all__ = ["add_labels"]
@@ -22,7 +23,8 @@ def add_labels(live: Live, found: Labels) -> None:
     for label in found.labels:
         live.segments.add(label.segment, colour=label.colour)
     for warning in found.warnings:
-        live.notify("warning", f"{warning[:1].upper()}{warning[1:]}.")
+        said = page_words(warning)
+        live.notify("warning", f"{said[:1].upper()}{said[1:]}.")
     one = count == 1
     live.notify(
         "info",

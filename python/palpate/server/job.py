@@ -16,8 +16,8 @@ from starlette.concurrency import run_in_threadpool
 from starlette.types import Receive, Scope, Send
 
 from palpate.base.errors import PalpateError
-from palpate.base.hints import in_words
 from palpate.base.progress import Progress
+from palpate.server.page_words import page_words
 
 __all__ = ["CancelledWorkError", "Emit", "Job"]
 
@@ -101,4 +101,4 @@ class Job:
 def _said(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror is not None:
         return f"{error.filename or 'the system'}: {error.strerror}"
-    return in_words(str(error))
+    return page_words(str(error))

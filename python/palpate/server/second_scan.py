@@ -14,11 +14,11 @@ from starlette.routing import Route
 
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
-from palpate.base.hints import in_words
 from palpate.base.simpleitk import Transform
 from palpate.labels.labels import Label, Labels, read_labels
 from palpate.registration.carry import Carrier
 from palpate.server.messages.hello import scan_of
+from palpate.server.page_words import page_words
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan, doubts_of, placed, read_transform
 from palpate.volumes.volume import Volume
@@ -61,7 +61,7 @@ def second_routes(scene: Scene, show: Show, add: Add) -> list[Route]:
                 transform = await run_in_threadpool(_transform_of, name, body)
             await run_in_threadpool(_lay, scene, show, transform)
         except (PalpateError, OSError) as error:
-            return PlainTextResponse(in_words(str(error)), status_code=400)
+            return PlainTextResponse(page_words(str(error)), status_code=400)
         return Response(status_code=204)
 
     async def bring(request: Request) -> Response:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.given import path_of
 from palpate.base.reader_process import apart
 from palpate.base.simpleitk import Transform, reason_of, simpleitk
 from palpate.volumes.resampled import resampled
@@ -120,7 +121,7 @@ def read_transform(path: str | PathLike[str], *, called: str | None = None) -> T
         FileNotFoundError: There is no such file.
         VolumeFormatError: It is not a transform.
     """
-    file = Path(path)
+    file = path_of(path)
     if not file.is_file():
         raise FileNotFoundError(f"no transform at {file}")
     return apart(_read_here, file, called or str(file), path=file)

@@ -106,7 +106,7 @@ class TestWhatCannotBeReadIsOneLine:
         values = np.zeros((3, 4, 5), np.float32)
         values[0, 0, 0] = bad
         line = fails(command, write_image(values), "--strict")
-        assert "1 of 60 values are NaN or infinite; allowed: finite values" in line
+        assert "1 of 60 values is NaN or infinite; allowed: finite values" in line
 
     def test_more_voxels_than_allowed(self, command: str, scan: Path) -> None:
         line = fails(command, scan, "--max-voxels", "2183")

@@ -13,7 +13,7 @@ import numpy as np
 import palpate
 import pytest
 from palpate.base.console import spoken, told_by, warn
-from palpate.base.hints import HINT, in_recipe, in_words, prefixed
+from palpate.base.hints import HINT, in_recipe, prefixed
 from palpate.base.request import Request, options_of
 from palpate.cli.commands import app, run
 from palpate.cli.flags import as_flags
@@ -169,7 +169,6 @@ def test_each_flag_that_a_command_says_is_one_of_a_command() -> None:
 def test_an_option_is_told_in_the_words_of_whoever_reads_it() -> None:
     said = "choose one with `series=NUMBER`, or `resample=True`"
     assert in_recipe(said) == "choose one with `series: NUMBER`, or `resample: true`"
-    assert in_words(said) == "choose one with series NUMBER, or resample"
     with told_by(lambda message: as_flags(message, app, ["export", "ct"])):
         assert spoken(said) == "choose one with --series NUMBER, or --resample"
     moving = prefixed("choose one with `series=NUMBER`", "moving")

@@ -77,7 +77,7 @@ def test_a_threshold_that_selects_nothing_says_the_range(
 
 
 def test_a_threshold_above_everything_says_the_range(volume: Volume) -> None:
-    with pytest.raises(EmptySegmentError, match="threshold 9000 to 9000 HU selects no voxel"):
+    with pytest.raises(EmptySegmentError, match="threshold from 9000 HU selects no voxel"):
         volume.threshold(9000.0)
 
 

@@ -125,7 +125,9 @@ export interface ThresholdPreset {
  * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape [4, 4]; grid
  * coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. `unit` is such
  * as "HU" or "SUVbw", "" where it is not known. `title` is for windows: it contains no file
- * name that the user did not type.
+ * name that the user did not type. `volume` is which of how many volumes of its file or series
+ * it is, such as times, from 1; null where others cannot be opened. A `rereadable` scan can be
+ * read again with what its files do not tell.
  */
 export interface Scan {
   readonly name: string;
@@ -142,6 +144,8 @@ export interface Scan {
   readonly soft_tissue: Value;
   readonly bone: Value;
   readonly presets: readonly ThresholdPreset[];
+  readonly volume: readonly [number, number] | null;
+  readonly rereadable: boolean;
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
 }
@@ -1443,6 +1447,8 @@ const isScan = record({
   soft_tissue: isValue,
   bone: isValue,
   presets: list(isThresholdPreset),
+  volume: nullable(tuple(whole(), whole())),
+  rereadable: flag,
   orientation_known: flag,
   warnings: list(text()),
 });

@@ -14,6 +14,7 @@ from palpate.io.dicom.dose import RTDOSE
 from palpate.io.dicom.header import Series, find_series
 from palpate.io.dicom.mark import is_dicom
 from palpate.io.dicom.series_folds import folds
+from palpate.volumes.siblings import Siblings
 
 __all__ = [
     "MOST_FILES",
@@ -21,6 +22,7 @@ __all__ = [
     "is_dicom",
     "series_among",
     "series_in",
+    "siblings_of",
 ]
 
 MOST_ODD = 2
@@ -142,6 +144,19 @@ def choose_series(
         if series is not chosen_one
     ]
     return chosen_one, left_out
+
+
+def siblings_of(chosen: Series, found: Sequence[Series]) -> Siblings | None:
+    """Returns the volumes of a series, as numbers of a list; None of one that is alone."""
+    numbers = [
+        number
+        for number, one in enumerate(found, 1)
+        if one.volume_of is not None and one.volume_of == chosen.volume_of
+    ]
+    if len(numbers) < 2:
+        return None
+    place = next(number for number, one in enumerate(found, 1) if one is chosen)
+    return Siblings("series", tuple(map(str, numbers)), numbers.index(place) + 1)
 
 
 def _files_told(series: Series) -> str:
