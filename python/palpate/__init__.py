@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from palpate.volumes.scene import Scene
     from palpate.volumes.segment import Segment
     from palpate.volumes.surface import Mesh, Surface
+    from palpate.volumes.surface_report import SurfaceReport
     from palpate.volumes.volume import Volume
 
 __all__ = [
@@ -82,6 +83,7 @@ __all__ = [
     "Session",
     "SessionOptions",
     "Surface",
+    "SurfaceReport",
     "TouchSettings",
     "Volume",
     "VolumeFormatError",
@@ -130,6 +132,7 @@ __getattr__ = lazy_exports(
         "Session": "session.session",
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
+        "SurfaceReport": "volumes.surface_report",
         "TouchSettings": "session.touch_settings",
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",

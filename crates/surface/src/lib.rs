@@ -7,13 +7,16 @@ mod block;
 pub mod cell_table;
 mod field;
 mod frame;
+pub mod kept;
 mod march;
 pub mod mesh;
+pub mod mesh_bodies;
 pub mod patch;
 mod place;
 mod samples;
 pub mod segment_surface;
 pub mod settings;
+pub mod voxel_faces;
 mod voxel_source;
 pub mod voxelise;
 

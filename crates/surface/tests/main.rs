@@ -4,4 +4,5 @@ mod closed;
 mod follows;
 mod spheres;
 mod support;
+mod voxel_faces;
 mod voxelise;

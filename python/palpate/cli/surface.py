@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import Scan, Segments, Threshold
+from palpate.cli.options import Segments, Threshold
 from palpate.cli.reading_options import Reading, with_reading
 
 if TYPE_CHECKING:
+    from palpate.base.progress import Progress
+    from palpate.base.typed_numbers import Bounds
     from palpate.volumes.mesh_read import MeshFile
-    from palpate.volumes.segment import Segment
+    from palpate.volumes.scene import Scene
     from palpate.volumes.surface import Source
+    from palpate.volumes.surface_report import SurfaceReport
     from palpate.volumes.volume import Volume
 
 __all__ = ["surface"]
@@ -29,45 +32,59 @@ surface = typer.Typer(
 @surface.command("export")
 @with_reading
 def surface_export(
-    path: Scan,
+    path: Annotated[
+        Path,
+        typer.Argument(
+            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
+        ),
+    ],
     file: Annotated[
         Path, typer.Argument(help="Mesh to write (.stl, .ply, .obj, .glb).", metavar="FILE")
     ],
     *,
     segment: Annotated[
-        str | None, typer.Option(help="Name of the segment, if there are several.")
+        str | None, typer.Option(help="Name or number of the segment, if there are several.")
     ] = None,
     smoothing: Annotated[
         int | None,
-        typer.Option(help="Degree of smoothing, 0 to 12; 0 keeps the shape of the voxels."),
+        typer.Option(help="Degree of smoothing, 0 to 12; 0 writes the voxels as they are."),
     ] = None,
     step: Annotated[int | None, typer.Option(help="Cell size: 1, 2 or 4 voxels.")] = None,
     source: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--from", help="intensities (of a threshold; smooth) or bits (the voxels; with steps)."
+            "--from",
+            help="intensities (of a threshold; smooth) or bits (the voxels; with steps); by "
+            "default intensities, and bits with --smoothing 0.",
         ),
-    ] = "intensities",
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the report to this file (.json).")
+    ] = None,
     reading: Reading,
     threshold: Threshold = None,
     segments: Segments = None,
 ) -> None:
-    """Write the surface of a segment as a mesh, in LPS mm."""
+    """Write the surface of a segment as a mesh, in LPS mm, and say what it keeps."""
     from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target
-    from palpate.cli.scenes import scene_of
-    from palpate.volumes.mesh_write import SUFFIXES
+    from palpate.volumes.mesh_write import SUFFIXES, write_mesh
     from palpate.volumes.scene import choose_segment
+    from palpate.volumes.surface import Surface
 
     check_target(file, SUFFIXES)
+    if json_file is not None:
+        check_target(json_file, (".json",))
     bounds = parse_threshold(threshold)
     with quiet_libraries(), Display() as display:
-        volume = reading.read(path, display)
-        scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
-    for warning in volume.warnings:
-        warn(warning)
+        scene = _scene(path, reading, segments=segments, bounds=bounds, progress=display)
     chosen = choose_segment(scene, segment)
-    _export(chosen, file, step=step, smoothing=smoothing, source=source)
+    made = Surface(chosen, step=step, smoothing=smoothing, source=cast("Source | None", source))
+    write_mesh(made.mesh(), file)
+    report = made.report()
+    _print_report(report, file, count=len(scene))
+    if json_file is not None:
+        _write_report(report, file, json_file, count=len(scene))
 
 
 @surface.command("voxels")
@@ -104,23 +121,51 @@ def surface_voxels(
     _write_voxels(given, file, grid=grid, shell=shell)
 
 
-def _export(
-    segment: Segment, path: Path, *, step: int | None, smoothing: int | None, source: str
-) -> None:
-    """Writes the surface of a segment and prints its size.
+def _scene(
+    path: Path,
+    reading: Reading,
+    *,
+    segments: Path | None,
+    bounds: Bounds | None,
+    progress: Progress,
+) -> Scene:
+    """Returns the saved scene of a path, or its scan with the segments asked for.
 
     Raises:
-        OptionError: A setting is not allowed.
+        OptionError: Options of scans are given with a scene.
+        PalpateError: It cannot be read.
     """
-    from palpate.volumes.mesh_write import write_mesh
-    from palpate.volumes.surface import Surface
+    from palpate.base.errors import OptionError
+    from palpate.cli.scenes import edited_saved_scene, scene_of
+    from palpate.saved.opening import is_scene
 
-    surface = Surface(segment, step=step, smoothing=smoothing, source=cast("Source", source))
-    write_mesh(surface.mesh(), path)
-    typer.echo(
-        f"{path}: {surface.triangle_count} triangles, {surface.area / 100.0:.1f} cm², "
-        f"{surface.volume / 1000.0:.1f} ml, LPS, {'m' if path.suffix == '.glb' else 'mm'}"
-    )
+    if is_scene(path):
+        if reading != Reading() or segments is not None or bounds is not None:
+            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+        return edited_saved_scene(path, progress)
+    volume = reading.read(path, progress)
+    for warning in volume.warnings:
+        warn(warning)
+    return scene_of(volume, bounds=bounds, label_map=segments, progress=progress)
+
+
+def _print_report(report: SurfaceReport, path: Path, *, count: int) -> None:
+    """Says what was written, of how many segments, and what was lost."""
+    for warning in report.warnings:
+        warn(warning)
+    of = f"segment {report.segment!r}" if count == 1 else f"segment {report.segment!r} of {count}"
+    typer.echo(f"{path}: {of}, {report}, LPS, {'m' if path.suffix == '.glb' else 'mm'}")
+
+
+def _write_report(report: SurfaceReport, mesh: Path, path: Path, *, count: int) -> None:
+    """Writes the same as JSON, volumes in mm³ and areas in mm²."""
+    import json
+
+    from palpate.base.whole_file import whole_file
+
+    told = {"file": str(mesh), "segments": count, **report.as_dict()}
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", "utf-8")
 
 
 def _write_voxels(file: MeshFile, path: Path, *, grid: Volume | float, shell: bool) -> None:

@@ -84,7 +84,7 @@ class SurfaceStep(Step, frozen=True, kw_only=True):
     segment: str | None = None
     smoothing: int | None = None
     step: int | None = None
-    source: Literal["intensities", "bits"] = msgspec.field(default="intensities", name="from")
+    source: Literal["intensities", "bits"] | None = msgspec.field(default=None, name="from")
 
 
 class ExportStep(Step, frozen=True, kw_only=True):

@@ -1,0 +1,88 @@
+"""What a surface keeps of the voxels that it was made of: volume and bodies, before and after."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+
+__all__ = ["SurfaceReport", "volume_text"]
+
+TOLERANCE = 0.05
+"""Share of its volume that a surface may gain or lose without a warning."""
+
+ML = 1000.0
+"""mm³ in a ml."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceReport:
+    """Volume and bodies of a segment's voxels, and of the surface made of them.
+
+    Bodies of voxels hang together through faces and edges, those of a mesh through vertices;
+    cavities are no bodies. The volume of a mesh is that of the divergence theorem.
+    """
+
+    segment: str
+    """Name of the segment."""
+    triangles: int
+    area: float
+    """Area of the surface [mm²]."""
+    volume: float
+    """Volume that the surface encloses [mm³]."""
+    bodies: int
+    voxel_volume: float
+    """Volume of the voxels [mm³]."""
+    voxel_bodies: int
+    touching_edges: int
+    """Edges along which voxels touch that share no face: four triangles meet there in space."""
+
+    @property
+    def change(self) -> float:
+        """Share of the voxels' volume that the surface has more, or less where below 0."""
+        return self.volume / self.voxel_volume - 1.0 if self.voxel_volume else 0.0
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was lost, gained, parted or joined, each in one line."""
+        told = []
+        if abs(self.change) > TOLERANCE:
+            told.append(
+                f"the surface of {self.segment!r} has {volume_text(self.volume)}, its voxels "
+                f"{volume_text(self.voxel_volume)} ({self.change:+.0%})"
+            )
+        if self.bodies != self.voxel_bodies:
+            told.append(
+                f"the surface of {self.segment!r} has {_bodies(self.bodies)}, its voxels "
+                f"{_bodies(self.voxel_bodies)}; a smaller step keeps what is thin together"
+            )
+        if self.touching_edges:
+            told.append(
+                f"voxels of {self.segment!r} touch at {self.touching_edges} "
+                f"edge{'s' if self.touching_edges > 1 else ''} without sharing "
+                "a face: four triangles meet there, which some programs call not manifold"
+            )
+        return tuple(told)
+
+    def __str__(self) -> str:
+        """Returns triangles, area, volume and bodies of the surface, and those of the voxels."""
+        return (
+            f"{self.triangles} triangles, {self.area / 100.0:.3g} cm², "
+            f"{volume_text(self.volume)} in {_bodies(self.bodies)} "
+            f"(voxels: {volume_text(self.voxel_volume)} in {_bodies(self.voxel_bodies)})"
+        )
+
+    def as_dict(self) -> dict[str, object]:
+        """Returns all of it for a JSON file: lengths in mm, with the warnings."""
+        return {**asdict(self), "change": self.change, "warnings": list(self.warnings)}
+
+
+def volume_text(volume: float) -> str:
+    """Returns a volume [mm³] in three digits: small ones in mm³, others in ml."""
+    if abs(volume) < ML:
+        return f"{volume:.3g} mm³"
+    ml = volume / ML
+    return f"{ml:.{max(0, 2 - int(math.log10(abs(ml))))}f} ml"
+
+
+def _bodies(count: int) -> str:
+    return f"{count} {'body' if count == 1 else 'bodies'}"
