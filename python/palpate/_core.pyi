@@ -510,6 +510,11 @@ class KeptSurface:
     def bodies(self) -> int: ...
     @property
     def touching_edges(self) -> int: ...
+    def expected_volume(self) -> float:
+        """Volume that the voxels stand for [mm³], of what is thin by the scan's values."""
+
+    def thin_parts(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What is thin: places [patient], shape [n, 3]; volumes expected and kept, [n, 2]."""
 
 class Surface:
     """The triangles of a segment."""

@@ -1,6 +1,7 @@
 //! `_core.KeptSurface`: the surface of a segment as one mesh for files, and what it keeps.
 
-use glam::DVec3;
+use glam::DAffine3;
+use numpy::PyArray2;
 use palpate_surface::VoxelSource;
 use palpate_surface::kept::{KeptSurface, kept_surface};
 use palpate_volume::grid::Grid;
@@ -10,13 +11,16 @@ use crate::arrays::{Triple, vector};
 use crate::errors::CoreError;
 use crate::parallel::parallel;
 use crate::segment::PySegment;
-use crate::surface::{MeshArrays, Values, arrays_of, settings_of};
+use crate::surface::{MeshArrays, Values, arrays_of, rows, settings_of};
 use crate::volume::{Direction, matrix_of_rows};
+
+/// Places and volumes.
+type ThinArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// The whole surface of a segment.
 #[pyclass(name = "KeptSurface", module = "palpate._core", frozen)]
 pub struct PyKeptSurface {
-    origin: DVec3,
+    patient_from_grid: DAffine3,
     kept: KeptSurface,
 }
 
@@ -50,13 +54,15 @@ impl PyKeptSurface {
             };
             kept_surface(&grid, &voxels, settings)
         })?;
-        let origin = grid.patient_from_grid().translation;
-        Ok(Self { origin, kept })
+        Ok(Self {
+            patient_from_grid: grid.patient_from_grid(),
+            kept,
+        })
     }
 
     /// Positions [patient], normals and triangles, shapes [n, 3].
     fn mesh<'py>(&self, py: Python<'py>) -> MeshArrays<'py> {
-        arrays_of(py, &self.kept.mesh, self.origin)
+        arrays_of(py, &self.kept.mesh, self.patient_from_grid.translation)
     }
 
     #[getter]
@@ -88,6 +94,23 @@ impl PyKeptSurface {
     #[getter]
     fn bodies(&self) -> usize {
         self.kept.bodies
+    }
+
+    /// Volume that the voxels stand for [mm³].
+    fn expected_volume(&self) -> f64 {
+        self.kept.expected_volume()
+    }
+
+    /// What is thin: places [patient], shape [n, 3]; volumes expected and kept [mm³],
+    /// shape [n, 2].
+    fn thin_parts<'py>(&self, py: Python<'py>) -> ThinArrays<'py> {
+        let parts = || self.kept.thin_parts.iter();
+        let places = parts().map(|part| self.patient_from_grid.transform_point3(part.place));
+        let volumes = parts().map(|part| [part.expected, part.kept]);
+        (
+            rows(py, places.map(|place| place.to_array()).collect()),
+            rows(py, volumes.collect()),
+        )
     }
 
     #[getter]

@@ -329,9 +329,12 @@ pub(crate) fn arrays_of<'py>(py: Python<'py>, mesh: &Patch, origin: DVec3) -> Me
     )
 }
 
-fn rows<T: Element + Copy>(py: Python<'_>, rows: Vec<[T; 3]>) -> Bound<'_, PyArray2<T>> {
-    let shape = (rows.len(), 3);
+pub(crate) fn rows<T: Element + Copy, const N: usize>(
+    py: Python<'_>,
+    rows: Vec<[T; N]>,
+) -> Bound<'_, PyArray2<T>> {
+    let shape = (rows.len(), N);
     Array2::from_shape_vec(shape, rows.into_flattened())
-        .expect("three numbers per row")
+        .expect("as many numbers in each row")
         .to_pyarray(py)
 }

@@ -8,7 +8,8 @@ use crate::mesh_bodies::body_count;
 use crate::patch::Patch;
 use crate::segment_surface::SegmentSurface;
 use crate::settings::{SettingsError, SmoothingMode, SurfaceSettings};
-use crate::voxel_faces::{VoxelFaces, voxel_faces};
+use crate::thin_parts::{ThinPart, keep_thin_parts, thin_parts_in_samples};
+use crate::voxel_faces::voxel_faces;
 use crate::voxel_source::VoxelSource;
 
 /// The whole surface of a segment, and what it keeps.
@@ -25,6 +26,20 @@ pub struct KeptSurface {
     /// Edges along which voxels touch that share no face, where the mesh is the voxels as they
     /// are: four triangles meet there in space.
     pub touching_edges: usize,
+    /// What is thin, and how much of it is kept; of steps of 2 and 4, the share of its voxels that
+    /// lies in solid cells. None where the mesh is the voxels, or patches are smoothed alone.
+    pub thin_parts: Vec<ThinPart>,
+}
+
+impl KeptSurface {
+    /// Volume that the voxels stand for [mm³]: of what is thin by the values, where they tell.
+    pub fn expected_volume(&self) -> f64 {
+        let parts = self.thin_parts.iter();
+        self.voxel_volume
+            + parts
+                .map(|part| part.expected - part.voxel_volume)
+                .sum::<f64>()
+    }
 }
 
 /// Makes the whole surface of a segment: of degree 0 from bits, the faces of its voxels.
@@ -40,18 +55,23 @@ pub fn kept_surface(
     settings: SurfaceSettings,
 ) -> Result<KeptSurface, SettingsError> {
     settings.check()?;
-    let VoxelFaces {
-        mesh,
-        touching_edges,
-    } = if is_of_voxels(&settings) {
-        voxel_faces(grid, voxels.bits)
-    } else {
-        VoxelFaces {
-            mesh: joined(&extracted(grid, voxels, settings)?),
-            touching_edges: 0,
-        }
-    };
     let of_voxels = Bodies::of(voxels.bits);
+    let mut touching_edges = 0;
+    let mut thin_parts = Vec::new();
+    let mesh = if is_of_voxels(&settings) {
+        let faces = voxel_faces(grid, voxels.bits);
+        touching_edges = faces.touching_edges;
+        faces.mesh
+    } else {
+        let mut mesh = joined(&extracted(grid, voxels, settings)?);
+        if settings.step > 1 {
+            thin_parts = thin_parts_in_samples(grid, voxels, &settings, &of_voxels);
+        } else if settings.mode == SmoothingMode::Global {
+            let limits = settings.limits.filter(|_| voxels.values.is_some());
+            thin_parts = keep_thin_parts(&mut mesh, grid, voxels, limits, &of_voxels);
+        }
+        mesh
+    };
     let bodies = if settings.mode == SmoothingMode::Local {
         // patches that do not meet have the bodies of the same surface where they do
         let mode = SmoothingMode::Global;
@@ -66,6 +86,7 @@ pub fn kept_surface(
         bodies,
         mesh,
         touching_edges,
+        thin_parts,
     })
 }
 

@@ -7,7 +7,6 @@
 //!
 //! Frame: grid; the corner (x, y, z) is where the voxel of that number begins.
 
-use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use glam::{DVec3, IVec3};
@@ -18,6 +17,7 @@ use palpate_volume::grid::Grid;
 
 use crate::frame::Frame;
 use crate::patch::Patch;
+use crate::quick_map::QuickMap;
 
 /// Names of sheets of a surface around a corner: by solid and by free octants.
 const SHEETS: u64 = 64;
@@ -62,8 +62,8 @@ pub fn voxel_faces(grid: &Grid, bits: &Bits) -> VoxelFaces {
         frame: &frame,
         mesh: Patch::default(),
         normals: Vec::new(),
-        corners: HashMap::new(),
-        middles: HashMap::new(),
+        corners: QuickMap::default(),
+        middles: QuickMap::default(),
     };
     for index in 0..bits.bricks().len() as u32 {
         let Some(brick) = bits.bricks().get(index) else {
@@ -105,9 +105,9 @@ struct Faces<'a> {
     /// Sums of the normals of faces around each vertex, along the axes of the grid.
     normals: Vec<DVec3>,
     /// Vertex of each sheet at a corner.
-    corners: HashMap<u64, u32>,
+    corners: QuickMap<u64, u32>,
     /// Vertex of each free voxel at an edge along which voxels touch.
-    middles: HashMap<(u64, IVec3), u32>,
+    middles: QuickMap<(u64, IVec3), u32>,
 }
 
 impl Faces<'_> {

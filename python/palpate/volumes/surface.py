@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.base.errors import EmptySegmentError, MeshFormatError, OptionError
 from palpate.volumes.appearance import SurfaceSource as Source
-from palpate.volumes.surface_report import SurfaceReport
+from palpate.volumes.surface_report import SurfaceReport, thin_summary
 
 if TYPE_CHECKING:
     from palpate.volumes.segment import Segment
@@ -131,6 +131,8 @@ class Surface:
             volume=self.volume,
             bodies=internal.bodies,
             voxel_volume=internal.voxel_volume,
+            expected_volume=internal.expected_volume(),
+            thin=thin_summary(*internal.thin_parts()),
             voxel_bodies=internal.voxel_bodies,
             touching_edges=internal.touching_edges,
         )

@@ -5,13 +5,33 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 
-__all__ = ["SurfaceReport", "volume_text"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["SurfaceReport", "ThinSummary", "thin_summary", "volume_text"]
 
 TOLERANCE = 0.05
 """Share of its volume that a surface may gain or lose without a warning."""
 
 ML = 1000.0
 """mm³ in a ml."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThinSummary:
+    """What a surface keeps of thin parts: those in no block of two or three voxels each way."""
+
+    parts: int
+    expected_volume: float
+    """Volume of their voxels or, where the scan's values tell of partial volume, by those [mm³]."""
+    volume: float
+    """Volume that the surface has of them [mm³]."""
+    changed_parts: int
+    """Parts whose volume differs by more than the tolerance."""
+    changed_most_at: tuple[float, float, float] | None
+    """Where the part lies that differs most, in the patient, LPS [mm]."""
+    changed_most: float
+    """How much its volume differs [mm³]; below 0 where it is lost."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +53,10 @@ class SurfaceReport:
     voxel_volume: float
     """Volume of the voxels [mm³]."""
     voxel_bodies: int
+    expected_volume: float
+    """Volume that the voxels stand for [mm³]: of thin parts by the scan's values, where those tell
+    of partial volume; else that of the voxels."""
+    thin: ThinSummary
     touching_edges: int
     """Edges along which voxels touch that share no face: four triangles meet there in space."""
 
@@ -48,7 +72,14 @@ class SurfaceReport:
         if abs(self.change) > TOLERANCE:
             told.append(
                 f"the surface of {self.segment!r} has {volume_text(self.volume)}, its voxels "
-                f"{volume_text(self.voxel_volume)} ({self.change:+.0%})"
+                f"{volume_text(self.voxel_volume)} ({self.change:+.0%}){self._by_values}"
+            )
+        if self.thin.changed_most_at is not None:
+            place = ", ".join(f"{along:.1f}" for along in self.thin.changed_most_at)
+            told.append(
+                f"{self.thin.changed_parts} of {self.thin.parts} thin parts of {self.segment!r} "
+                f"{'change' if self.thin.changed_parts > 1 else 'changes'} by more than "
+                f"{TOLERANCE:.0%}, most by {self.thin.changed_most:+.3g} mm³ at ({place}) mm LPS"
             )
         if self.bodies != self.voxel_bodies:
             told.append(
@@ -63,6 +94,13 @@ class SurfaceReport:
             )
         return tuple(told)
 
+    @property
+    def _by_values(self) -> str:
+        """What the values say, where that is not what the voxels say."""
+        if abs(self.expected_volume - self.voxel_volume) <= TOLERANCE * self.voxel_volume:
+            return ""
+        return f"; by the scan's values they stand for {volume_text(self.expected_volume)}"
+
     def __str__(self) -> str:
         """Returns triangles, area, volume and bodies of the surface, and those of the voxels."""
         return (
@@ -74,6 +112,28 @@ class SurfaceReport:
     def as_dict(self) -> dict[str, object]:
         """Returns all of it for a JSON file: lengths in mm, with the warnings."""
         return {**asdict(self), "change": self.change, "warnings": list(self.warnings)}
+
+
+def thin_summary(places: NDArray[np.float64], volumes: NDArray[np.float64]) -> ThinSummary:
+    """Returns what is kept of thin parts.
+
+    Args:
+        places: Where each lies, in the patient, LPS [mm], shape [count, 3].
+        volumes: What is expected and what is kept of each [mm³], shape [count, 2].
+    """
+    expected, kept = volumes.T
+    difference = kept - expected
+    changed = np.abs(difference) > TOLERANCE * np.abs(expected)
+    most = int(np.argmax(np.abs(np.where(changed, difference, 0.0)))) if changed.any() else None
+    x, y, z = places[most].tolist() if most is not None else (0.0, 0.0, 0.0)
+    return ThinSummary(
+        parts=len(places),
+        expected_volume=float(expected.sum()),
+        volume=float(kept.sum()),
+        changed_parts=int(changed.sum()),
+        changed_most_at=None if most is None else (x, y, z),
+        changed_most=0.0 if most is None else float(difference[most]),
+    )
 
 
 def volume_text(volume: float) -> str:

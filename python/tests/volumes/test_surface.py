@@ -48,6 +48,48 @@ def test_without_smoothing_a_surface_is_the_voxels(part: Any, spacing: Any) -> N
     assert (report.bodies, report.voxel_bodies, report.warnings) == (1, 1, ())
 
 
+@pytest.mark.parametrize("part", [ONE, LINE, SHEET], ids=["voxel", "line", "sheet"])
+@pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), SPACING])
+def test_what_is_thin_keeps_its_volume(part: Any, spacing: Any) -> None:
+    thin = filled(part, spacing=spacing)
+    for segment in (thin, thin.volume.threshold(0.5)):
+        report = Surface(segment).report()
+        assert report.volume == pytest.approx(report.voxel_volume, rel=0.01)
+        assert (report.bodies, report.voxel_bodies, report.warnings) == (1, 1, ())
+        assert report.thin.volume == pytest.approx(report.volume, rel=1e-3)
+
+
+@pytest.mark.parametrize("off", [(0.0, 0.0), (0.25, 0.0), (0.3, 0.4), (0.5, 0.5)])
+def test_a_vessel_with_partial_volume_has_its_volume(off: tuple[float, float]) -> None:
+    """1.6 mm across and 18 mm long, on voxels of 1 mm: 36.2 mm³."""
+    fine = (np.arange(11 * 20) + 0.5) / 20 - 5.5
+    inside = (fine - off[0]) ** 2 + (fine[:, None] - off[1]) ** 2 <= 0.8**2
+    values = np.zeros((24, 11, 11), np.int16)
+    values[3:21] = np.round(1000.0 * inside.reshape(11, 20, 11, 20).mean((1, 3)))
+    report = Surface(Volume(values, spacing=(1.0, 1.0, 1.0)).threshold(500)).report()
+    assert report.volume == pytest.approx(np.pi * 0.8**2 * 18.0, rel=0.05)
+    assert report.expected_volume == pytest.approx(np.pi * 0.8**2 * 18.0, rel=0.02)
+    # whole voxels say 18, 36 or 72 mm³
+    differs = abs(report.voxel_volume / report.volume - 1.0) > 0.05
+    assert differs == bool(report.warnings)
+    assert not differs or "by the scan's values they stand for 36." in report.warnings[0]
+
+
+def test_a_thin_part_that_a_step_leaves_out_is_told_with_its_place() -> None:
+    mask = np.zeros(SIZE, np.uint8)
+    mask[4:14, 4:14, 4:14] = mask[7, 7, 14:24] = 1
+    volume = Volume(mask.astype(np.int16), spacing=(1.0, 1.0, 1.0), origin=(-50.0, 20.0, 0.0))
+    segment = volume.segment(mask, name="rod")
+    assert Surface(segment).report().warnings == ()
+    report = Surface(segment, step=2).report()
+    assert (report.bodies, report.voxel_bodies) == (1, 1)
+    x, y, z = report.thin.changed_most_at or (0.0, 0.0, 0.0)
+    assert (y, z) == (27.0, 7.0)
+    assert -36.0 < x < -26.0
+    told = " ".join(report.warnings)
+    assert "1 of 1 thin parts of 'rod' changes by more than 5%, most by -9 mm³ at (" in told
+
+
 def test_bodies_are_those_that_scipy_finds() -> None:
     random = np.random.default_rng(5)
     eighteen = ndimage.generate_binary_structure(3, 2)
