@@ -153,8 +153,7 @@ def _print_report(report: SurfaceReport, path: Path, *, count: int) -> None:
     """Says what was written, of how many segments, and what was lost."""
     for warning in report.warnings:
         warn(warning)
-    of = f"segment {report.segment!r}" if count == 1 else f"segment {report.segment!r} of {count}"
-    typer.echo(f"{path}: {of}, {report}, LPS, {'m' if path.suffix == '.glb' else 'mm'}")
+    typer.echo(f"{path}: {report.of(count)}, LPS, {'m' if path.suffix == '.glb' else 'mm'}")
 
 
 def _write_report(report: SurfaceReport, mesh: Path, path: Path, *, count: int) -> None:

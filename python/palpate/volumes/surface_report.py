@@ -101,6 +101,11 @@ class SurfaceReport:
             return ""
         return f"; by the scan's values they stand for {volume_text(self.expected_volume)}"
 
+    def of(self, count: int) -> str:
+        """Returns the same as ``str``, with the segment's name, of so many in the scene."""
+        of = "" if count == 1 else f" of {count}"
+        return f"segment {self.segment!r}{of}, {self}"
+
     def __str__(self) -> str:
         """Returns triangles, area, volume and bodies of the surface, and those of the voxels."""
         return (
