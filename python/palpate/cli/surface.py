@@ -59,7 +59,8 @@ def surface_export(
         ),
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the report to this file (.json).")
+        Path | None,
+        typer.Option("--json", help="Write the report to this file (.json); in mm, mm² and mm³."),
     ] = None,
     reading: Reading,
     threshold: Threshold = None,
