@@ -513,6 +513,10 @@ class KeptSurface:
     def expected_volume(self) -> float:
         """Volume that the voxels stand for [mm³], of what is thin by the scan's values."""
 
+    @property
+    def is_halfway(self) -> bool:
+        """Whether most of what is thin was measured with the threshold taken for halfway."""
+
     def thin_parts(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What is thin: places [patient], shape [n, 3]; volumes expected and kept, [n, 2]."""
 

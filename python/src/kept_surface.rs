@@ -101,6 +101,12 @@ impl PyKeptSurface {
         self.kept.expected_volume()
     }
 
+    /// Whether most of what is thin was measured with the threshold taken for halfway.
+    #[getter]
+    fn is_halfway(&self) -> bool {
+        self.kept.is_halfway()
+    }
+
     /// What is thin: places [patient], shape [n, 3]; volumes expected and kept [mm³],
     /// shape [n, 2].
     fn thin_parts<'py>(&self, py: Python<'py>) -> ThinArrays<'py> {

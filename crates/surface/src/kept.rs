@@ -40,6 +40,16 @@ impl KeptSurface {
                 .map(|part| part.expected - part.voxel_volume)
                 .sum::<f64>()
     }
+
+    /// Whether most of what is thin was measured with the threshold taken for halfway.
+    pub fn is_halfway(&self) -> bool {
+        let volume_of = |is_halfway: bool| -> f64 {
+            let parts = self.thin_parts.iter();
+            let alike = parts.filter(|part| part.is_halfway == is_halfway);
+            alike.map(|part| part.expected).sum()
+        };
+        volume_of(true) > volume_of(false)
+    }
 }
 
 /// Makes the whole surface of a segment: of degree 0 from bits, the faces of its voxels.

@@ -37,6 +37,8 @@ pub struct ThinPart {
     pub voxel_volume: f64,
     /// Its volume by its voxels, or by the values around where they tell [mm³].
     pub expected: f64,
+    /// Whether the threshold was taken for halfway between the part and its surroundings.
+    pub is_halfway: bool,
     /// What the surface encloses of it [mm³].
     pub kept: f64,
 }
@@ -63,11 +65,12 @@ pub(crate) fn keep_thin_parts(
             let thick = octants_of_thick(&around.cells, voxels, &thin);
             let expected = thin_volume(voxels, limits, &thin, part);
             let held = near.volume_in(around, voxels);
-            let (by, gained) = near.way_to_gain(around, expected + thick - held);
+            let (by, gained) = near.way_to_gain(around, expected.voxels + thick - held);
             let told = ThinPart {
                 place: middle_of(part),
                 voxel_volume: part.len() as f64 * voxel_volume,
-                expected: expected * voxel_volume,
+                expected: expected.voxels * voxel_volume,
+                is_halfway: expected.is_halfway,
                 kept: (held + gained - thick) * voxel_volume,
             };
             (by, told)
@@ -105,11 +108,13 @@ pub(crate) fn thin_parts_in_samples(
     let thin = ThinVoxels::of(bits, bodies);
     let parts = thin.parts.iter().map(|part| {
         let held = part.iter().filter(|voxel| is_held(voxel)).count() as f64;
-        let expected = thin_volume(voxels, limits, &thin, part) * voxel_volume;
+        let volume = thin_volume(voxels, limits, &thin, part);
+        let expected = volume.voxels * voxel_volume;
         ThinPart {
             place: middle_of(part),
             voxel_volume: part.len() as f64 * voxel_volume,
             expected,
+            is_halfway: volume.is_halfway,
             kept: held / part.len() as f64 * expected,
         }
     });

@@ -33,16 +33,26 @@ const ALIKE: f32 = 0.25;
 /// Where between the depths of the part and of its surroundings the noise of a free voxel counts.
 const NOISE: f32 = 0.1;
 
-/// Volume of a thin part [voxels].
+/// Volume of a thin part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ThinVolume {
+    /// [voxels]
+    pub(crate) voxels: f64,
+    /// Whether the limit was taken for halfway.
+    pub(crate) is_halfway: bool,
+}
+
+/// Finds the volume of a thin part.
 pub(crate) fn thin_volume(
     voxels: &VoxelSource<'_>,
     limits: Option<Limits>,
     thin: &ThinVoxels,
     part: &[IVec3],
-) -> f64 {
+) -> ThinVolume {
+    let told = |voxels: f64, is_halfway: bool| ThinVolume { voxels, is_halfway };
     let ends = limits.and_then(|limits| Some((limits, Ends::of(voxels, limits, part)?)));
     let Some((limits, ends)) = ends else {
-        return part.len() as f64;
+        return told(part.len() as f64, false);
     };
     let solid = part.iter().map(|&voxel| (depth(voxels, limits, voxel), 1));
     let free = beside(voxels.bits, part).into_iter().filter_map(|voxel| {
@@ -57,14 +67,16 @@ pub(crate) fn thin_volume(
         ]
     };
     let [within, spilt] = sum(&ends);
-    if ends.full < -ends.free && (ends.full < BARELY * -ends.free || spilt > SPILT * within) {
+    // a limit that is the highest value itself chooses values, as of a label
+    let is_barely = ends.full > 0.0 && ends.full < BARELY * -ends.free;
+    if ends.full < -ends.free && (is_barely || spilt > SPILT * within) {
         let halfway = Ends {
             full: -ends.free,
             ..ends
         };
-        return sum(&halfway).iter().sum();
+        return told(sum(&halfway).iter().sum(), true);
     }
-    within + spilt
+    told(within + spilt, false)
 }
 
 /// Sum of the shares of voxels by their depths, each parted among so many parts.

@@ -132,6 +132,7 @@ class Surface:
             bodies=internal.bodies,
             voxel_volume=internal.voxel_volume,
             expected_volume=internal.expected_volume(),
+            halfway=internal.is_halfway,
             thin=thin_summary(*internal.thin_parts()),
             voxel_bodies=internal.voxel_bodies,
             touching_edges=internal.touching_edges,

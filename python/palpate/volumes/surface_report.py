@@ -56,6 +56,9 @@ class SurfaceReport:
     expected_volume: float
     """Volume that the voxels stand for [mm³]: of thin parts by the scan's values, where those tell
     of partial volume; else that of the voxels."""
+    halfway: bool
+    """Whether for this the threshold was taken for halfway between most thin parts and what is
+    around them; else their brightest voxels for full."""
     thin: ThinSummary
     touching_edges: int
     """Edges along which voxels touch that share no face: four triangles meet there in space."""
@@ -99,7 +102,9 @@ class SurfaceReport:
         """What the values say, where that is not what the voxels say."""
         if abs(self.expected_volume - self.voxel_volume) <= TOLERANCE * self.voxel_volume:
             return ""
-        return f"; by the scan's values they stand for {volume_text(self.expected_volume)}"
+        assumed = "the threshold is halfway" if self.halfway else "the brightest of them are full"
+        volume = volume_text(self.expected_volume)
+        return f"; by the scan's values they stand for {volume} if {assumed}"
 
     def of(self, count: int) -> str:
         """Returns the same as ``str``, with the segment's name, of so many in the scene."""

@@ -52,7 +52,7 @@ def test_without_smoothing_a_surface_is_the_voxels(part: Any, spacing: Any) -> N
 @pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), SPACING])
 def test_what_is_thin_keeps_its_volume(part: Any, spacing: Any) -> None:
     thin = filled(part, spacing=spacing)
-    for segment in (thin, thin.volume.threshold(0.5)):
+    for segment in (thin, thin.volume.threshold(0.5), thin.volume.threshold(1)):
         report = Surface(segment).report()
         assert report.volume == pytest.approx(report.voxel_volume, rel=0.01)
         assert (report.bodies, report.voxel_bodies, report.warnings) == (1, 1, ())
