@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from palpate.volumes.second_scan import read_transform
     from palpate.volumes.segment import Segment
     from palpate.volumes.surface import Mesh, Surface
+    from palpate.volumes.surface_report import SurfaceReport
     from palpate.volumes.volume import Volume
 
 __all__ = [
@@ -88,6 +89,7 @@ __all__ = [
     "Session",
     "SessionOptions",
     "Surface",
+    "SurfaceReport",
     "TouchSettings",
     "Volume",
     "VolumeFormatError",
@@ -140,6 +142,7 @@ __getattr__ = lazy_exports(
         "Session": "session.session",
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
+        "SurfaceReport": "volumes.surface_report",
         "TouchSettings": "session.touch_settings",
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",

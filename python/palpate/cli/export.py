@@ -14,7 +14,6 @@ from palpate.export.request import ExportRequest
 from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
-    from palpate.base.progress import Progress
     from palpate.volumes.scene import Scene
 
 __all__ = ["export"]
@@ -60,7 +59,7 @@ def export(
     from palpate.base.early_imports import DICOM_WRITING, IMAGE_WRITING, import_early
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.scenes import wanted_scene
+    from palpate.cli.scenes import edited_saved_scene, wanted_scene
     from palpate.export.kinds import FROM_DICOM
     from palpate.saved.ending import is_scene
 
@@ -77,7 +76,7 @@ def export(
     import_early(DICOM_WRITING if kind in FROM_DICOM else IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
         if saved:
-            scene = _saved_scene(path, display)
+            scene = edited_saved_scene(path, display)
         else:
             volume = reading.read(path, display)
             for warning in volume.warnings:
@@ -104,22 +103,6 @@ def export(
 
 
 export.__doc__ = EXAMPLES
-
-
-def _saved_scene(path: Path, progress: Progress) -> Scene:
-    """Returns the scan of a scene that was saved, with its edits and segments.
-
-    Raises:
-        SceneFormatError: It cannot be opened.
-    """
-    from palpate.saved.edited_scene import edited_scene
-    from palpate.saved.scene_file import open_scene
-
-    saved = open_scene(path, progress=progress)
-    scene, notes = edited_scene(saved)
-    for note in (*saved.volume.warnings, *notes):
-        warn(note)
-    return scene
 
 
 def _print_result(scene: Scene, out: Path, notes: list[str]) -> None:

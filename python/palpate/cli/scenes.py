@@ -27,6 +27,7 @@ __all__ = [
     "add_labels",
     "add_mesh",
     "add_second",
+    "edited_saved_scene",
     "further_scan",
     "mesh_file",
     "saved_scene",
@@ -202,6 +203,22 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
         return Opening(saved.scene(), saved, saved.messages)
     except SceneFormatError as error:
         raise with_autosave(error, path) from None
+
+
+def edited_saved_scene(path: Path, progress: Progress) -> Scene:
+    """Returns the scan of a scene that was saved, with its edits and segments, and says its doubts.
+
+    Raises:
+        SceneFormatError: It cannot be opened.
+    """
+    from palpate.saved.edited_scene import edited_scene
+    from palpate.saved.scene_file import open_scene
+
+    saved = open_scene(path, progress=progress)
+    scene, notes = edited_scene(saved)
+    for note in (*saved.volume.warnings, *notes):
+        warn(note)
+    return scene
 
 
 def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -> MeshFile:

@@ -139,7 +139,9 @@ def _check_names(recipe: Recipe, source: Source) -> None:
             raise source.wrong(
                 f"$.surface[{number}].segment", f"no segment given; allowed: {', '.join(known)}"
             )
-        if surface.segment is not None:
+        # a number is one of the list
+        by_number = surface.segment in map(str, range(1, len(known) + 1))
+        if surface.segment is not None and not by_number:
             with source.at(f"$.surface[{number}].segment"):
                 _check_name(surface.segment, known)
     for number, export in enumerate(recipe.export):

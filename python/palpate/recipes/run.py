@@ -55,6 +55,7 @@ def run_recipe(
             chosen, step=surface.step, smoothing=surface.smoothing, source=surface.source
         )
         write_mesh(made_surface.mesh(), surface.out)
+        told += made_surface.report().warnings
         written.append(surface.out)
     for export in recipe.export:
         told += export_scene(

@@ -32,6 +32,7 @@ from palpate.server.messages.hello import hello_of
 from palpate.server.recording import Recorder
 from palpate.server.scene import scene_response, view_response
 from palpate.server.second_scan import second_routes
+from palpate.server.surface_export import surface_response
 from palpate.server.voxel_data import parse_step, voxels_response
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
@@ -234,8 +235,17 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/scenario", scenario),
         Route("/scene", scene, methods=["POST"]),
         Route("/export", export, methods=["POST"]),
+        Route("/surface", _surface_of(live), methods=["POST"]),
         Route("/view", view),
     ]
+
+
+def _surface_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
+    async def surface(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(surface_response, live.segments, live.picture.values, body)
+
+    return surface
 
 
 def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:

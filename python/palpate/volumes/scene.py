@@ -190,15 +190,28 @@ def require_scene(scene: object) -> None:
 
 
 def choose_segment(scene: Scene, name: str | None) -> Segment:
-    """Returns the segment of a name; without a name, the only one there is.
+    """Returns the segment of a name or, where none has this name, of a number from 1 on.
+
+    Without a name, the only one there is.
 
     Raises:
-        OptionError: There is none, or it is ambiguous.
+        OptionError: There is none, or there are several; names and numbers are told.
     """
-    segments = {one.name: one.segment for one in scene}
+    segments = [one.segment for one in scene]
+    names = [one.name for one in scene]
     if name is None and len(segments) == 1:
-        return next(iter(segments.values()))
-    if name is None or name not in segments:
-        given = "no segment" if name is None else f"segment {name!r}"
-        raise OptionError(f"{given} given; allowed: {', '.join(segments) or 'none in this scan'}")
-    return segments[name]
+        return segments[0]
+    if name is not None and names.count(name) == 1:
+        return segments[names.index(name)]
+    if name is not None and names.count(name) > 1:
+        numbers = [str(number) for number, other in enumerate(names, start=1) if other == name]
+        raise OptionError(
+            f"{len(numbers)} segments are called {name!r}; allowed: a number, "
+            f"{', '.join(numbers[:-1])} or {numbers[-1]}"
+        )
+    if name is not None and name.isdecimal() and 1 <= int(name) <= len(segments):
+        return segments[int(name) - 1]
+    given = "no segment" if name is None else f"segment {name!r}"
+    numbered = [f"{number} {other}" for number, other in enumerate(names, start=1)]
+    allowed = f"a name or a number of {', '.join(numbered)}" if names else "none in this scan"
+    raise OptionError(f"{given} given; allowed: {allowed}")

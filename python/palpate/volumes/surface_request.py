@@ -28,17 +28,21 @@ class SurfaceRequest(Request, frozen=True, kw_only=True):
             writes=MESH_SUFFIXES,
         ),
     ]
-    segment: Annotated[str | None, words("Name of the segment, if there are several.")] = None
+    segment: Annotated[
+        str | None, words("Name or number of the segment, if there are several.")
+    ] = None
     smoothing: Annotated[
-        int | None, words("Degree of smoothing, 0 to 12; 0 keeps the shape of the voxels.")
+        int | None, words("Degree of smoothing, 0 to 12; 0 writes the voxels as they are.")
     ] = None
     step: Annotated[int | None, words("Cell size: 1, 2 or 4 voxels.")] = None
     source: Annotated[
-        SurfaceSource,
+        SurfaceSource | None,
         words(
-            "intensities (of a threshold; smooth) or bits (the voxels; with steps).", name="from"
+            "intensities (of a threshold; smooth) or bits (the voxels; with steps); by default "
+            "intensities, and bits with `smoothing=0`.",
+            name="from",
         ),
-    ] = "intensities"
+    ] = None
 
     def check(self) -> None:
         """Refuses what no surface can be made with.

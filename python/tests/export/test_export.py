@@ -8,6 +8,7 @@ import zipfile
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import httpx
 import numpy as np
@@ -293,10 +294,10 @@ def test_files_and_folders_appear_when_they_are_whole(tmp_path: Path) -> None:
 # --- the page's door ----------------------------------------------------------------------
 
 
-def asked(server: Any, **wanted: Any) -> httpx.Response:
+def asked(server: Any, door: str = "export", **wanted: Any) -> httpx.Response:
     access = server.access
     return httpx.post(
-        f"{server.base}/api/export",
+        f"{server.base}/api/{door}",
         headers={"Cookie": f"{access.cookie}={access.token}"},
         json=wanted,
         trust_env=False,
@@ -318,6 +319,21 @@ def test_a_page_gets_what_the_command_writes(shared_server: Any, tmp_path: Path)
     assert 'filename="ball.zip"' in packed.headers["content-disposition"]
     with zipfile.ZipFile(BytesIO(packed.content)) as archive:
         assert sorted(archive.namelist()) == ["labels.csv", "labels.nii.gz"]
+
+
+def test_a_page_gets_a_surface_and_what_it_keeps(shared_server: Any, tmp_path: Path) -> None:
+    answer = asked(shared_server, "surface", segment=1, format="ply")
+    assert answer.status_code == 200
+    assert 'filename="ball.ply"' in answer.headers["content-disposition"]
+    path = tmp_path / "ball.ply"
+    path.write_bytes(answer.content)
+    count = len(palpate.read_mesh(path).mesh.triangles)
+    told = unquote(answer.headers["x-palpate-notes"]).split("\n")[0]
+    assert told.startswith(f"ball.ply: segment 'ball', {count} triangles, ")
+    assert "in 1 body (voxels: " in told
+    assert told.endswith(" in 1 body), LPS")
+    refused = asked(shared_server, "surface", segment=9)
+    assert (refused.status_code, refused.text) == (400, "segment 9 given; allowed: 1")
 
 
 @pytest.mark.parametrize(

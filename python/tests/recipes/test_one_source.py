@@ -51,7 +51,9 @@ ELSEWHERE: dict[str, set[str]] = {
     # one that is written needs no step of its own
     "transform": {"write_inverse"},
     "segment": {"path", "out"} | READING,
-    "surface": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
+    "surface": {
+        "path", "json_file", "segments", "threshold", "resample", "another_patient",
+    } | READING,
     "export": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
 }  # fmt: skip
 """Parameters of a command that other steps of a recipe stand for."""
