@@ -140,7 +140,7 @@ def _check_names(recipe: Recipe, source: Source) -> None:
                 f"$.surface[{number}].segment", f"no segment given; allowed: {', '.join(known)}"
             )
         # a number is one of the list
-        by_number = surface.segment in map(str, range(1, len(known) + 1))
+        by_number = surface.segment in [str(number + 1) for number in range(len(known))]
         if surface.segment is not None and not by_number:
             with source.at(f"$.surface[{number}].segment"):
                 _check_name(surface.segment, known)
