@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 
 from palpate.base.early_imports import importing
@@ -24,4 +25,7 @@ def main() -> None:
     with importing():
         from palpate.cli.commands import run
 
-    sys.exit(run(sys.argv[1:]))
+    code = run(sys.argv[1:])
+    # all goes with the process: it is not searched for garbage before, which takes long
+    gc.freeze()
+    sys.exit(code)
