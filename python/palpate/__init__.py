@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from palpate.io.dicomweb.series import fetch_series, remote_series
     from palpate.io.reading import read
     from palpate.labels.labels import Label, Labels, read_labels
+    from palpate.registration.carry import Carrier
+    from palpate.registration.inverse import Inverse
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
     from palpate.session.gap import Gap
@@ -50,15 +52,20 @@ if TYPE_CHECKING:
     )
     from palpate.volumes.mesh_write import write_mesh
     from palpate.volumes.phantom import Phantom, phantom
+    from palpate.volumes.resampled import resampled
     from palpate.volumes.scene import Scene
+    from palpate.volumes.second_scan import read_transform
     from palpate.volumes.segment import Segment
     from palpate.volumes.surface import Mesh, Surface
+    from palpate.volumes.surface_report import SurfaceReport
     from palpate.volumes.volume import Volume
 
 __all__ = [
+    "Carrier",
     "DicomWebError",
     "EmptySegmentError",
     "Gap",
+    "Inverse",
     "Label",
     "Labels",
     "Material",
@@ -82,6 +89,7 @@ __all__ = [
     "Session",
     "SessionOptions",
     "Surface",
+    "SurfaceReport",
     "TouchSettings",
     "Volume",
     "VolumeFormatError",
@@ -94,8 +102,10 @@ __all__ = [
     "read",
     "read_labels",
     "read_mesh",
+    "read_transform",
     "register",
     "remote_series",
+    "resampled",
     "segment_of_mesh",
     "suitable_spacing",
     "write_mesh",
@@ -104,9 +114,11 @@ __all__ = [
 __getattr__ = lazy_exports(
     __name__,
     {
+        "Carrier": "registration.carry",
         "DicomWebError": "base.errors",
         "EmptySegmentError": "base.errors",
         "Gap": "session.gap",
+        "Inverse": "registration.inverse",
         "Label": "labels.labels",
         "Labels": "labels.labels",
         "Material": "volumes.material",
@@ -130,6 +142,7 @@ __getattr__ = lazy_exports(
         "Session": "session.session",
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
+        "SurfaceReport": "volumes.surface_report",
         "TouchSettings": "session.touch_settings",
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",
@@ -142,8 +155,10 @@ __getattr__ = lazy_exports(
         "read": "io.reading",
         "read_labels": "labels.labels",
         "read_mesh": "volumes.mesh_read",
+        "read_transform": "volumes.second_scan",
         "register": "registration.registration",
         "remote_series": "io.dicomweb.series",
+        "resampled": "volumes.resampled",
         "segment_of_mesh": "volumes.mesh_read",
         "suitable_spacing": "volumes.mesh_read",
         "write_mesh": "volumes.mesh_write",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from palpate.reconstruction.reconstruction import WATER
-from palpate.reconstruction.scanner import Beam, Scanner
+from palpate.reconstruction.beams import WATER, Beam
+from palpate.reconstruction.scanner import Scanner
 
 __all__ = ["SHAPE", "SIZE", "VOXEL", "flat", "projected", "scanner_of", "truth"]
 

@@ -9,11 +9,11 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import AnotherPatient, Resample, Segments
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.request_options import with_requests
+from palpate.export.request import ExportRequest
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
-    from palpate.base.progress import Progress
-    from palpate.export.export import Kind
     from palpate.volumes.scene import Scene
 
 __all__ = ["export"]
@@ -35,7 +35,7 @@ references stay valid. Use --keep-identity for the archive that holds the scan.
 """
 
 
-@with_reading
+@with_requests
 def export(
     path: Annotated[
         Path,
@@ -45,24 +45,7 @@ def export(
         ),
     ],
     *,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            help="Output: .seg.nrrd, .nii.gz, .nrrd, .mha or .dcm file, or a new folder for DICOM.",
-            metavar="OUT",
-        ),
-    ],
-    kind: Annotated[
-        str | None,
-        typer.Option(
-            "--as",
-            help="Format: seg-nrrd, labels, scan, dicom-seg, dicom-labelmap, rtstruct or "
-            "dicom (all DICOM objects); by default it follows from the name of the "
-            "output.",
-        ),
-    ] = None,
+    request: ExportRequest,
     segments: Segments = None,
     resample: Resample = False,
     another_patient: AnotherPatient = False,
@@ -70,34 +53,30 @@ def export(
         str | None,
         typer.Option(help="Make a segment of the values from LOW to HIGH.", metavar="LOW[,HIGH]"),
     ] = None,
-    only: Annotated[
-        list[str] | None, typer.Option(help="Export only the segment with this name; repeatable.")
-    ] = None,
-    keep_identity: Annotated[
-        bool,
-        typer.Option(
-            "--keep-identity",
-            help="Keep the patient's identity in DICOM and refer to the original series.",
-        ),
-    ] = False,
-    reading: Reading,
+    reading: ReadRequest,
 ) -> None:
     """Writes what was asked for and says what it is."""
+    from palpate.base.early_imports import DICOM_WRITING, IMAGE_WRITING, import_early
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.scenes import wanted_scene
-    from palpate.export.export import export_scene
-    from palpate.saved.opening import is_scene
+    from palpate.cli.scenes import edited_saved_scene, wanted_scene
+    from palpate.export.kinds import FROM_DICOM
+    from palpate.saved.ending import is_scene
 
     bounds = parse_threshold(threshold)
     saved = is_scene(path)
-    if saved and (reading != Reading() or segments is not None or bounds is not None):
+    if saved and (reading != ReadRequest() or segments is not None or bounds is not None):
         raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
     has_segments = saved or segments is not None or bounds is not None
-    known = _check_target(out, kind, has_segments=has_segments, keep_identity=keep_identity)
+    kind = request.kind_for(has_segments=has_segments)
+    if not has_segments and kind not in {"scan", "dicom"}:
+        raise OptionError(
+            "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
+        )
+    import_early(DICOM_WRITING if kind in FROM_DICOM else IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
         if saved:
-            scene = _saved_scene(path, display)
+            scene = edited_saved_scene(path, display)
         else:
             volume = reading.read(path, display)
             for warning in volume.warnings:
@@ -110,45 +89,20 @@ def export(
                 another_patient=another_patient,
                 progress=display,
             )
+        from palpate.export.export import export_scene
+
         notes = export_scene(
-            scene, out, kind=known, only=only, keep_identity=keep_identity, progress=display
+            scene,
+            request.out,
+            kind=kind,
+            only=request.only,
+            keep_identity=request.keep_identity,
+            progress=display,
         )
-    _print_result(scene, out, notes)
+    _print_result(scene, request.out, notes)
 
 
 export.__doc__ = EXAMPLES
-
-
-def _check_target(out: Path, kind: str | None, *, has_segments: bool, keep_identity: bool) -> Kind:
-    """Returns what is to be written; refuses what could not be, before a scan is read.
-
-    Raises:
-        OptionError: The kind is not known, or does not fit the name.
-    """
-    from palpate.base.errors import OptionError
-    from palpate.export.export import KINDS, check_export, kind_of
-
-    if kind is not None and kind not in KINDS:
-        raise OptionError(f"--as {kind} given; allowed: {', '.join(KINDS)}")
-    known = kind_of(out, has_segments=has_segments) if kind is None else kind
-    check_export(out, known, keep_identity=keep_identity)
-    return known
-
-
-def _saved_scene(path: Path, progress: Progress) -> Scene:
-    """Returns the scan of a scene that was saved, with its edits and segments.
-
-    Raises:
-        SceneFormatError: It cannot be opened.
-    """
-    from palpate.saved.edited_scene import edited_scene
-    from palpate.saved.scene_file import open_scene
-
-    saved = open_scene(path, progress=progress)
-    scene, notes = edited_scene(saved)
-    for note in (*saved.volume.warnings, *notes):
-        warn(note)
-    return scene
 
 
 def _print_result(scene: Scene, out: Path, notes: list[str]) -> None:

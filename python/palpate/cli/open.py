@@ -22,8 +22,11 @@ from palpate.cli.options import (
     Threshold,
     Transform,
     With,
+    WithFrame,
+    WithSeries,
 )
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
@@ -31,16 +34,18 @@ if TYPE_CHECKING:
 __all__ = ["demo", "open_scan"]
 
 
-@with_reading
+@with_requests
 def open_scan(  # noqa: PLR0913  # one per option of the command line
     path: ScanOrNone = None,
     *,
-    reading: Reading,
+    reading: ReadRequest,
     threshold: Threshold = None,
     segments: Segments = None,
     resample: Resample = False,
     another_patient: AnotherPatient = False,
     second: With = None,
+    second_series: WithSeries = None,
+    second_frame: WithFrame = None,
     transform: Transform = None,
     mesh: Mesh = None,
     mesh_frame: MeshFrame = None,
@@ -70,15 +75,16 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.scenes import add_mesh, add_second, saved_scene, scene_of
     from palpate.cli.show_page import check_start, choose_on_page, show
-    from palpate.saved.opening import Opening, is_scene
+    from palpate.saved.ending import is_scene
+    from palpate.saved.opening import Opening
     from palpate.server.app import bind_again
     from palpate.server.resume import note_port
 
     check_start(rate)
     bounds = parse_threshold(threshold)
     if path is None or is_scene(path):
-        of_scans = (bounds, segments, mesh, second, transform)
-        if reading != Reading() or any(option is not None for option in of_scans):
+        of_scans = (bounds, segments, mesh, second, second_series, second_frame, transform)
+        if reading != ReadRequest() or any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
     if path is None:
@@ -100,7 +106,14 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             another_patient=another_patient,
             progress=progress,
         )
-        add_second(scene, second, transform, progress=progress)
+        add_second(
+            scene,
+            second,
+            transform,
+            series=second_series,
+            frame=second_frame,
+            progress=progress,
+        )
         if mesh is not None:
             add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         return Opening(scene, None, tuple(volume.warnings))

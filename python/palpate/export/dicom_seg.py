@@ -90,7 +90,7 @@ def _masks(
         if size > MOST_BYTES:
             raise OptionError(
                 f"{len(segments)} segments that overlap take {size / 2**30:.1f} GiB; allowed: "
-                f"{MOST_BYTES / 2**30:.0f} GiB, so fewer with --only, or .seg.nrrd"
+                f"{MOST_BYTES / 2**30:.0f} GiB, so fewer with `only=NAME`, or .seg.nrrd"
             )
         array = np.stack([one.segment.mask() for one in segments], axis=-1)
         channels = {"SegmentNumber": list(range(1, len(segments) + 1))}

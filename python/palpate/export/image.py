@@ -23,9 +23,7 @@ from palpate.export.masks import label_map
 from palpate.volumes.scene import SceneSegment
 from palpate.volumes.volume import Volume
 
-__all__ = ["IMAGE_SUFFIXES", "write_image", "write_label_map", "write_scan"]
-
-IMAGE_SUFFIXES = (".nii.gz", ".nii", ".nrrd", ".mha")
+__all__ = ["write_image", "write_label_map", "write_scan"]
 
 
 def write_scan(volume: Volume, path: Path) -> None:

@@ -47,7 +47,7 @@ def written_segments(
     if not kept:
         raise OptionError(
             "no segments to write (" + ("; ".join(told) or "the scan has none") + "); allowed: "
-            "with --segments FILE, --threshold LOW,HIGH, or a scene that has some"
+            "a scan with segments"
         )
     return kept, told
 

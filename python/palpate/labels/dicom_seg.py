@@ -21,14 +21,13 @@ from palpate.io.dicom.header import Frame, damage_told, frame_of
 from palpate.labels.belonging import check_belonging
 from palpate.labels.dicom_objects import dataset_of, pixels_of
 from palpate.labels.grid import (
-    RESAMPLED,
     Colour,
     Label,
     Labels,
     Place,
-    Resampling,
     patient_from_grid,
     placement,
+    told_of,
 )
 from palpate.volumes.terminology import Code, Terminology
 from palpate.volumes.volume import Volume
@@ -107,7 +106,7 @@ def read_seg(
     said += ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
     said += [f"{empty} segments are empty"] if empty else []
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
-    said += [RESAMPLED] if any(isinstance(place, Resampling) for place in places) else []
+    said += told_of(places)
     return Labels(tuple(made), tuple(said))
 
 

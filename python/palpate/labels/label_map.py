@@ -23,7 +23,6 @@ from palpate.io.packed_file import unpacked_file
 from palpate.io.raw_scan import RawScan
 from palpate.io.scan_at import stored_scan_at
 from palpate.labels.grid import (
-    RESAMPLED,
     Colour,
     Label,
     Labels,
@@ -31,15 +30,15 @@ from palpate.labels.grid import (
     Resampling,
     patient_from_grid,
     placement,
+    told_of,
 )
 from palpate.labels.label_values import label_codes, label_values
 from palpate.volumes.anatomical_colour import colour_of_name
+from palpate.volumes.label_like import MOST_LABELS
 from palpate.volumes.volume import Volume
 
 __all__ = ["ENDINGS", "read_label_map", "read_mask_folder"]
 
-MOST_LABELS = 255
-"""More values than this are intensities, not labels."""
 LARGEST_TABLE = 1 << 20
 """Of a NIfTI file [bytes]."""
 NAMES = ("structure", "name", "label", "segment")
@@ -143,7 +142,7 @@ def _on_grid(
         laid = np.zeros(volume.shape, np.int16)
         place.lay(codes, laid)
     on_grid = Volume(laid, spacing=volume.spacing, origin=volume.origin, direction=volume.direction)
-    return on_grid, (RESAMPLED,) if isinstance(place, Resampling) else ()
+    return on_grid, tuple(told_of([place]))
 
 
 def _is_same(place: Placement, shape: Sequence[int], scan: Sequence[int]) -> bool:

@@ -22,18 +22,17 @@ from palpate.io.header_check import check_header
 from palpate.io.itk_image import unit_of
 from palpate.io.payload import check_payload, header_text, nrrd_header
 from palpate.labels.grid import (
-    RESAMPLED,
     Colour,
     Label,
     Labels,
-    Resampling,
     patient_from_grid,
     placement,
+    told_of,
 )
 from palpate.volumes.terminology import Terminology
 from palpate.volumes.volume import Volume
 
-__all__ = ["is_segmentation", "read_seg_nrrd"]
+__all__ = ["SegmentationGrid", "is_segmentation", "read_seg_nrrd", "segmentation_grid"]
 
 
 def is_segmentation(path: Path) -> bool:
@@ -91,6 +90,30 @@ def _image_at(path: Path, *, progress: Progress) -> _Image:
     )
 
 
+@dataclass(frozen=True)
+class SegmentationGrid:
+    """Where the voxels of a file lie, LPS [mm]."""
+
+    shape: tuple[int, int, int]
+    """[depth, height, width]."""
+    spacing: tuple[float, float, float]
+    origin: tuple[float, float, float]
+    direction: NDArray[np.float64]
+
+
+def segmentation_grid(path: Path, *, progress: Progress) -> SegmentationGrid:
+    """Returns the grid of a file.
+
+    Raises:
+        VolumeFormatError: The file is damaged.
+    """
+    image = _image_at(path, progress=progress)
+    depth, height, width = image.layers.shape[:3]
+    x, y, z = image.spacing.tolist()
+    left, back, up = image.origin.tolist()
+    return SegmentationGrid((depth, height, width), (x, y, z), (left, back, up), image.direction)
+
+
 def read_seg_nrrd(
     path: Path, volume: Volume, *, resample: bool = False, progress: Progress
 ) -> Labels:
@@ -124,7 +147,7 @@ def read_seg_nrrd(
             empty += 1
     said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
-    said += [RESAMPLED] if isinstance(place, Resampling) else []
+    said += told_of([place])
     return Labels(tuple(made), tuple(said))
 
 

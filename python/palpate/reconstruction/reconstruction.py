@@ -26,15 +26,14 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
+from palpate.reconstruction.beams import WATER, Beam
 from palpate.reconstruction.parallel_beams import back_projected
-from palpate.reconstruction.scanner import BEAMS, Beam, Grid, Scanner, fitted_grid
+from palpate.reconstruction.scanner import Grid, Scanner, fitted_grid
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Volume, VolumeTraits
 
-__all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"]
+__all__ = ["missing_library", "reconstruct"]
 
-WATER = 0.0206
-"""Attenuation of water at 60 keV [1/mm] (NIST, Hubbell and Seltzer)."""
 NOT_INSTALLED = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
 FAR = 1e6
 """Distance of the source from which on beams count as parallel [mm]."""

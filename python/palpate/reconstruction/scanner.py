@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 
 from palpate.base.errors import OptionError
+from palpate.reconstruction.beams import BEAMS, Beam
 
-__all__ = ["BEAMS", "MOST_VOXELS", "Beam", "Grid", "Scanner", "fitted_grid"]
-
-Beam = Literal["parallel", "cone"]
-BEAMS: tuple[Beam, ...] = get_args(Beam)
+__all__ = ["MOST_VOXELS", "Grid", "Scanner", "fitted_grid"]
 
 LEAST_ANGLES = 8
 MOST_VOXELS = 1024**3

@@ -46,9 +46,8 @@ from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.volume import Volume
 
-__all__ = ["ENDING", "SavedScene", "kept_scan", "open_scene", "save_scene"]
+__all__ = ["SavedScene", "kept_scan", "open_scene", "save_scene"]
 
-ENDING = ".palpate"
 FORMAT = "palpate-scene-1"
 MOST_JSON_BYTES = 1 << 24
 """Most bytes of ``scene.json``; 255 segments take about 100 kB."""

@@ -113,10 +113,10 @@ def test_what_was_resampled_missing_and_left_out_is_said(
     (folder / "damaged").write_bytes(content[:place] + b"ZZ" + content[place + 2 :])
     told = imported(capsys, folder, "-o", tmp_path / "ct.nrrd")
     assert told["dimensions"] == [4, 3, 6]
-    assert any("1 slices are missing, after number 3" in each for each in told["warnings"])
-    assert any("1 files are damaged and were left out" in each for each in told["warnings"])
+    assert any("1 slice is missing, after number 3" in each for each in told["warnings"])
+    assert any("1 file is damaged and was left out" in each for each in told["warnings"])
     assert run(["import", str(folder)]) == 0
-    assert "1 slices are missing" in " ".join(capsys.readouterr().out.split())
+    assert "1 slice is missing" in " ".join(capsys.readouterr().out.split())
 
 
 def test_files_given_one_by_one_are_one_scan(

@@ -137,7 +137,10 @@ def test_the_sign_of_a_shell_tells_its_side_and_smoothing_takes_specks(
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ([], "allowed: one of --threshold, --otsu, --grow, --seeds, --auto"),
+        (
+            [],
+            "one of --threshold LOW,HIGH, --otsu CLASSES, --grow X,Y,Z, --seeds FILE, --auto",
+        ),
         (["--threshold", "1", "--fast"], "--fast given; allowed: with --auto only"),
         (["--threshold", "1", "--otsu", "2"], "2 ways to make a segment given"),
         (["--grow", "1,2"], "point '1,2' given; allowed: X,Y,Z [mm]"),

@@ -17,7 +17,8 @@ from palpate.base.errors import OptionError
 from palpate.cli.commands import run
 from palpate.export.deidentify import StillIdentifiedError
 from palpate.export.dicom_contours import outlines
-from palpate.export.export import Kind, export_scene
+from palpate.export.export import export_scene
+from palpate.export.kinds import Kind
 from palpate.io.reading import read
 from palpate.volumes.polygon_fill import fill_polygons
 from palpate.volumes.scene import Scene
