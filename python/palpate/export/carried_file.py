@@ -18,7 +18,7 @@ from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.base.progress import Progress, silent
 from palpate.base.whole_file import check_target, whole_file
 from palpate.export.export import export_scene
-from palpate.export.image import write_scan
+from palpate.export.image import names_beside, write_scan
 from palpate.export.mark_table import read_marks
 from palpate.io.reading import read
 from palpate.labels.kind import labels_told
@@ -223,7 +223,7 @@ def _write_table(path: Path, out: Path, volume: Volume, *, progress: Progress) -
     if [one.segment.name for one in found] == [f"label {number}" for number in numbers]:
         return
     with (
-        whole_file(out.with_name(out.name.split(".")[0] + ".csv")) as unfinished,
+        whole_file(names_beside(out)) as unfinished,
         unfinished.open("w", encoding="utf-8", newline="") as file,
     ):
         table = csv.writer(file)

@@ -23,7 +23,7 @@ from palpate.export.masks import label_map
 from palpate.volumes.scene import SceneSegment
 from palpate.volumes.volume import Volume
 
-__all__ = ["write_image", "write_label_map", "write_scan"]
+__all__ = ["names_beside", "write_image", "write_label_map", "write_scan"]
 
 
 def write_scan(volume: Volume, path: Path) -> None:
@@ -44,8 +44,7 @@ def write_label_map(segments: Sequence[SceneSegment], volume: Volume, path: Path
         OSError: The disk refuses it.
     """
     labels, shared = label_map(segments)
-    names = path.with_name(path.name.split(".")[0] + ".csv")
-    with whole_file(names) as table:
+    with whole_file(names_beside(path)) as table:
         _write_names(segments, table)
         write_image(labels, volume, path)
     if not shared:
@@ -56,6 +55,11 @@ def write_label_map(segments: Sequence[SceneSegment], volume: Volume, path: Path
             "and DICOM SEG keep them in all"
         )
     ]
+
+
+def names_beside(path: Path) -> Path:
+    """Returns the table of names and colours that stands beside a label map."""
+    return path.with_name(path.name.split(".")[0] + ".csv")
 
 
 def write_image(array: NDArray[Any], volume: Volume, path: Path) -> None:
