@@ -115,7 +115,7 @@ def grow(
     region = _follow(in_range, inside, volume=volume, how=how, progress=progress)
     progress("finding the border", None)
     ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=how.spread)
-    region = _to_border(region, raw, ends, volume=volume, fill=how.fill)
+    region = _to_border(region, volume.between(*ends, box), volume.spacing, fill=how.fill)
     mask = np.zeros(volume.shape, bool)
     mask[box] = region
     if not region.any():
@@ -254,18 +254,9 @@ def _follow(
     return region
 
 
-def _to_border(
-    region: Mask,
-    raw: NDArray[np.float32],
-    ends: tuple[float, float],
-    *,
-    volume: Volume,
-    fill: bool,
-) -> Mask:
+def _to_border(region: Mask, in_range: Mask, spacing: Sequence[float], *, fill: bool) -> Mask:
     """Adds what smoothing took from the border: unsmoothed values in range beside the region."""
-    spacing = volume.spacing
-    low, high = ends
-    grown = region | (margin(region, spacing, BORDER) & (raw >= low) & (raw <= high))
+    grown = region | (margin(region, spacing, BORDER) & in_range)
     return filled(closed(grown, spacing, max(spacing))) if fill else grown
 
 

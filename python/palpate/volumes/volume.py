@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from palpate import _core
 from palpate.base.errors import EmptySegmentError, OptionError, VolumeFormatError
+from palpate.volumes.closed_limits import as_stored, between, limits_on_stored
 from palpate.volumes.histogram import Anchors, Histogram, anchors
 from palpate.volumes.orientation import letters_of
 from palpate.volumes.segment import Segment
@@ -350,33 +351,30 @@ class Volume:
                 f"threshold {low:g} to {upper:g}{unit} selects no voxel; allowed: a range within "
                 f"{self.range[0]:g} to {self.range[1]:g}{unit}"
             )
-        return Segment(
-            internal, name=name, volume=self, range=self._limits(float(low), float(upper))
-        )
+        limits = limits_on_stored(self, float(low), float(upper))
+        return Segment(internal, name=name, volume=self, range=limits)
 
-    def _limits(self, low: float, high: float) -> tuple[float, float]:
-        """Returns a range whose ends that no value is beyond are beyond all stored values too."""
-        if self._exact is None:
-            return low, high
-        first, last = sorted(self.value_of(stored) for stored in self._internal.stored_range())
-        return (
-            min(low, first) if low <= self.range[0] else low,
-            max(high, last) if high >= self.range[1] else high,
-        )
+    def between(self, low: float, high: float, region: Region = ...) -> NDArray[np.bool_]:
+        """Returns which voxels have low <= value <= high, in the values that the file holds.
+
+        A limit is a value where it is that but for rounding: 0.3 is 3 steps of 0.1, and what 0.3
+        is in single precision. Voxels without a value are never among them.
+
+        Args:
+            low: Lowest value [unit of the scan].
+            high: Highest value [unit of the scan].
+            region: Part of the array [z, y, x], as NumPy's indices; the default is all of it.
+        """
+        return between(self, low, high, region=region)
 
     def _between(self, low: float, high: float) -> _core.Segment:
-        """Returns the voxels with low <= value <= high, as the values were read."""
+        """Returns the voxels that ``between`` tells."""
         if self._exact is None:
-            return self._internal.threshold(self._nearby(low), self._nearby(high))
+            return self._internal.threshold(as_stored(self, low), as_stored(self, high))
         mask = np.empty(self.shape, np.uint8)
-        for values, inside in zip(self._exact, mask, strict=True):
-            inside[...] = (values >= low) & (values <= high)
+        for number, inside in enumerate(mask):
+            inside[...] = between(self, low, high, region=number)
         return _core.Segment.from_mask(mask)
-
-    def _nearby(self, limit: float) -> float:
-        """Returns the value of a stored number where a limit is that but for rounding."""
-        value = self.value_of(round((limit - self.intercept) / self.slope))
-        return value if abs(value - limit) <= self.scale.rounding(limit) else limit
 
     def offered_bone(self) -> Segment:
         """Returns bone by a default threshold: 250 HU, or one estimated from the histogram."""
