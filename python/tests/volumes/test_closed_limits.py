@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import nibabel
 import numpy as np
 import palpate
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_dose import write_dose
 from numpy.typing import NDArray
 from palpate import Scene, Session, SessionOptions, Volume
 from palpate.cli.commands import run
@@ -136,6 +138,29 @@ def test_commands_and_recipes_select_what_numpy_selects(tmp_path: Path, write_im
     assert run(["run", str(recipe)]) == 0
     made = palpate.read(tmp_path / "by-recipe.nii.gz").values() != 0
     np.testing.assert_array_equal(made, (values >= 0.25) & (values <= 0.5))
+
+
+@pytest.mark.parametrize(("scaling", "most"), [(0.001, 60_000), (0.0001, 600_000), (0.1, 600)])
+def test_a_dose_is_the_decimal_that_its_scaling_makes(
+    tmp_path: Path, scaling: float, most: int
+) -> None:
+    stored = np.random.default_rng(4).integers(0, most, (5, 4, 6))
+    volume = palpate.read(write_dose(tmp_path / "dose.dcm", stored * scaling, scaling=scaling))
+    for number in stored.ravel():
+        limit = round(float(number) * scaling, 4)
+        for inside in everywhere(volume, limit, limit):
+            np.testing.assert_array_equal(inside, stored == number)
+
+
+def test_slopes_of_nifti_are_taken_for_the_decimals_that_they_round(tmp_path: Path) -> None:
+    stored = np.arange(400, dtype=np.int16).reshape(4, 10, 10)
+    image = nibabel.Nifti1Image(stored.T, np.eye(4))
+    image.header.set_slope_inter(0.1, 0.0)
+    nibabel.save(image, tmp_path / "a.nii")
+    volume = palpate.read(tmp_path / "a.nii")
+    for high, last in ((0.3, 3), (0.7, 7), (30.7, 307)):
+        for inside in everywhere(volume, 0.0, high):
+            np.testing.assert_array_equal(inside, stored.reshape(inside.shape) <= last)
 
 
 def test_limits_beyond_what_values_can_be_are_no_limits() -> None:
