@@ -13,12 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_dose import write_dose
 from numpy.typing import NDArray
-from palpate import Scene, Session, SessionOptions, Volume
+from palpate import Scene, Session, SessionOptions, Volume, protocol
 from palpate.cli.commands import run
 from palpate.segmentation.brush import Brush, covered
 from palpate.segmentation.multi_otsu import otsu
 from palpate.segmentation.operations import Growing, grown
 from palpate.segmentation.request import SegmentRequest
+from palpate.server.messages.segment_list import SegmentList
 
 QUARTERS = np.array([0.0, 0.25, 0.5, 0.75, 1.0], np.float32)
 SLOPES = [0.1, 0.001, 0.3, 1.7, float(np.float32(0.1)), float(np.float32(0.001)), -0.1]
@@ -105,12 +106,14 @@ def test_what_touch_and_the_picture_compare_selects_the_same_where_it_can(
 
 
 @pytest.mark.parametrize("limit", [0.25, 0.5, 0.75])
-def test_no_quarter_is_lost_to_touch_by_rounding(limit: float) -> None:
+def test_no_quarter_is_lost_to_the_page_or_touch_by_rounding(limit: float) -> None:
     values = quarters()
     volume = volume_of(values)
     for low, high in ((limit, 1.0), (0.0, limit), (limit, limit)):
-        scene = Scene(volume, [volume.threshold(low, high)])
-        with Session(scene, options=SessionOptions(real_time=False)) as session:
+        with Session(Scene(volume), options=SessionOptions(real_time=False)) as session:
+            # as a page asks for it
+            wanted = protocol.Threshold(id=None, name="quarters", low=low, high=high)
+            SegmentList(session).threshold(wanted)
             (state,) = session.segments()
             np.testing.assert_array_equal(
                 session.segment(1).mask() != 0, (values >= low) & (values <= high)
