@@ -9,14 +9,16 @@ Work is done in the box of the mask, with as much around it as the change can re
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.lengths_in_voxels import nearest_voxels, within
+from palpate.segmentation.lengths_in_voxels import nearest_voxels, whole_voxels, within
 
 __all__ = [
     "Mask",
@@ -38,6 +40,11 @@ __all__ = [
 
 Mask = NDArray[np.bool_]
 Box = tuple[slice, slice, slice]
+
+SLAB = 32
+"""Layers at least that distances are worked out in at once."""
+MOST_THREADS = 8
+"""That do so side by side."""
 
 SMALLEST_PART = 0.01
 """Of the weight of a Gaussian that may be cut off."""
@@ -93,13 +100,8 @@ def distance_to(mask: Mask, spacing: Sequence[float]) -> NDArray[np.float32]:
 def margin(mask: Mask, spacing: Sequence[float], by: float) -> Mask:
     """Moves the border of a mask outward by a distance, or inward where it is below 0 [mm]."""
     if by >= 0.0:
-        return _in_box(
-            mask,
-            lambda part: within(squared_distance_to(part, spacing), by),
-            around=by,
-            spacing=spacing,
-        )
-    return _in_box(mask, lambda part: ~within(squared_distance_to(~part, spacing), -by))
+        return _in_box(mask, lambda part: _reached(part, spacing, by), around=by, spacing=spacing)
+    return _in_box(mask, lambda part: ~_reached(~part, spacing, -by))
 
 
 def opened(mask: Mask, spacing: Sequence[float], radius: float) -> Mask:
@@ -111,8 +113,8 @@ def closed(mask: Mask, spacing: Sequence[float], radius: float) -> Mask:
     """Fills what a ball outside does not fit into: gaps and dents [mm]."""
 
     def work(part: Mask) -> Mask:
-        grown = within(squared_distance_to(part, spacing), radius)
-        return ~within(squared_distance_to(~grown, spacing), radius)
+        grown = _reached(part, spacing, radius)
+        return ~_reached(~grown, spacing, radius)
 
     return _in_box(mask, work, around=2.0 * radius, spacing=spacing)
 
@@ -206,6 +208,27 @@ def _islands(mask: Mask, least: int) -> tuple[NDArray[np.uint32], Mask]:
     there = numbers != 0
     numbers[~there] = np.iinfo(np.uint32).max
     return numbers, there
+
+
+def _reached(mask: Mask, spacing: Sequence[float], length: float) -> Mask:
+    """Returns which voxels are at most a length from those of a mask [mm].
+
+    Slabs with as much around them as that reaches are worked on side by side, in the memory that
+    they take.
+    """
+    around = whole_voxels(length, spacing[2])
+    thick = max(SLAB, 2 * around)
+    reached = np.empty_like(mask)
+
+    def work(first: int) -> None:
+        low = max(0, first - around)
+        slab = mask[low : first + thick + around]
+        near = within(squared_distance_to(slab, spacing), length)
+        reached[first : first + thick] = near[first - low :][:thick]
+
+    with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+        list(pool.map(work, range(0, len(mask), thick)))
+    return reached
 
 
 def _in_box(

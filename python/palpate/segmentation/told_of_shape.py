@@ -68,4 +68,6 @@ def _told_of_shell(
 
 def _along(axes: dict[str, float]) -> str:
     """Names axes with their voxels' sides."""
+    if len(axes) == 3:
+        return f"any axis (voxels of {' x '.join(f'{side:g}' for side in axes.values())} mm)"
     return " and ".join(f"{axis} (voxels of {side:g} mm)" for axis, side in axes.items())

@@ -16,6 +16,7 @@ from palpate.segmentation.lengths_in_voxels import (
     most_voxels,
     nearest_voxels,
     whole_voxels,
+    within,
 )
 from palpate.segmentation.operations import changed_shape
 from palpate.segmentation.slice_interpolation import between_slices
@@ -149,6 +150,15 @@ def test_squared_distances_are_the_same_far_from_the_origin(spacing: tuple[float
     mask[1, 1, ::9] = True
     squared = mask_shape.squared_distance_to(mask, spacing)
     np.testing.assert_array_equal(squared[..., :9], squared[..., 882:891])
+
+
+@pytest.mark.parametrize("by", [0.4, 2.0, 13.0, 60.0])
+def test_margins_are_the_same_however_many_layers_are_worked_on_at_once(by: float) -> None:
+    body = np.random.default_rng(1).random((150, 9, 11)) < 0.002
+    spacing = (0.8, 1.1, 0.4)
+    whole = within(mask_shape.squared_distance_to(body, spacing), by)
+    np.testing.assert_array_equal(mask_shape.margin(body, spacing, by), whole)
+    np.testing.assert_array_equal(mask_shape.margin(~body, spacing, -by), ~whole)
 
 
 def test_islands_of_just_the_least_volume_stay() -> None:
