@@ -114,7 +114,7 @@ def body_of_scan(
     """
     values = volume.intensities()
     shift = RAW_SHIFT if volume.unit != "HU" and volume.range[0] >= 0.0 else 0.0
-    solid = values > (volume.anchors.bone if bone is None else bone)
+    solid = volume.between(volume.anchors.bone if bone is None else bone, np.inf)
     body = values > AIR_END + shift
     soft = {}
     if labels is not None:

@@ -214,7 +214,8 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
             raise OptionError(
                 "nothing is left of the segment; allowed: values or masks that leave some"
             )
-        return made, warnings
+        of_shapes = dict.fromkeys(sentence for one in made for sentence in one.warnings)
+        return made, (*warnings, *of_shapes)
 
     @property
     def _growing(self) -> Growing:

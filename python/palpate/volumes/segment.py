@@ -46,6 +46,8 @@ class Segment:
         self.made_by = made_by or range
         self.terminology: Terminology | None = None
         """What it is, in standard codes; None where no file states it."""
+        self.warnings: tuple[str, ...] = ()
+        """Sentences on what its grid could not express of how it was made."""
 
     def __repr__(self) -> str:
         return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_ml:.1f} ml>"

@@ -6,7 +6,6 @@ axis. Points are (x, y, z); arrays are [z, y, x], x fastest in memory.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -20,6 +19,7 @@ from palpate import _core
 from palpate.base.counted import counted
 from palpate.base.errors import EmptySegmentError, OptionError, VolumeFormatError
 from palpate.base.given import given_text, number
+from palpate.volumes.closed_limits import as_stored, between, limits_on_stored
 from palpate.volumes.histogram import Anchors, Histogram, anchors
 from palpate.volumes.orientation import letters_of
 from palpate.volumes.segment import Segment
@@ -357,51 +357,37 @@ class Volume:
                 f"threshold {low:g} to {upper:g}{unit} is no range; allowed: two finite values, "
                 "the lower first"
             )
-        internal = self._between(*self._whole_limits(low, upper))
+        internal = self._between(low, upper)
         if internal.voxel_count == 0:
             limits = f"from {low:g}" if high is None else f"{low:g} to {upper:g}"
             raise EmptySegmentError(
                 f"threshold {limits}{unit} selects no voxel; allowed: a range within "
                 f"{self.range[0]:g} to {self.range[1]:g}{unit}"
             )
-        return Segment(
-            internal, name=name, volume=self, range=self._limits(float(low), float(upper))
-        )
+        limits = limits_on_stored(self, float(low), float(upper))
+        return Segment(internal, name=name, volume=self, range=limits)
 
-    def _whole_limits(self, low: float, high: float) -> tuple[float, float]:
-        """Returns the whole numbers within a range, where the values are such.
+    def between(self, low: float, high: float, region: Region = ...) -> NDArray[np.bool_]:
+        """Returns which voxels have low <= value <= high, in the values that the file holds.
 
-        Python and NumPy compare integers exactly, and floats beyond 2^53 not.
+        A limit is a value where it is that but for rounding: 0.3 is 3 steps of 0.1, and what 0.3
+        is in single precision. Voxels without a value are never among them.
+
+        Args:
+            low: Lowest value [unit of the scan].
+            high: Highest value [unit of the scan].
+            region: Part of the array [z, y, x], as NumPy's indices; the default is all of it.
         """
-        if self._exact is None or self._exact.dtype.kind not in "iu":
-            return float(low), float(high)
-        # the range in floats may be rounded below the highest value
-        top = int(self._exact.max())
-        return math.ceil(low), top if high == self.range[1] else math.floor(high)
-
-    def _limits(self, low: float, high: float) -> tuple[float, float]:
-        """Returns a range whose ends that no value is beyond are beyond all stored values too."""
-        if self._exact is None:
-            return low, high
-        first, last = sorted(self.value_of(stored) for stored in self._internal.stored_range())
-        return (
-            min(low, first) if low <= self.range[0] else low,
-            max(high, last) if high >= self.range[1] else high,
-        )
+        return between(self, low, high, region=region)
 
     def _between(self, low: float, high: float) -> _core.Segment:
-        """Returns the voxels with low <= value <= high, as the values were read."""
+        """Returns the voxels that ``between`` tells."""
         if self._exact is None:
-            return self._internal.threshold(self._nearby(low), self._nearby(high))
+            return self._internal.threshold(as_stored(self, low), as_stored(self, high))
         mask = np.empty(self.shape, np.uint8)
-        for values, inside in zip(self._exact, mask, strict=True):
-            inside[...] = (values >= low) & (values <= high)
+        for number, inside in enumerate(mask):
+            inside[...] = between(self, low, high, region=number)
         return _core.Segment.from_mask(mask)
-
-    def _nearby(self, limit: float) -> float:
-        """Returns the value of a stored number where a limit is that but for rounding."""
-        value = self.value_of(round((limit - self.intercept) / self.slope))
-        return value if abs(value - limit) <= self.scale.rounding(limit) else limit
 
     def offered_bone(self) -> Segment:
         """Returns bone by a default threshold: 250 HU, or one estimated from the histogram."""

@@ -186,6 +186,8 @@ class SegmentWork:
             self._check_unmoved(wanted.id, wanted.other)
         after = changed_shape(before, wanted.kind, amount=wanted.amount, other=other)
         progress(f"changing the shape of {before.name}", None)
+        for sentence in after.warnings:
+            self._publish(protocol.Notice(level="warning", text=f"{before.name}: {sentence}."))
         old = before.mask()
         if np.array_equal(old, after.mask()):
             self._publish(
