@@ -10,7 +10,7 @@ import typer
 from palpate.base.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
-    from palpate.reconstruction.scanner import Beam
+    from palpate.reconstruction.scanner import Beam, Zero
 
 __all__ = ["EXAMPLES", "reconstruct"]
 
@@ -70,6 +70,13 @@ def reconstruct(  # noqa: PLR0913  # one per option of the command line
             help="Offset of the detector's centre from the central ray in mm.", metavar="U,V"
         ),
     ] = "0,0",
+    zero: Annotated[
+        str,
+        typer.Option(
+            help="Side of the patient with the source at angle 0: back, or front (IEC 61217, RTK); "
+            "it moves to the patient's left."
+        ),
+    ] = "back",
     sinograms: Annotated[
         bool,
         typer.Option("--sinograms", help="The images are sinograms, one for each detector row."),
@@ -108,6 +115,7 @@ def reconstruct(  # noqa: PLR0913  # one per option of the command line
         offset=(shift_u, shift_v),
         source_to_axis=source_axis,
         source_to_detector=source_detector,
+        zero=cast("Zero", zero),
         sinograms=sinograms,
         intensities=intensities,
         size=None if size is None else _size(size),

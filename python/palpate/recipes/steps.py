@@ -10,7 +10,7 @@ import msgspec
 from palpate.export.export import Kind
 from palpate.reconstruction.reconstruction import WATER
 from palpate.reconstruction.request import ReconstructionRequest
-from palpate.reconstruction.scanner import Beam
+from palpate.reconstruction.scanner import Beam, Zero
 from palpate.registration.options import Kind as RegistrationKind
 from palpate.registration.options import Metric
 
@@ -46,6 +46,7 @@ class ReconstructStep(Step, frozen=True, kw_only=True):
     offset: tuple[float, float] = (0.0, 0.0)
     source_to_axis: float = msgspec.field(default=0.0, name="source-axis")
     source_to_detector: float = msgspec.field(default=0.0, name="source-detector")
+    zero: Zero = "back"
     sinograms: bool = False
     intensities: float | None = None
     size: tuple[int, int, int] | None = None

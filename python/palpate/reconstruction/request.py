@@ -10,7 +10,7 @@ import numpy as np
 from palpate.base.progress import Progress, silent
 from palpate.reconstruction.projections import ProjectionStack, integrals_of, read_projections
 from palpate.reconstruction.reconstruction import WATER, reconstruct
-from palpate.reconstruction.scanner import Beam, Grid, Scanner, fitted_grid
+from palpate.reconstruction.scanner import Beam, Grid, Scanner, Zero, fitted_grid
 from palpate.volumes.volume import Volume
 
 __all__ = ["ReconstructionRequest", "grid_of", "reconstruct_file", "suggested"]
@@ -37,6 +37,8 @@ class ReconstructionRequest(msgspec.Struct, frozen=True, kw_only=True):
     """Distance from source to axis, for cone beams [mm]."""
     source_to_detector: float = 0.0
     """Distance from source to detector, for cone beams [mm]."""
+    zero: Zero = "back"
+    """Side of the patient at which the source is at angle 0."""
     sinograms: bool = False
     """Whether each image is one row of the detector at all angles."""
     intensities: float | None = None
@@ -60,6 +62,7 @@ class ReconstructionRequest(msgspec.Struct, frozen=True, kw_only=True):
             offset=self.offset,
             source_to_axis=self.source_to_axis,
             source_to_detector=self.source_to_detector,
+            zero=self.zero,
         )
 
 
