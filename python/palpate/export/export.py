@@ -19,10 +19,11 @@ from palpate.export.deidentify import Deidentifier
 from palpate.export.dicom_contours import make_rtstruct
 from palpate.export.dicom_object import save_dicom
 from palpate.export.dicom_scan import make_series
-from palpate.export.dicom_seg import make_seg
+from palpate.export.dicom_seg import MOST_LABEL, make_seg
 from palpate.export.dicom_source import IDENTIFIERS, DicomSource, dicom_source
 from palpate.export.image import IMAGE_SUFFIXES, write_label_map, write_scan
 from palpate.export.masks import written_segments
+from palpate.export.numbering import changed_numbers, numbers_of, unique_names
 from palpate.export.seg_nrrd import write_seg_nrrd
 from palpate.io.dicom.header import damage_told
 from palpate.volumes.scene import Scene, SceneSegment, require_scene
@@ -133,7 +134,7 @@ def export_scene(
     segments, told = written_segments(scene, only)
     match chosen:
         case "seg-nrrd":
-            write_seg_nrrd(segments, scene.volume, target)
+            told += write_seg_nrrd(segments, scene.volume, target)
         case "labels":
             told += write_label_map(segments, scene.volume, target)
         case "dicom":
@@ -144,6 +145,7 @@ def export_scene(
                 made = _make(chosen, segments, scene, source=source)
             with whole_file(target) as unfinished:
                 save_dicom(made, unfinished)
+            told += _changes_told(chosen, segments)
     return told
 
 
@@ -154,6 +156,15 @@ def _make(
         return make_rtstruct(segments, scene.volume, source)
     seg_kind: Literal["BINARY", "LABELMAP"] = "BINARY" if kind == "dicom-seg" else "LABELMAP"
     return make_seg(segments, scene.volume, source, kind=seg_kind)
+
+
+def _changes_told(kind: Kind, segments: list[SceneSegment]) -> list[str]:
+    """Says which names and numbers of segments a DICOM object has in another form."""
+    numbers = {
+        "dicom-labelmap": numbers_of(segments, most=MOST_LABEL)[0],
+        "rtstruct": numbers_of(segments)[0],
+    }.get(kind, list(range(1, len(segments) + 1)))
+    return [*changed_numbers(segments, numbers), *unique_names(segments)[1]]
 
 
 def _export_folder(
@@ -186,6 +197,7 @@ def _export_folder(
                 )
         if segments:
             progress("writing segments", None)
+            lost += _changes_told("dicom-seg", segments)
             made = make_seg(segments, scene.volume, source, kind="BINARY")
             _save(made, folder / "segments.dcm", share)
             _save(make_rtstruct(segments, scene.volume, source), folder / "structures.dcm", share)

@@ -97,7 +97,9 @@ def read_rtstruct(
         if mask is None or not mask.any():
             left_out.append(name)
         else:
-            made.append(Label(volume.segment(mask, name=name), _colour(roi)))
+            part = volume.segment(mask, name=name)
+            part.number = int(roi.ReferencedROINumber)
+            made.append(Label(part, _colour(roi)))
     said = foreign
     said += [f"no closed contours on the scan: {', '.join(left_out)}"] if left_out else []
     said += [RESAMPLED] if aslant else []

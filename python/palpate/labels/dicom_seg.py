@@ -27,6 +27,7 @@ from palpate.labels.grid import (
     Labels,
     Place,
     Resampling,
+    outside_told,
     patient_from_grid,
     placement,
 )
@@ -88,7 +89,7 @@ def read_seg(
     kind = str(dataset.get("SegmentationType") or "BINARY")
     most = int(dataset.get("MaximumFractionalValue") or 255)
     made: list[Label] = []
-    outside = empty = 0
+    outside = voxels = empty = 0
     for done, segment in enumerate(told):
         progress(f"making {len(told)} segments", done / len(told))
         mask = np.zeros(volume.shape, np.uint8)
@@ -96,9 +97,11 @@ def read_seg(
             if kind != "LABELMAP" and number != segment.number:
                 continue
             solid = _solid(pixels, kind=kind, number=segment.number, most=most)
+            voxels += int(np.count_nonzero(solid))
             outside += place.lay(solid[None], mask)
         if mask.any():
             part = volume.segment(mask, name=segment.name)
+            part.number = segment.number
             part.terminology = segment.terminology
             made.append(Label(part, segment.colour))
         else:
@@ -106,7 +109,7 @@ def read_seg(
     said = foreign
     said += ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
     said += [f"{empty} segments are empty"] if empty else []
-    said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
+    said += outside_told(outside, voxels)
     said += [RESAMPLED] if any(isinstance(place, Resampling) for place in places) else []
     return Labels(tuple(made), tuple(said))
 

@@ -26,6 +26,12 @@ class SessionSegments:
         self._volume = scene.volume
         self._first = dict(enumerate(scene, start=1))
         self._regions = regions
+        self.numbers = {
+            segment_id: one.segment.number
+            for segment_id, one in self._first.items()
+            if one.segment.number is not None
+        }
+        """Labels of segments in the files that they were read from, by the segments' ids."""
 
     def add_segment(self, segment: Segment, *, touchable: bool = True) -> int:
         """Adds a segment.
@@ -42,9 +48,13 @@ class SessionSegments:
         """
         with option_errors():
             voxels = segment._internal  # noqa: SLF001
-            return self._regions.clear_for_new(
+            added = self._regions.clear_for_new(
                 self._engine.add_segment(voxels, touchable, segment.range)
             )
+        self.numbers.pop(added, None)
+        if segment.number is not None:
+            self.numbers[added] = segment.number
+        return added
 
     def replace_segment(self, segment_id: int, segment: Segment) -> None:
         """Replaces the voxels of a segment.
@@ -245,6 +255,7 @@ class SessionSegments:
             name = f"segment {state['id']}" if shown is None else shown.name
             segment = self.segment(state["id"], name=name)
             segment.terminology = None if shown is None else shown.segment.terminology
+            segment.number = self.numbers.get(state["id"])
             now.add(
                 segment,
                 colour=None if shown is None else shown.colour,

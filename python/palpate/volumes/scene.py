@@ -189,6 +189,13 @@ def choose_segment(scene: Scene, name: str | None) -> Segment:
         OptionError: There is none, or it is ambiguous.
     """
     segments = {one.name: one.segment for one in scene}
+    alike = [one.name for one in scene].count(next(iter(segments), "") if name is None else name)
+    if alike > 1 and (name is not None or len(segments) == 1):
+        called = next(iter(segments)) if name is None else name
+        raise OptionError(
+            f"{alike} segments are called {called!r}; allowed: a name that one segment has, so "
+            "rename them first"
+        )
     if name is None and len(segments) == 1:
         return next(iter(segments.values()))
     if name is None or name not in segments:
