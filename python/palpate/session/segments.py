@@ -48,13 +48,15 @@ class SessionSegments:
         """
         with option_errors():
             voxels = segment._internal  # noqa: SLF001
-            added = self._regions.clear_for_new(
-                self._engine.add_segment(voxels, touchable, segment.range)
-            )
-        self.numbers.pop(added, None)
+            added = self._new(self._engine.add_segment(voxels, touchable, segment.range))
         if segment.number is not None:
             self.numbers[added] = segment.number
         return added
+
+    def _new(self, segment_id: int) -> int:
+        """Forgets what an earlier segment of this id had; returns the id."""
+        self.numbers.pop(segment_id, None)
+        return self._regions.clear_for_new(segment_id)
 
     def replace_segment(self, segment_id: int, segment: Segment) -> None:
         """Replaces the voxels of a segment.
@@ -159,7 +161,7 @@ class SessionSegments:
             OptionError: The whole segment lies on one side of the plane.
         """
         with option_errors():
-            return self._regions.clear_for_new(
+            return self._new(
                 self._engine.cut(segment_id, triple("point", point), triple("normal", normal))
             )
 
@@ -175,7 +177,7 @@ class SessionSegments:
             OptionError: The line is not valid, or the whole segment lies on one side of it.
         """
         with option_errors():
-            return self._regions.clear_for_new(self._engine.cut_along(segment_id, cut.given()))
+            return self._new(self._engine.cut_along(segment_id, cut.given()))
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
         """Returns the volumes of the parts that ``cut_along`` would make.
