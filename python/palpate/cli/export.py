@@ -14,6 +14,7 @@ from palpate.export.request import ExportRequest
 from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
+    from palpate.export.kinds import Kind
     from palpate.volumes.scene import Scene
 
 __all__ = ["export"]
@@ -99,16 +100,28 @@ def export(
             keep_identity=request.keep_identity,
             progress=display,
         )
-    _print_result(scene, request.out, notes)
+    _print_result(scene, request.out, notes, written=_written(scene, kind, request.only))
 
 
 export.__doc__ = EXAMPLES
 
 
-def _print_result(scene: Scene, out: Path, notes: list[str]) -> None:
-    """Says what was written."""
+def _written(scene: Scene, kind: Kind, only: list[str] | None) -> list[str]:
+    """Returns the names of the segments that were written."""
+    from palpate.export.masks import written_segments
+
+    if kind == "scan" or len(scene) == 0:
+        return []
+    return [one.name for one in written_segments(scene, only)[0]]
+
+
+def _print_result(scene: Scene, out: Path, notes: list[str], *, written: list[str]) -> None:
+    """Says what was written, and of how many segments."""
     for note in notes:
         warn(note)
     files = sum(1 for file in out.rglob("*") if file.is_file()) if out.is_dir() else 1
     what = f"{files} files" if files > 1 else f"{out.stat().st_size / 2**20:.1f} MiB"
-    typer.echo(f"{out}: {what}, of {len(scene)} segments in {scene.volume.name}")
+    some = 0 < len(written) < len(scene)
+    which = f"{len(written)} of {len(scene)} segments"
+    which += f" ({', '.join(written)})" if some else ""
+    typer.echo(f"{out}: {what}, {which} in {scene.volume.name}")

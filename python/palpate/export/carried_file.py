@@ -18,12 +18,13 @@ from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.base.progress import Progress, silent
 from palpate.base.whole_file import check_target, whole_file
 from palpate.export.export import export_scene
-from palpate.export.image import names_beside, write_scan
+from palpate.export.image import write_scan
 from palpate.export.mark_table import read_marks
 from palpate.io.reading import read
 from palpate.labels.kind import labels_told
 from palpate.labels.label_values import label_values
 from palpate.labels.labels import Label, read_labels
+from palpate.labels.name_table import table_beside
 from palpate.labels.own_grid import has_own_grid, own_grid
 from palpate.labels.seg_nrrd import is_segmentation
 from palpate.registration.carry import Carrier
@@ -223,7 +224,7 @@ def _write_table(path: Path, out: Path, volume: Volume, *, progress: Progress) -
     if [one.segment.name for one in found] == [f"label {number}" for number in numbers]:
         return
     with (
-        whole_file(names_beside(out)) as unfinished,
+        whole_file(table_beside(out)) as unfinished,
         unfinished.open("w", encoding="utf-8", newline="") as file,
     ):
         table = csv.writer(file)

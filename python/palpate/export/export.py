@@ -19,6 +19,7 @@ from palpate.base.whole_file import whole_file, whole_folder
 from palpate.export.image import write_label_map, write_scan
 from palpate.export.kinds import Kind, check_export, kind_of
 from palpate.export.masks import written_segments
+from palpate.export.numbering import changed_numbers, numbers_of, unique_names
 from palpate.export.seg_nrrd import write_seg_nrrd
 from palpate.volumes.scene import Scene, SceneSegment, require_scene
 
@@ -73,20 +74,20 @@ def export_scene(
     segments, told = written_segments(scene, only)
     match chosen:
         case "seg-nrrd":
-            write_seg_nrrd(segments, scene.volume, target)
+            told += write_seg_nrrd(segments, scene.volume, target)
         case "labels":
             told += write_label_map(segments, scene.volume, target)
         case "dicom":
             told += _export_folder(scene, segments, target, keep=keep_identity, progress=progress)
         case _:
-            _export_object(scene, segments, target, kind=chosen, progress=progress)
+            told += _export_object(scene, segments, target, kind=chosen, progress=progress)
     return told
 
 
 def _export_object(
     scene: Scene, segments: list[SceneSegment], path: Path, *, kind: Kind, progress: Progress
-) -> None:
-    """Writes one DICOM object that refers to the scan's files."""
+) -> list[str]:
+    """Writes one DICOM object that refers to the scan's files; returns what it has otherwise."""
     from palpate.export.dicom_object import save_dicom
     from palpate.export.dicom_source import dicom_source
 
@@ -95,6 +96,7 @@ def _export_object(
         made = _make(kind, segments, scene, source=source)
     with whole_file(path) as unfinished:
         save_dicom(made, unfinished)
+    return _changes_told(kind, segments)
 
 
 def _make(
@@ -107,6 +109,17 @@ def _make(
         return make_rtstruct(segments, scene.volume, source)
     seg_kind: Literal["BINARY", "LABELMAP"] = "BINARY" if kind == "dicom-seg" else "LABELMAP"
     return make_seg(segments, scene.volume, source, kind=seg_kind)
+
+
+def _changes_told(kind: Kind, segments: list[SceneSegment]) -> list[str]:
+    """Says which names and numbers of segments a DICOM object has in another form."""
+    from palpate.export.dicom_seg import MOST_LABEL
+
+    numbers = {
+        "dicom-labelmap": numbers_of(segments, most=MOST_LABEL)[0],
+        "rtstruct": numbers_of(segments)[0],
+    }.get(kind, list(range(1, len(segments) + 1)))
+    return [*changed_numbers(segments, numbers), *unique_names(segments)[1]]
 
 
 def _export_folder(
@@ -145,6 +158,7 @@ def _export_folder(
                 )
         if segments:
             progress("writing segments", None)
+            lost += _changes_told("dicom-seg", segments)
             made = make_seg(segments, scene.volume, source, kind="BINARY")
             _save(made, folder / "segments.dcm", share)
             _save(make_rtstruct(segments, scene.volume, source), folder / "structures.dcm", share)

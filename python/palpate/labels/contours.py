@@ -100,7 +100,9 @@ def read_rtstruct(
         aslant = aslant or (found is not None and _axis_of(polygons, volume) is None)
         told.add(name, found)
         if found is not None and found.mask.any():
-            made.append(Label(volume.segment(found.mask, name=name), _colour(roi)))
+            part = volume.segment(found.mask, name=name)
+            part.number = int(roi.ReferencedROINumber)
+            made.append(Label(part, _colour(roi)))
     said = [*foreign, *told.sentences()]
     said += [RESAMPLED] if aslant else []
     return Labels(tuple(made), tuple(said))

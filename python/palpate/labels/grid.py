@@ -29,6 +29,7 @@ __all__ = [
     "Place",
     "Placement",
     "Resampling",
+    "outside_told",
     "patient_from_grid",
     "placement",
     "told_of",
@@ -142,6 +143,14 @@ class Resampling:
 
 
 Place = Placement | Resampling
+
+
+def outside_told(outside: int, voxels: int) -> list[str]:
+    """Says how many of the voxels of segments lie outside the scan, and what share that is."""
+    if not outside:
+        return []
+    share = 100.0 * outside / voxels
+    return [f"{outside} voxels of segments lie outside the scan ({share:.2g} %)"]
 
 
 def _affine(matrix: NDArray[Any], *point: NDArray[Any] | float) -> list[NDArray[np.float64]]:

@@ -25,6 +25,7 @@ from palpate.labels.grid import (
     Colour,
     Label,
     Labels,
+    outside_told,
     patient_from_grid,
     placement,
     told_of,
@@ -132,21 +133,23 @@ def read_seg_nrrd(
 
     stored = _stored_segments(path, fields, layers.shape[3])
     made: list[Label] = []
-    outside = empty = 0
+    outside = voxels = empty = 0
     for done, one in enumerate(stored):
         progress(f"making {len(stored)} segments", done / len(stored))
         layer = layers[..., one.layer]
         inside = layer != 0 if one.value is None else layer == one.value
         mask = np.zeros(volume.shape, np.uint8)
+        voxels += int(np.count_nonzero(inside))
         outside += place.lay(inside.astype(np.uint8), mask)
         if mask.any():
             segment = volume.segment(mask, name=one.name)
+            segment.number = one.value
             segment.terminology = _terminology(fields, one.number)
             made.append(Label(segment, _colour(fields, one.number)))
         else:
             empty += 1
     said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
-    said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
+    said += outside_told(outside, voxels)
     said += told_of([place])
     return Labels(tuple(made), tuple(said))
 

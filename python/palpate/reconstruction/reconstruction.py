@@ -9,7 +9,7 @@ time.
 
 Frame of the device: that of ``palpate.reconstruction.scanner``. The scan is given in the patient
 frame (LPS) for a patient in supine position whose axis from feet to head is that of rotation: x, y,
-z of the patient are x, -z, y of the device.
+z of the patient are x, z, y of the device, or x, -z, y where the source begins in front.
 
 Layout: projections are [angle, v, u], line integrals of attenuation [1].
 """
@@ -116,8 +116,10 @@ def _by_rtk(
         progress(f"reconstructing from {count} projections", first / len(angles))
         some = slice(first, first + AT_ONCE)
         image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), angles[some], onto=image)
-    # [z, y, x] of the device to [z, y, x] of the patient, whose back lies toward -z
-    return np.transpose(rtk.values(image), (1, 0, 2))[:, ::-1]
+    # [z, y, x] of the device to [z, y, x] of the patient: a mirror image, as its projections are,
+    # unless the source begins in front
+    found = np.transpose(rtk.values(image), (1, 0, 2))
+    return found if scanner.posterior > 0.0 else found[:, ::-1]
 
 
 def _scan(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from palpate.base.progress import Progress, silent
 from palpate.base.request import Request, words
-from palpate.reconstruction.beams import WATER, Beam
+from palpate.reconstruction.beams import WATER, Beam, Zero
 
 if TYPE_CHECKING:
     from palpate.reconstruction.projections import ProjectionStack
@@ -49,6 +49,13 @@ class ReconstructionRequest(Request, frozen=True, kw_only=True):
         tuple[float, float],
         words("Offset of the detector's centre from the central ray in mm.", form="U,V"),
     ] = (0.0, 0.0)
+    zero: Annotated[
+        Zero,
+        words(
+            "Side of the patient with the source at angle 0: back, or front (IEC 61217, RTK); it "
+            "moves to the patient's left."
+        ),
+    ] = "back"
     sinograms: Annotated[bool, words("The images are sinograms, one for each detector row.")] = (
         False
     )
@@ -78,6 +85,7 @@ class ReconstructionRequest(Request, frozen=True, kw_only=True):
             offset=self.offset,
             source_to_axis=self.source_to_axis,
             source_to_detector=self.source_to_detector,
+            zero=self.zero,
         )
 
 

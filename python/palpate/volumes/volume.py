@@ -359,9 +359,9 @@ class Volume:
             )
         internal = self._between(low, upper)
         if internal.voxel_count == 0:
-            limits = f"from {low:g}" if high is None else f"{low:g} to {upper:g}"
+            asked = f"from {low:g}" if high is None else f"{low:g} to {upper:g}"
             raise EmptySegmentError(
-                f"threshold {limits}{unit} selects no voxel; allowed: a range within "
+                f"threshold {asked}{unit} selects no voxel; allowed: a range within "
                 f"{self.range[0]:g} to {self.range[1]:g}{unit}"
             )
         limits = limits_on_stored(self, float(low), float(upper))
@@ -385,8 +385,8 @@ class Volume:
         if self._exact is None:
             return self._internal.threshold(as_stored(self, low), as_stored(self, high))
         mask = np.empty(self.shape, np.uint8)
-        for number, inside in enumerate(mask):
-            inside[...] = between(self, low, high, region=number)
+        for index, inside in enumerate(mask):
+            inside[...] = between(self, low, high, region=index)
         return _core.Segment.from_mask(mask)
 
     def offered_bone(self) -> Segment:

@@ -182,7 +182,7 @@ def test_what_is_resampled_beyond_the_scan_is_counted(tmp_path: Path) -> None:
     SimpleITK.WriteImage(image, str(tmp_path / "rod.seg.nrrd"))
     found = palpate.read_labels(tmp_path / "rod.seg.nrrd", scan, resample=True)
     # centres at 0, 0.8, …, 5.6 mm; the scan ends at 3.5 mm
-    assert found.warnings[0] == "3 voxels of segments lie outside the scan"
+    assert found.warnings[0] == "3 voxels of segments lie outside the scan (38 %)"
     (label,) = found.labels
     assert label.segment.mask()[0, 0].tolist() == [1, 1, 1, 1]
 
