@@ -54,10 +54,10 @@ def _in_type_of(volume: Volume, low: float, high: float) -> tuple[float, float]:
     if volume.exact.dtype.kind not in "iu":
         return float(low), float(high)
     # the highest value may be rounded down in the range, which is in floats
-    all_above = high >= volume.range[1]
+    whole_range = high == volume.range[1]
     return (
         math.ceil(low) if math.isfinite(low) else low,
-        np.inf if all_above else math.floor(high),
+        np.inf if whole_range or not math.isfinite(high) else math.floor(high),
     )
 
 
