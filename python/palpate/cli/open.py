@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.base.console import quiet_libraries
+from palpate.base.early_imports import importing
 from palpate.cli.options import (
     AnotherPatient,
     Browser,
@@ -25,6 +27,7 @@ from palpate.cli.options import (
     WithFrame,
     WithSeries,
 )
+from palpate.cli.read_ahead import ReadAhead
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
 
@@ -73,12 +76,15 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     """Open a scan or a saved scene in the browser."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.scenes import add_mesh, add_second, saved_scene, scene_of
-    from palpate.cli.show_page import check_start, choose_on_page, show
     from palpate.saved.ending import is_scene
-    from palpate.saved.opening import Opening
-    from palpate.server.app import bind_again
-    from palpate.server.resume import note_port
+
+    ahead = None if path is None or is_scene(path) else ReadAhead(partial(reading.read, path))
+    with importing():
+        from palpate.cli.scenes import add_mesh, add_second, saved_scene, scene_of
+        from palpate.cli.show_page import check_start, choose_on_page, show
+        from palpate.saved.opening import Opening
+        from palpate.server.app import bind_again
+        from palpate.server.resume import note_port
 
     check_start(rate)
     bounds = parse_threshold(threshold)
@@ -95,9 +101,9 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     given = path
 
     def make(progress: Progress) -> Opening:
-        if is_scene(given):
+        if ahead is None:
             return saved_scene(given, progress)
-        volume = reading.read(given, progress)
+        volume = ahead.result(progress)
         scene = scene_of(
             volume,
             bounds=bounds,
