@@ -34,6 +34,11 @@ if TYPE_CHECKING:
     from palpate.labels.labels import Label, Labels, read_labels
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
+    from palpate.segmentation.segment_statistics import (
+        SegmentStatistics,
+        ValueStatistics,
+        statistics,
+    )
     from palpate.session.gap import Gap
     from palpate.session.painted_cut import PaintedCut
     from palpate.session.recording import Recording, Replay
@@ -78,11 +83,13 @@ __all__ = [
     "ScriptedPath",
     "SearchOptions",
     "Segment",
+    "SegmentStatistics",
     "SeriesChoiceError",
     "Session",
     "SessionOptions",
     "Surface",
     "TouchSettings",
+    "ValueStatistics",
     "Volume",
     "VolumeFormatError",
     "WebAddress",
@@ -97,6 +104,7 @@ __all__ = [
     "register",
     "remote_series",
     "segment_of_mesh",
+    "statistics",
     "suitable_spacing",
     "write_mesh",
 ]
@@ -126,11 +134,13 @@ __getattr__ = lazy_exports(
         "ScriptedPath": "session.scripted_path",
         "SearchOptions": "registration.options",
         "Segment": "volumes.segment",
+        "SegmentStatistics": "segmentation.segment_statistics",
         "SeriesChoiceError": "base.errors",
         "Session": "session.session",
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
         "TouchSettings": "session.touch_settings",
+        "ValueStatistics": "segmentation.segment_statistics",
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",
         "WebAddress": "io.dicomweb.address",
@@ -145,6 +155,7 @@ __getattr__ = lazy_exports(
         "register": "registration.registration",
         "remote_series": "io.dicomweb.series",
         "segment_of_mesh": "volumes.mesh_read",
+        "statistics": "segmentation.segment_statistics",
         "suitable_spacing": "volumes.mesh_read",
         "write_mesh": "volumes.mesh_write",
     },

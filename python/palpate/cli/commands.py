@@ -51,6 +51,8 @@ from palpate.cli.replay import replay
 from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
 from palpate.cli.series import series
+from palpate.cli.statistics import EXAMPLES as STATISTICS_EXAMPLES
+from palpate.cli.statistics import statistics
 from palpate.cli.surface import surface
 
 __all__ = ["app", "main"]
@@ -64,7 +66,18 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-READING = {"open", "import", "export", "info", "record", "register", "run", "segment", "series"}
+READING = {
+    "open",
+    "import",
+    "export",
+    "info",
+    "record",
+    "register",
+    "run",
+    "segment",
+    "series",
+    "statistics",
+}
 """Commands that read files in most cases."""
 STOPPED_BY_PERSON = 130
 """Exit code after Ctrl-C, as shells expect it."""
@@ -172,6 +185,7 @@ app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
+app.command("statistics", epilog=STATISTICS_EXAMPLES)(statistics)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.add_typer(surface, name="surface")
 app.add_typer(scenario, name="scenario")

@@ -12,7 +12,6 @@ from palpate.cli.options import AnotherPatient, Resample, Segments
 from palpate.cli.reading_options import Reading, with_reading
 
 if TYPE_CHECKING:
-    from palpate.base.progress import Progress
     from palpate.export.export import Kind
     from palpate.volumes.scene import Scene
 
@@ -85,7 +84,7 @@ def export(
     """Writes what was asked for and says what it is."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.scenes import wanted_scene
+    from palpate.cli.scenes import edited_saved_scene, wanted_scene
     from palpate.export.export import export_scene
     from palpate.saved.opening import is_scene
 
@@ -97,7 +96,7 @@ def export(
     known = _check_target(out, kind, has_segments=has_segments, keep_identity=keep_identity)
     with quiet_libraries(), Display() as display:
         if saved:
-            scene = _saved_scene(path, display)
+            scene = edited_saved_scene(path, display)
         else:
             volume = reading.read(path, display)
             for warning in volume.warnings:
@@ -133,22 +132,6 @@ def _check_target(out: Path, kind: str | None, *, has_segments: bool, keep_ident
     known = kind_of(out, has_segments=has_segments) if kind is None else kind
     check_export(out, known, keep_identity=keep_identity)
     return known
-
-
-def _saved_scene(path: Path, progress: Progress) -> Scene:
-    """Returns the scan of a scene that was saved, with its edits and segments.
-
-    Raises:
-        SceneFormatError: It cannot be opened.
-    """
-    from palpate.saved.edited_scene import edited_scene
-    from palpate.saved.scene_file import open_scene
-
-    saved = open_scene(path, progress=progress)
-    scene, notes = edited_scene(saved)
-    for note in (*saved.volume.warnings, *notes):
-        warn(note)
-    return scene
 
 
 def _print_result(scene: Scene, out: Path, notes: list[str]) -> None:

@@ -32,6 +32,7 @@ __all__ = [
     "add_labels",
     "add_mesh",
     "add_second",
+    "edited_saved_scene",
     "mesh_file",
     "saved_scene",
     "scene_of",
@@ -154,6 +155,21 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
         raise with_autosave(error, path) from None
 
 
+def edited_saved_scene(path: Path, progress: Progress) -> Scene:
+    """Returns the scan of a scene that was saved, with its edits and segments.
+
+    Raises:
+        SceneFormatError: It cannot be opened.
+    """
+    from palpate.saved.edited_scene import edited_scene
+
+    saved = open_scene(path, progress=progress)
+    scene, notes = edited_scene(saved)
+    for note in (*saved.volume.warnings, *notes):
+        warn(note)
+    return scene
+
+
 def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -> MeshFile:
     """Reads a mesh and warns of what was repaired.
 
@@ -198,6 +214,4 @@ def add_mesh(
     edge = suitable_spacing(file.mesh, scene.volume) if spacing is None else spacing
     segment = object_of_mesh(file, edge)
     scene.add(segment, shown_as="surface")
-    typer.echo(
-        f"{file.name}: {segment.voxel_count} voxels of {edge:.3g} mm, {segment.volume_ml:.2f} ml"
-    )
+    typer.echo(f"{file.name}: {segment.voxel_count} voxels of {edge:.3g} mm, {segment.volume_text}")

@@ -112,6 +112,7 @@ def _export(
     Raises:
         OptionError: A setting is not allowed.
     """
+    from palpate.base.volume_text import volume_text
     from palpate.volumes.mesh_write import write_mesh
     from palpate.volumes.surface import Surface
 
@@ -119,7 +120,7 @@ def _export(
     write_mesh(surface.mesh(), path)
     typer.echo(
         f"{path}: {surface.triangle_count} triangles, {surface.area / 100.0:.1f} cm², "
-        f"{surface.volume / 1000.0:.1f} ml, LPS, {'m' if path.suffix == '.glb' else 'mm'}"
+        f"{volume_text(surface.volume)}, LPS, {'m' if path.suffix == '.glb' else 'mm'}"
     )
 
 
@@ -131,4 +132,4 @@ def _write_voxels(file: MeshFile, path: Path, *, grid: Volume | float, shell: bo
     volume = grid_around([file.mesh], grid) if isinstance(grid, float) else grid
     segment = segment_of_mesh(file, volume, as_shell=shell)
     write_image(segment.mask(), volume, path)
-    typer.echo(f"{path}: {segment.voxel_count} voxels, {segment.volume_ml:.1f} ml")
+    typer.echo(f"{path}: {segment.voxel_count} voxels, {segment.volume_text}")
