@@ -36,6 +36,11 @@ if TYPE_CHECKING:
     from palpate.registration.inverse import Inverse
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
+    from palpate.segmentation.segment_statistics import (
+        SegmentStatistics,
+        ValueStatistics,
+        statistics,
+    )
     from palpate.session.gap import Gap
     from palpate.session.painted_cut import PaintedCut
     from palpate.session.recording import Recording, Replay
@@ -85,12 +90,14 @@ __all__ = [
     "ScriptedPath",
     "SearchOptions",
     "Segment",
+    "SegmentStatistics",
     "SeriesChoiceError",
     "Session",
     "SessionOptions",
     "Surface",
     "SurfaceReport",
     "TouchSettings",
+    "ValueStatistics",
     "Volume",
     "VolumeFormatError",
     "WebAddress",
@@ -107,6 +114,7 @@ __all__ = [
     "remote_series",
     "resampled",
     "segment_of_mesh",
+    "statistics",
     "suitable_spacing",
     "write_mesh",
 ]
@@ -138,12 +146,14 @@ __getattr__ = lazy_exports(
         "ScriptedPath": "session.scripted_path",
         "SearchOptions": "registration.options",
         "Segment": "volumes.segment",
+        "SegmentStatistics": "segmentation.segment_statistics",
         "SeriesChoiceError": "base.errors",
         "Session": "session.session",
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
         "SurfaceReport": "volumes.surface_report",
         "TouchSettings": "session.touch_settings",
+        "ValueStatistics": "segmentation.segment_statistics",
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",
         "WebAddress": "io.dicomweb.address",
@@ -160,6 +170,7 @@ __getattr__ = lazy_exports(
         "remote_series": "io.dicomweb.series",
         "resampled": "volumes.resampled",
         "segment_of_mesh": "volumes.mesh_read",
+        "statistics": "segmentation.segment_statistics",
         "suitable_spacing": "volumes.mesh_read",
         "write_mesh": "volumes.mesh_write",
     },

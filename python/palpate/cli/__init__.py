@@ -12,7 +12,7 @@ __all__ = ["main"]
 
 READING = {
     "open", "import", "export", "info", "record", "register", "run", "segment", "series",
-    "transform",
+    "statistics", "transform",
 }  # fmt: skip
 """Commands that read files in most cases."""
 

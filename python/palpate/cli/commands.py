@@ -50,6 +50,8 @@ from palpate.cli.replay import replay
 from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
 from palpate.cli.series import series
+from palpate.cli.statistics import EXAMPLES as STATISTICS_EXAMPLES
+from palpate.cli.statistics import statistics
 from palpate.cli.surface import surface
 from palpate.cli.transform import EXAMPLES as TRANSFORM_EXAMPLES
 from palpate.cli.transform import transform
@@ -182,6 +184,7 @@ app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("transform", epilog=TRANSFORM_EXAMPLES)(transform)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
+app.command("statistics", epilog=STATISTICS_EXAMPLES)(statistics)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.add_typer(surface, name="surface")
 app.add_typer(scenario, name="scenario")

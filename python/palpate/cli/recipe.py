@@ -76,6 +76,6 @@ def run_file(
     for sentence in told:
         warn(sentence)
     for shown in scene:
-        typer.echo(f"{shown.name}: {shown.segment.volume_ml:.1f} ml")
+        typer.echo(f"{shown.name}: {shown.segment.volume_text}")
     for path in written:
         typer.echo(f"{path} written")

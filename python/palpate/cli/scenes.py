@@ -268,6 +268,4 @@ def add_mesh(
     edge = suitable_spacing(file.mesh, scene.volume) if spacing is None else spacing
     segment = object_of_mesh(file, edge)
     scene.add(segment, shown_as="surface")
-    typer.echo(
-        f"{file.name}: {segment.voxel_count} voxels of {edge:.3g} mm, {segment.volume_ml:.2f} ml"
-    )
+    typer.echo(f"{file.name}: {segment.voxel_count} voxels of {edge:.3g} mm, {segment.volume_text}")

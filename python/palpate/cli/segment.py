@@ -64,4 +64,4 @@ def segment(
     for warning in (*volume.warnings, *found_warnings, *told):
         warn(warning)
     for one in made:
-        typer.echo(f"{out}: {one.name}, {one.voxel_count} voxels, {one.volume_ml:.1f} ml")
+        typer.echo(f"{out}: {one.name}, {one.voxel_count} voxels, {one.volume_text}")

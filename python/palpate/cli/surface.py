@@ -159,4 +159,4 @@ def _write_voxels(file: MeshFile, path: Path, *, grid: Volume | float, shell: bo
     volume = grid_around([file.mesh], grid) if isinstance(grid, float) else grid
     segment = segment_of_mesh(file, volume, as_shell=shell)
     write_image(segment.mask(), volume, path)
-    typer.echo(f"{path}: {segment.voxel_count} voxels, {segment.volume_ml:.1f} ml")
+    typer.echo(f"{path}: {segment.voxel_count} voxels, {segment.volume_text}")

@@ -10,27 +10,38 @@ if TYPE_CHECKING:
     from palpate.segmentation.multi_otsu import otsu
     from palpate.segmentation.operations import ShapeKind, changed_shape, grown, smoothed_together
     from palpate.segmentation.region_growing import Growing
+    from palpate.segmentation.segment_statistics import (
+        SegmentStatistics,
+        ValueStatistics,
+        statistics,
+    )
     from palpate.segmentation.watershed import grown_from_seeds
 
 __all__ = [
     "Growing",
+    "SegmentStatistics",
     "ShapeKind",
+    "ValueStatistics",
     "changed_shape",
     "grown",
     "grown_from_seeds",
     "otsu",
     "smoothed_together",
+    "statistics",
 ]
 
 __getattr__ = lazy_exports(
     __name__,
     {
         "Growing": "region_growing",
+        "SegmentStatistics": "segment_statistics",
         "ShapeKind": "operations",
+        "ValueStatistics": "segment_statistics",
         "changed_shape": "operations",
         "grown": "operations",
         "grown_from_seeds": "watershed",
         "otsu": "multi_otsu",
         "smoothed_together": "operations",
+        "statistics": "segment_statistics",
     },
 )

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from palpate.base.volume_text import volume_text
+
 if TYPE_CHECKING:
     from palpate import _core
     from palpate.volumes.terminology import Terminology
@@ -52,7 +54,7 @@ class Segment:
         """Its label in the file that it was read from, which export keeps; None without one."""
 
     def __repr__(self) -> str:
-        return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_ml:.1f} ml>"
+        return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_text}>"
 
     @property
     def voxel_count(self) -> int:
@@ -63,6 +65,11 @@ class Segment:
     def volume_ml(self) -> float:
         """Volume of its voxels [ml]."""
         return self.voxel_count * self.volume.voxel_volume / 1000.0
+
+    @property
+    def volume_text(self) -> str:
+        """Volume of its voxels for people: small ones in mm³, others in ml."""
+        return volume_text(self.voxel_count * self.volume.voxel_volume)
 
     @property
     def bounding_box(self) -> tuple[tuple[int, int, int], tuple[int, int, int]] | None:

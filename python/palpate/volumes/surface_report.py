@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SurfaceReport", "ThinSummary", "thin_summary", "volume_text"]
+from palpate.base.volume_text import volume_text
+
+__all__ = ["SurfaceReport", "ThinSummary", "thin_summary"]
 
 TOLERANCE = 0.05
 """Share of its volume that a surface may gain or lose without a warning."""
-
-ML = 1000.0
-"""mm³ in a ml."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,15 +142,3 @@ def thin_summary(places: NDArray[np.float64], volumes: NDArray[np.float64]) -> T
         changed_most_at=None if most is None else (x, y, z),
         changed_most=0.0 if most is None else float(difference[most]),
     )
-
-
-def volume_text(volume: float) -> str:
-    """Returns a volume [mm³] in three digits: small ones in mm³, others in ml."""
-    if abs(volume) < ML:
-        return f"{volume:.3g} mm³"
-    ml = volume / ML
-    return f"{ml:.{max(0, 2 - int(math.log10(abs(ml))))}f} ml"
-
-
-def _bodies(count: int) -> str:
-    return f"{count} {'body' if count == 1 else 'bodies'}"

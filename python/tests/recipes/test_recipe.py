@@ -78,7 +78,7 @@ def test_a_whole_pipeline_runs_and_its_files_are_read_again(folder: Path, capsys
     z, y, x = np.indices(volume.shape)
     off = np.linalg.norm(np.stack([x, y, z], axis=-1) * SPACING - (18.0, 24.0, 30.0), axis=-1)
     np.testing.assert_array_equal(ball.mask() != 0, off <= 14.0)
-    assert f"ball: {ball.volume_ml:.1f} ml" in said
+    assert f"ball: {ball.volume_text}" in said
     numbers = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(folder / "labels.nii.gz")))
     np.testing.assert_array_equal(numbers != 0, off <= 14.0)
     mesh = trimesh.load_mesh(folder / "ball.stl")
@@ -117,7 +117,7 @@ segment:
 """
     assert run(["run", str(written(folder, text.format(depth="2")))]) == 0
     made = scan.threshold(200.0)
-    assert f"all: {made.volume_ml:.1f} ml" in capsys.readouterr().out
+    assert f"all: {made.volume_text}" in capsys.readouterr().out
     assert run(["run", str(written(folder, text.format(depth="deep")))]) == 2
     assert (
         "recipe.yaml, line 5: import: voxel-size '1,1.5,deep' given; allowed: 3 numbers, X,Y,Z"
@@ -155,7 +155,7 @@ report: report.html
     right = truth() > -300.0
     both = np.count_nonzero(right & (body.segment.mask() != 0))
     assert 2.0 * both / (np.count_nonzero(right) + body.segment.voxel_count) > 0.97
-    assert f"body: {body.segment.volume_ml:.1f} ml" in capsys.readouterr().out
+    assert f"body: {body.segment.volume_text}" in capsys.readouterr().out
     assert "HU" in (tmp_path / "report.html").read_text("utf-8")
     # checked before anything is read, with its line
     for old, new, line, said in (

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from palpate.base.errors import EmptySegmentError, OptionError
+from palpate.base.volume_text import volume_text
 from palpate.volumes.scene import Scene, choose_segment
 from palpate.volumes.segment import Segment
 from palpate.volumes.surface import Surface
-from palpate.volumes.surface_report import volume_text
 from palpate.volumes.volume import Volume
 from scipy import ndimage
 

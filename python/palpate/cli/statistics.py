@@ -1,0 +1,128 @@
+"""The command ``palpate statistics``: volumes, values and sizes of segments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from palpate.base.console import Display, quiet_libraries, warn
+from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
+
+if TYPE_CHECKING:
+    from palpate.segmentation.segment_statistics import SegmentStatistics
+    from palpate.volumes.volume import Volume
+
+__all__ = ["EXAMPLES", "statistics"]
+
+EXAMPLES = """\b
+Examples:
+  palpate statistics ct/ --segments organs.seg.nrrd
+  palpate statistics ct.nii.gz --threshold 250 --csv > bone.csv
+  palpate statistics work.palpate -o work.json     (a saved scene)
+
+Values are those of the file, in its unit. The axial diameter is the largest within one slice, of
+the scan's slices that are nearest to axial; diameters run from corner to corner of voxels.
+"""
+
+SUFFIXES = (".csv", ".json")
+
+
+@with_requests
+def statistics(
+    path: Annotated[
+        Path,
+        typer.Argument(
+            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
+        ),
+    ],
+    *,
+    segments: Segments = None,
+    threshold: Threshold = None,
+    resample: Resample = False,
+    another_patient: AnotherPatient = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Write a file (.csv, .json) instead.")
+    ] = None,
+    reading: ReadRequest,
+) -> None:
+    """Measure segments: volume, values, diameters, surface area, centroid."""
+    from palpate.base.errors import OptionError
+    from palpate.base.typed_numbers import parse_threshold
+    from palpate.base.whole_file import check_target, whole_file
+    from palpate.cli.scenes import edited_saved_scene, wanted_scene
+    from palpate.saved.ending import is_scene
+    from palpate.segmentation.segment_statistics import statistics as measure
+
+    form = _form(out, as_csv=as_csv, as_json=as_json)
+    if out is not None:
+        check_target(out, SUFFIXES)
+    bounds = parse_threshold(threshold)
+    saved, chosen = is_scene(path), segments is not None or bounds is not None
+    if saved and (chosen or reading != ReadRequest()):
+        raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+    if not saved and not chosen:
+        raise OptionError(
+            "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
+        )
+    with quiet_libraries(), Display() as display:
+        if saved:
+            scene = edited_saved_scene(path, display)
+        else:
+            volume = reading.read(path, display)
+            for warning in volume.warnings:
+                warn(warning)
+            scene = wanted_scene(
+                volume,
+                bounds=bounds,
+                label_map=segments,
+                resample=resample,
+                another_patient=another_patient,
+                progress=display,
+            )
+        measured = measure(scene, progress=display)
+    text = _text(measured, scene.volume, form)
+    if out is None:
+        typer.echo(text, nl=False)
+        return
+    with whole_file(out) as unfinished:
+        unfinished.write_text(text, "utf-8")
+    typer.echo(f"{out}: {len(measured)} segments")
+
+
+def _form(out: Path | None, *, as_csv: bool, as_json: bool) -> str:
+    """Returns how numbers are written: "table", ".csv" or ".json".
+
+    Raises:
+        OptionError: Two ways are asked for.
+    """
+    from palpate.base.errors import OptionError
+
+    forms = [".csv"] * as_csv + [".json"] * as_json
+    if out is not None:
+        forms.append(out.suffix.lower())
+    if len(set(forms)) > 1:
+        raise OptionError(
+            f"{' and '.join(forms)} asked for; allowed: one of --csv, --json, and -o FILE with "
+            "the same extension"
+        )
+    return forms[0] if forms else "table"
+
+
+def _text(measured: list[SegmentStatistics], volume: Volume, form: str) -> str:
+    from palpate.segmentation.statistics_table import (
+        statistics_csv,
+        statistics_json,
+        statistics_lines,
+    )
+
+    if form == ".csv":
+        return statistics_csv(measured)
+    if form == ".json":
+        return statistics_json(measured, {"scan": volume.name, "unit": volume.unit})
+    return "".join(f"{line}\n" for line in statistics_lines(measured))
