@@ -142,3 +142,7 @@ def thin_summary(places: NDArray[np.float64], volumes: NDArray[np.float64]) -> T
         changed_most_at=None if most is None else (x, y, z),
         changed_most=0.0 if most is None else float(difference[most]),
     )
+
+
+def _bodies(count: int) -> str:
+    return f"{count} {'body' if count == 1 else 'bodies'}"
