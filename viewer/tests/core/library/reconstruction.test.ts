@@ -4,7 +4,8 @@ import { withBeam, withVoxel, type ReconstructionRequest } from "../../../src/co
 
 const request: ReconstructionRequest = {
   beam: "cone", pixel: [1, 2], arc: 360, first_angle: 0, zero: "back", offset: [0, 0],
-  source_to_axis: 1000, source_to_detector: 1536, sinograms: false, intensities: null, size: null, voxel: null, water: 0.02, hann: 0,
+  source_to_axis: 1000, source_to_detector: 1536,
+  sinograms: false, intensities: null, size: null, voxel: null, water: 0.02, hann: 0,
 };
 
 test("parallel beams need half a circle, a cone a whole one", () => {
