@@ -21,7 +21,7 @@ __all__ = ["EXAMPLES", "statistics"]
 EXAMPLES = """\b
 Examples:
   palpate statistics ct/ --segments organs.seg.nrrd
-  palpate statistics ct.nii.gz --threshold 250 --csv > bone.csv
+  palpate statistics ct.nii.gz --threshold 250 -o bone.csv
   palpate statistics work.palpate -o work.json     (a saved scene)
 
 Values are those of the file, in its unit. The axial diameter is the largest within one slice, of
