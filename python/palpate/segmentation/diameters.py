@@ -87,8 +87,9 @@ def _on_hull_in_planes(points: Indices, normal: tuple[int, int, int]) -> Indices
 def _on_hull(plane: Indices, u: Indices, v: Indices) -> Indices:
     """Returns which points are vertices of the hull of those in their plane, plane by plane."""
     chains = [_upper_chain(plane, u, v), _upper_chain(plane, u, -v)]
-    kept = np.unique(np.concatenate(chains))
-    return kept[np.argsort(plane[kept], kind="stable")]
+    kept: Indices = np.unique(np.concatenate(chains))
+    by_plane: Indices = kept[np.argsort(plane[kept], kind="stable")]
+    return by_plane
 
 
 def _upper_chain(plane: Indices, u: Indices, v: Indices) -> Indices:

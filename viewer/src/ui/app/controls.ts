@@ -16,6 +16,7 @@ import { GrowControl } from "../features/segments/grow_control.svelte";
 import { ObjectControl } from "../features/segments/object_control.svelte";
 import { SegmentAppearanceControl } from "../features/segments/segment_appearance_control";
 import type { SegmentControls } from "../features/segments/segment_controls";
+import { StatisticsControl } from "../features/segments/statistics_control.svelte";
 import { ThresholdPreview } from "../features/segments/threshold_preview.svelte";
 import { SliceControl } from "../features/slices/slice_control.svelte";
 import { TouchMarkers } from "../features/touch/touch_markers.svelte";
@@ -115,7 +116,7 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
   };
 }
 
-function segmentControls({ session }: Surroundings, { steps }: UndoControls): SegmentControls {
+function segmentControls({ session, token }: Surroundings, { steps }: UndoControls): SegmentControls {
   return {
     segmentAppearance: new SegmentAppearanceControl(session, steps),
     thresholdPreview: new ThresholdPreview(),
@@ -123,6 +124,7 @@ function segmentControls({ session }: Surroundings, { steps }: UndoControls): Se
     cutting: new CutControl(session),
     growing: new GrowControl(session),
     brush: new BrushControl(session),
+    statistics: new StatisticsControl(session, token),
   };
 }
 

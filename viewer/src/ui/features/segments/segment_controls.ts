@@ -7,6 +7,7 @@ import type { CutControl } from "./cut_control.svelte";
 import type { GrowControl } from "./grow_control.svelte";
 import type { ObjectControl } from "./object_control.svelte";
 import type { SegmentAppearanceControl } from "./segment_appearance_control";
+import type { StatisticsControl } from "./statistics_control.svelte";
 import type { ThresholdPreview } from "./threshold_preview.svelte";
 
 export interface SegmentControls {
@@ -22,6 +23,8 @@ export interface SegmentControls {
   readonly growing: GrowControl;
   /** The brush in slices. */
   readonly brush: BrushControl;
+  /** The numbers of all segments. */
+  readonly statistics: StatisticsControl;
 }
 
 /** How the voxels of each segment look inside the volume. */
