@@ -32,7 +32,7 @@ def table_of(*arguments: str | Path) -> int:
 def test_csv_and_json_hold_the_same_numbers_with_units_in_their_names(
     scan: Path, tmp_path: Path, capsys: Any
 ) -> None:
-    options = [scan, "--unit", "HU", "--threshold", "200"]
+    options: list[str | Path] = [scan, "--unit", "HU", "--threshold", "200"]
     assert table_of(*options, "--csv") == 0
     (row,) = csv.DictReader(capsys.readouterr().out.splitlines())
     assert float(row["volume_mm3"]) == 24 * 0.25

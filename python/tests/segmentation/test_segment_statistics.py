@@ -43,7 +43,7 @@ def scan(values: NDArray[Any] | None = None, grid: str = "axial", unit: str = "H
 def blob(seed: int = 7) -> NDArray[np.bool_]:
     """A mask that is not convex, away from the border, with a speck."""
     z, y, x = np.indices(SHAPE)
-    mask = ((x - 10) / 7) ** 2 + ((y - 8) / 5) ** 2 + ((z - 6) / 4) ** 2 <= 1.0
+    mask: NDArray[np.bool_] = ((x - 10) / 7) ** 2 + ((y - 8) / 5) ** 2 + ((z - 6) / 4) ** 2 <= 1.0
     mask &= np.random.default_rng(seed).random(SHAPE) < 0.8
     mask[12, 15, 21] = True
     return mask
@@ -130,7 +130,7 @@ def test_diameters_are_the_longest_of_all_pairs(seed: int, monkeypatch: pytest.M
         if each.any()
     )
     expected = longest_by_pairs(np.argwhere(mask), edges), in_slices
-    assert largest_diameters(mask, edges[::-1], axial=axial) == pytest.approx(expected)
+    assert largest_diameters(mask, edges[::-1].tolist(), axial=axial) == pytest.approx(expected)
 
 
 def test_the_axial_diameter_lies_in_axial_slices_however_the_scan_was_taken() -> None:

@@ -14,6 +14,7 @@ def table_of(server: Any) -> dict[str, Any]:
     answer = server.ask("POST", "/api/statistics")
     lines = [json.loads(line) for line in answer.text.splitlines()]
     assert lines[-1] == {"kind": "done"}
+    table: dict[str, Any]
     (table,) = (line for line in lines if line["kind"] == "statistics")
     return table
 
