@@ -50,8 +50,8 @@ FOLDERS: dict[str, Sequence[Sequence[str]]] = {
         ("pressed_block", "registry"),
     ),
     "tools": (
-        ("journal", "measure", "specific_energy", "stroke"),
-        ("surface_layer", "sweep", "tool", "undo"),
+        ("journal", "measure", "specific_energy", "stroke", "sweep"),
+        ("surface_layer", "tool", "undo"),
         ("adder", "drill", "eraser", "needle", "painter"),
         ("factory",),
     ),

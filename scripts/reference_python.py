@@ -28,8 +28,8 @@ Lengths are mm, times s, forces N, stiffness N/mm. Points are (x, y, z) in LPS, 
 SUBJECTS = {
     "Scans": "read Volume remote_series fetch_series WebAddress phantom Phantom",
     "Segments": "Segment read_labels Labels Label PaintedCut Gap",
-    "Surfaces and meshes": "Surface Mesh MeshFile read_mesh write_mesh object_of_mesh "
-    "segment_of_mesh suitable_spacing",
+    "Surfaces and meshes": "Surface SurfaceReport Mesh MeshFile read_mesh write_mesh "
+    "object_of_mesh segment_of_mesh suitable_spacing",
     "Materials": "Material material_presets",
     "Registration": "register Registration SearchOptions",
     "Sessions": "Scene Session SessionOptions TouchSettings ScriptedPath",

@@ -138,7 +138,7 @@ def many_volumes_unfolded(page: Browser, folder: Path) -> None:
     assert "direction 1 0 4" not in page.text("series-list")
     page.do("click", testid="volumes-0")
     page.shows("series-4", "text.includes('direction 1 0 4')")
-    page.wait(f"{PICTURES}.length === 8")
+    page.wait(f"{PICTURES}.length === 9")
     page.do("screenshot", path=str(OUTPUT / "open-unfolded.png"))
     assert page.do("axe")["value"] == []
     # segments beside them are said to be some

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -48,6 +50,25 @@ PAINTED_VOLUME = (
 """Of the segment that is painted [ml]."""
 
 SHOWN_SIZE = "document.querySelector('[data-testid=segment-1] .size').textContent"
+
+
+def test_a_surface_is_saved_and_says_what_it_keeps(page: Browser, tmp_path: Path) -> None:
+    page.do("click", testid="shown-as-surface")
+    page.wait("window.palpate.triangles[1] > 0")
+    file = tmp_path / "surface.stl"
+    page.do("download", testid="surface-save", path=str(file))
+    page.wait("document.querySelector('[data-testid=surface-written]') !== null")
+    told = page.do("text", testid="surface-written")["value"]
+    # a ball around a cavity, and a small one
+    assert re.fullmatch(
+        r"[\w-]+\.stl: segment '\w+', \d+ triangles, [\d.]+ cm², 15\.\d ml in 2 bodies "
+        r"\(voxels: 16\.\d ml in 2 bodies\), LPS",
+        told,
+    )
+    assert f" {int.from_bytes(file.read_bytes()[80:84], 'little')} triangles" in told
+    page.do("screenshot", path=str(OUTPUT / "surface_saved.png"))
+    page.do("click", testid="shown-as-volume")
+    page.finish()
 
 
 def test_shapes_change_by_one_step_of_undo_and_a_click_grows_a_region(page: Browser) -> None:

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from palpate.io.dicomweb.series import fetch_series, remote_series
     from palpate.io.reading import read
     from palpate.labels.labels import Label, Labels, read_labels
+    from palpate.registration.carry import Carrier
+    from palpate.registration.inverse import Inverse
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
     from palpate.segmentation.segment_statistics import (
@@ -55,15 +57,20 @@ if TYPE_CHECKING:
     )
     from palpate.volumes.mesh_write import write_mesh
     from palpate.volumes.phantom import Phantom, phantom
+    from palpate.volumes.resampled import resampled
     from palpate.volumes.scene import Scene
+    from palpate.volumes.second_scan import read_transform
     from palpate.volumes.segment import Segment
     from palpate.volumes.surface import Mesh, Surface
+    from palpate.volumes.surface_report import SurfaceReport
     from palpate.volumes.volume import Volume
 
 __all__ = [
+    "Carrier",
     "DicomWebError",
     "EmptySegmentError",
     "Gap",
+    "Inverse",
     "Label",
     "Labels",
     "Material",
@@ -88,6 +95,7 @@ __all__ = [
     "Session",
     "SessionOptions",
     "Surface",
+    "SurfaceReport",
     "TouchSettings",
     "ValueStatistics",
     "Volume",
@@ -101,8 +109,10 @@ __all__ = [
     "read",
     "read_labels",
     "read_mesh",
+    "read_transform",
     "register",
     "remote_series",
+    "resampled",
     "segment_of_mesh",
     "statistics",
     "suitable_spacing",
@@ -112,9 +122,11 @@ __all__ = [
 __getattr__ = lazy_exports(
     __name__,
     {
+        "Carrier": "registration.carry",
         "DicomWebError": "base.errors",
         "EmptySegmentError": "base.errors",
         "Gap": "session.gap",
+        "Inverse": "registration.inverse",
         "Label": "labels.labels",
         "Labels": "labels.labels",
         "Material": "volumes.material",
@@ -139,6 +151,7 @@ __getattr__ = lazy_exports(
         "Session": "session.session",
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
+        "SurfaceReport": "volumes.surface_report",
         "TouchSettings": "session.touch_settings",
         "ValueStatistics": "segmentation.segment_statistics",
         "Volume": "volumes.volume",
@@ -152,8 +165,10 @@ __getattr__ = lazy_exports(
         "read": "io.reading",
         "read_labels": "labels.labels",
         "read_mesh": "volumes.mesh_read",
+        "read_transform": "volumes.second_scan",
         "register": "registration.registration",
         "remote_series": "io.dicomweb.series",
+        "resampled": "volumes.resampled",
         "segment_of_mesh": "volumes.mesh_read",
         "statistics": "segmentation.segment_statistics",
         "suitable_spacing": "volumes.mesh_read",

@@ -8,7 +8,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
@@ -42,8 +41,8 @@ ALIASES = {
 """Old paths, and those of now."""
 
 
-class _Alias(MetaPathFinder, Loader):
-    """Finds a module under its old path: the same module, not a copy."""
+class _Alias:
+    """Finds and loads a module under its old path: the same module, not a copy."""
 
     def find_spec(
         self,
@@ -51,7 +50,10 @@ class _Alias(MetaPathFinder, Loader):
         path: Sequence[str] | None = None,  # noqa: ARG002  # as the interface has it
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
-        return ModuleSpec(fullname, self) if fullname in ALIASES else None
+        return ModuleSpec(fullname, self) if fullname in ALIASES else None  # type: ignore[arg-type]
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Leaves it to the import system."""
 
     def exec_module(self, module: ModuleType) -> None:
         # a module may put another one in its own place

@@ -469,6 +469,57 @@ class Ground:
     @property
     def dimensions(self) -> _Voxel: ...
 
+class KeptSurface:
+    """The surface of a segment as one mesh for files, and what it keeps of the voxels."""
+
+    def __init__(
+        self,
+        segment: Segment,
+        spacing: _Triple,
+        origin: _Triple,
+        direction: tuple[float, ...],
+        step: int | None,
+        smoothing: int | None,
+        local: bool,
+        values: tuple[Volume, tuple[float, float]] | None = None,
+    ) -> None:
+        """Makes it, of the same settings as ``Surface``; of degree 0 from bits, voxels' faces.
+
+        Raises:
+            ValueError: A setting is not allowed.
+        """
+
+    def mesh(self) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.uint32]]:
+        """Positions [patient], normals and triangles, shapes [n, 3]."""
+
+    @property
+    def triangle_count(self) -> int: ...
+    def area(self) -> float:
+        """[mm²]."""
+
+    def volume(self) -> float:
+        """Enclosed [mm³]."""
+
+    @property
+    def voxel_volume(self) -> float:
+        """[mm³]."""
+
+    @property
+    def voxel_bodies(self) -> int: ...
+    @property
+    def bodies(self) -> int: ...
+    @property
+    def touching_edges(self) -> int: ...
+    def expected_volume(self) -> float:
+        """Volume that the voxels stand for [mm³], of what is thin by the scan's values."""
+
+    @property
+    def is_halfway(self) -> bool:
+        """Whether most of what is thin was measured with the threshold taken for halfway."""
+
+    def thin_parts(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What is thin: places [patient], shape [n, 3]; volumes expected and kept, [n, 2]."""
+
 class Surface:
     """The triangles of a segment."""
 

@@ -13,6 +13,7 @@ mod bench_stress;
 mod device;
 mod errors;
 mod frame;
+mod kept_surface;
 mod material;
 mod painted;
 mod parallel;
@@ -48,6 +49,8 @@ mod _core {
     use super::bench_quality::{bench_touch_quality, touch_quality_cases};
     #[pymodule_export]
     use super::bench_stress::bench_stress;
+    #[pymodule_export]
+    use super::kept_surface::PyKeptSurface;
     #[pymodule_export]
     use super::material::{deformation_models, material_presets};
     #[pymodule_export]

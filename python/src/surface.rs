@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3, UVec3, Vec3};
 use numpy::ndarray::Array2;
 use numpy::{Element, PyArray2, PyReadonlyArray2, ToPyArray};
 use palpate_surface::mesh::joined;
@@ -27,8 +27,11 @@ use crate::phantom::checked_dimensions;
 use crate::segment::PySegment;
 use crate::volume::{Direction, PyVolume, matrix_of_rows};
 
+/// A scan, and the limits of the threshold that made a segment of it.
+pub(crate) type Values<'py> = (PyRef<'py, PyVolume>, (f64, f64));
+
 /// Positions [mm], normals, triangles.
-type MeshArrays<'py> = (
+pub(crate) type MeshArrays<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray2<u32>>,
@@ -131,32 +134,12 @@ impl PySurface {
         step: Option<u8>,
         smoothing: Option<u8>,
         local: bool,
-        values: Option<(PyRef<'_, PyVolume>, (f64, f64))>,
+        values: Option<Values<'_>>,
     ) -> Result<Self, CoreError> {
         let axes = matrix_of_rows(direction);
         let dimensions = segment.segment.dimensions();
         let grid = Grid::new(dimensions, vector(spacing), vector(origin), axes)?;
-        let mode = if local {
-            SmoothingMode::Local
-        } else {
-            SmoothingMode::Global
-        };
-        let usual = SurfaceSettings::default();
-        let settings = SurfaceSettings {
-            step: step.unwrap_or(usual.step),
-            smoothing: smoothing.unwrap_or(usual.smoothing),
-            mode,
-            limits: values
-                .as_ref()
-                .map(|(_, (low, high))| (*low, *high))
-                .map(|(low, high)| Limits { low, high }),
-            ..usual
-        };
-        if let Some((volume, _)) = &values
-            && volume.intensities.dimensions() != dimensions
-        {
-            return Err(CoreError::value("values of another grid given".to_owned()));
-        }
+        let settings = settings_of(dimensions, step, smoothing, local, values.as_ref())?;
         let mut state = State {
             bits: segment.segment.occupancy().clone(),
             values: values.map(|(volume, _)| volume.intensities.clone()),
@@ -198,16 +181,7 @@ impl PySurface {
             let state = self.state();
             (joined(&state.surface), state.surface.origin())
         });
-        let vertices: Vec<[f64; 3]> = mesh
-            .vertices
-            .iter()
-            .map(|&vertex| (origin + Vec3::from(vertex).as_dvec3()).to_array())
-            .collect();
-        (
-            rows(py, vertices),
-            rows(py, mesh.normals),
-            rows(py, mesh.triangles),
-        )
+        arrays_of(py, &mesh, origin)
     }
 
     /// Makes the whole surface anew, on so many threads; returns how long it took [s].
@@ -295,6 +269,33 @@ impl PySurface {
     }
 }
 
+/// Settings as given; what is not given is as usual.
+pub(crate) fn settings_of(
+    dimensions: UVec3,
+    step: Option<u8>,
+    smoothing: Option<u8>,
+    local: bool,
+    values: Option<&Values<'_>>,
+) -> Result<SurfaceSettings, CoreError> {
+    if let Some((volume, _)) = values
+        && volume.intensities.dimensions() != dimensions
+    {
+        return Err(CoreError::value("values of another grid given".to_owned()));
+    }
+    let usual = SurfaceSettings::default();
+    Ok(SurfaceSettings {
+        step: step.unwrap_or(usual.step),
+        smoothing: smoothing.unwrap_or(usual.smoothing),
+        mode: if local {
+            SmoothingMode::Local
+        } else {
+            SmoothingMode::Global
+        },
+        limits: values.map(|&(_, (low, high))| Limits { low, high }),
+        ..usual
+    })
+}
+
 /// Bricks without the voxels of a ball.
 fn ball_removed(
     bits: &Bits,
@@ -317,9 +318,23 @@ fn ball_removed(
     swaps.collect()
 }
 
-fn rows<T: Element + Copy>(py: Python<'_>, rows: Vec<[T; 3]>) -> Bound<'_, PyArray2<T>> {
-    let shape = (rows.len(), 3);
+/// A mesh whose positions are counted from `origin` [patient] as arrays.
+pub(crate) fn arrays_of<'py>(py: Python<'py>, mesh: &Patch, origin: DVec3) -> MeshArrays<'py> {
+    let vertices = mesh.vertices.iter();
+    let vertices = vertices.map(|&vertex| (origin + Vec3::from(vertex).as_dvec3()).to_array());
+    (
+        rows(py, vertices.collect()),
+        rows(py, mesh.normals.clone()),
+        rows(py, mesh.triangles.clone()),
+    )
+}
+
+pub(crate) fn rows<T: Element + Copy, const N: usize>(
+    py: Python<'_>,
+    rows: Vec<[T; N]>,
+) -> Bound<'_, PyArray2<T>> {
+    let shape = (rows.len(), N);
     Array2::from_shape_vec(shape, rows.into_flattened())
-        .expect("three numbers per row")
+        .expect("as many numbers in each row")
         .to_pyarray(py)
 }

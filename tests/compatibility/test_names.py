@@ -21,7 +21,7 @@ def of(kind: str) -> dict[str, list[str]]:
     return {name: some for name, some in NAMES.items() if name.startswith(kind)}
 
 
-ADDED = {"state recent.json": ("[].frame",)}
+ADDED = {"state recent.json": ("[].frame",), "scene keys": ("labels",)}
 """Names of newer versions, which readers of 0.1 pass over."""
 
 

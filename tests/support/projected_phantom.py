@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from palpate.reconstruction.reconstruction import WATER
-from palpate.reconstruction.scanner import Beam, Scanner
+from palpate.reconstruction.beams import WATER, Beam
+from palpate.reconstruction.scanner import Scanner
 
 __all__ = ["SHAPE", "SIZE", "VOXEL", "flat", "projected", "scanner_of", "truth"]
 
@@ -52,18 +52,23 @@ def projected(scanner: Scanner) -> Values:
         else:
             start, way = pixels, np.broadcast_to(-toward, pixels.shape)
         way = way / np.linalg.norm(way, axis=-1, keepdims=True)
-        images.append(sum(_through(part, start, way) for part in PARTS))
+        seen = (_through(_in_device(part, scanner), start, way) for part in PARTS)
+        images.append(sum(seen))
     found: Values = np.array(images)
     return found
 
 
-def _through(
-    part: tuple[tuple[float, ...], tuple[float, ...], float], start: Values, way: Values
-) -> Values:
+Part = tuple[tuple[float, ...], tuple[float, ...], float]
+
+
+def _in_device(part: Part, scanner: Scanner) -> Part:
     (x, y, z), (a, b, c), density = part
-    # patient to device: x, z, -y
-    middle, axes = np.array([x, z, -y]), np.array([a, c, b])
-    p, d = (start - middle) / axes, way / axes
+    return (x, z, scanner.posterior * y), (a, c, b), density
+
+
+def _through(part: Part, start: Values, way: Values) -> Values:
+    middle, axes, density = part
+    p, d = (start - middle) / np.array(axes), way / np.array(axes)
     dd, pd, pp = (d * d).sum(-1), (p * d).sum(-1), (p * p).sum(-1)
     root = np.maximum(pd * pd - dd * (pp - 1.0), 0.0)
     length: Values = 2.0 * np.sqrt(root) / dd

@@ -5,15 +5,23 @@
 
 mod block;
 pub mod cell_table;
+mod cell_volume;
 mod field;
 mod frame;
+pub mod kept;
 mod march;
 pub mod mesh;
+pub mod mesh_bodies;
 pub mod patch;
 mod place;
+mod quick_map;
 mod samples;
 pub mod segment_surface;
 pub mod settings;
+pub mod thin_parts;
+mod thin_volume;
+mod thin_voxels;
+pub mod voxel_faces;
 mod voxel_source;
 pub mod voxelise;
 

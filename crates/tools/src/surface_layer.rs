@@ -11,6 +11,8 @@ use glam::{IVec3, UVec3};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
+use crate::sweep::SAME;
+
 /// Solid voxels near a surface.
 #[derive(Debug)]
 pub(crate) struct SurfaceLayer {
@@ -46,7 +48,7 @@ impl SurfaceLayer {
         Self {
             region,
             squared,
-            allowed: depth * depth,
+            allowed: depth * depth * (1.0 + SAME),
         }
     }
 
@@ -86,7 +88,7 @@ fn spread(squared: &mut [f64], size: UVec3, axis: usize, edge: f64, depth: f64) 
     // from the face of a free voxel to the centre of one so many further on
     let apart = |steps: usize| (steps as f64 - 0.5).max(0.0) * edge;
     let reach = (1..length)
-        .take_while(|steps| apart(*steps) <= depth)
+        .take_while(|steps| apart(*steps) <= depth * (1.0 + SAME))
         .count();
     let mut line = vec![0.0; length];
     for start in (0..squared.len()).filter(|place| (place / stride).is_multiple_of(length)) {

@@ -13,6 +13,10 @@ use palpate_volume::voxel_box::VoxelBox;
 /// all air.
 const MAX_BOXES: f64 = 256.0;
 
+/// Share by which two squared lengths may differ and be the same: a voxel that is a radius away but
+/// for rounding is, to all sides.
+pub(crate) const SAME: f64 = 1e-6;
+
 /// A ball that moves along a straight way.
 #[derive(Clone, Debug)]
 pub(crate) struct Sweep {
@@ -44,7 +48,7 @@ impl Sweep {
     pub(crate) fn holds(&self, voxel: IVec3) -> bool {
         let centre = centre_of(&self.patient_from_grid, voxel);
         let nearest = nearest_on_way(self.from, self.to, centre);
-        nearest.distance_squared(centre) <= self.radius * self.radius
+        nearest.distance_squared(centre) <= self.radius * self.radius * (1.0 + SAME)
     }
 }
 

@@ -2,8 +2,9 @@
 
 use crate::support::{
     Dense, Random, centre, distance_to_way, everywhere, free_move, oblique_grid, scan,
+    straight_grid,
 };
-use glam::{DVec3, UVec3};
+use glam::{DVec3, IVec3, UVec3};
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::stroke::Stroke;
 use palpate_tools::tool::{MAX_WAY, Tool, ToolError};
@@ -45,8 +46,8 @@ fn a_sweep_frees_just_the_voxels_whose_centre_is_within_the_radius_of_its_way() 
         let after = Dense::of(&voxels);
         for (place, voxel) in grid.bounds().voxels().enumerate() {
             let distance = distance_to_way(from, to, centre(&grid, voxel));
-            // the textbook's way to the distance rounds otherwise
-            if (distance - radius).abs() < 1e-9 {
+            // what is the radius away but for rounding is within
+            if (distance - radius).abs() < 1e-6 * radius {
                 continue;
             }
             let freed = distance < radius;
@@ -59,6 +60,27 @@ fn a_sweep_frees_just_the_voxels_whose_centre_is_within_the_radius_of_its_way() 
         assert_eq!(after.masks[&SegmentId(2)], before.masks[&SegmentId(2)]);
         assert_eq!(after.stored, before.stored);
         assert_eq!(tool.report().voxels, changed);
+    }
+}
+
+#[test]
+fn a_ball_of_whole_voxels_reaches_as_far_to_all_sides() {
+    for side in [0.2, 0.3, 0.35, 0.4, 0.6, 0.7, 0.8, 1.1] {
+        let grid = straight_grid(UVec3::splat(11), side);
+        for steps in 1..=4 {
+            let mut voxels = scan(grid, |_| 0, &[&everywhere]);
+            let middle = IVec3::splat(5);
+            let point = centre(&grid, middle);
+            let edit = eraser(&grid, f64::from(steps) * side, &[1])
+                .advance(&voxels, &free_move(point, point))
+                .expect("it exists");
+            voxels.apply(edit.expect("in it")).expect("it fits");
+            let after = voxels.segment(SegmentId(1)).expect("it exists");
+            for voxel in grid.bounds().voxels() {
+                let freed = (voxel - middle).length_squared() <= steps * steps;
+                assert_eq!(after.contains(voxel), !freed, "{voxel} {side} {steps}");
+            }
+        }
     }
 }
 

@@ -159,6 +159,30 @@ fn a_layer_ends_at_its_depth_below_what_the_probe_can_reach() {
 }
 
 #[test]
+fn a_layer_of_whole_voxels_has_as_many_under_a_face() {
+    let slab = |voxel: IVec3| voxel.z < 20;
+    for side in [0.2, 0.3, 0.35, 0.4, 0.6, 0.7, 0.8, 1.1] {
+        let grid = straight_grid(UVec3::new(12, 12, 28), side);
+        let probe = centre(&grid, IVec3::new(6, 6, 20));
+        for layers in 1..=5 {
+            let mut voxels = scan(grid, |_| 0, &[&nothing, &slab, &nothing]);
+            // from the face of the first to the middle of the last, as it is typed
+            let depth = (f64::from(layers) - 0.5) * side;
+            let paint = PaintSettings {
+                depth: Some((1e3 * depth).round() / 1e3),
+                overlaps: false,
+            };
+            let mut tool = painter(&grid, 5.5 * side, paint);
+            let input = touching(probe, probe, DVec3::Z);
+            assert!(pass(tool.as_mut(), &mut voxels, &input));
+            let column = (0..28).filter(|z| has(&voxels, PAINTED, IVec3::new(6, 6, *z)));
+            let expected: Vec<_> = (20 - layers..20).collect();
+            assert_eq!(column.collect::<Vec<_>>(), expected, "{side}");
+        }
+    }
+}
+
+#[test]
 fn the_far_side_of_a_wall_is_no_part_of_the_layer() {
     let grid = straight_grid(UVec3::splat(40), 0.5);
     let wall = |voxel: IVec3| (10..14).contains(&voxel.z);

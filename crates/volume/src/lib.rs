@@ -8,6 +8,7 @@
 pub mod bit_brick;
 pub mod bits;
 pub mod block;
+pub mod bodies;
 pub mod brick_grid;
 pub mod edit;
 mod edit_builder;

@@ -5,6 +5,7 @@
 mod bit_brick;
 mod bits;
 mod block;
+mod bodies;
 mod brick_grid;
 mod first_solid;
 mod grid;

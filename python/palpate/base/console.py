@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from threading import Lock, Timer
 from types import TracebackType
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Self
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-__all__ = ["WRONG_INPUT", "Display", "fail", "quiet_libraries", "warn"]
+__all__ = ["WRONG_INPUT", "Display", "fail", "quiet_libraries", "spoken", "told_by", "warn"]
 
 QUIET_SECONDS = 1.0
 """Work shorter than this is not shown [s]."""
@@ -26,15 +27,34 @@ WRONG_INPUT = 2
 """Exit code for invalid input."""
 
 
+_TELL: ContextVar[Callable[[str], str]] = ContextVar("_TELL", default=str)
+"""Tells a message in the words of the command that runs."""
+
+
+@contextmanager
+def told_by(tell: Callable[[str], str]) -> Iterator[None]:
+    """Within it, messages are told in other words, such as a command's."""
+    before = _TELL.set(tell)
+    try:
+        yield
+    finally:
+        _TELL.reset(before)
+
+
+def spoken(message: str) -> str:
+    """Returns a message in the words of the command that runs."""
+    return _TELL.get()(message)
+
+
 def fail(message: str) -> int:
     """Prints an error in one line; returns the exit code."""
-    sys.stderr.write(f"palpate: {_one_line(message)}\n")
+    sys.stderr.write(f"palpate: {_one_line(spoken(message))}\n")
     return WRONG_INPUT
 
 
 def warn(message: str) -> None:
     """Prints a warning in one line."""
-    sys.stderr.write(f"palpate: warning: {_one_line(message)}\n")
+    sys.stderr.write(f"palpate: warning: {_one_line(spoken(message))}\n")
 
 
 def _one_line(message: str) -> str:

@@ -23,13 +23,16 @@ MOST_LETTERS = 200
 
 
 @contextmanager
-def damage_as(kind: type[PalpateError], what: str, *, allowed: str) -> Iterator[None]:
+def damage_as(
+    kind: type[PalpateError], what: str, *, allowed: str, also: tuple[type[Exception], ...] = ()
+) -> Iterator[None]:
     """Tells such exceptions as an error of a kind; errors that are told already stay as they are.
 
     Args:
         kind: Of the error.
         what: The file and what is wrong with it.
         allowed: What would have been right.
+        also: Exceptions of the library that reads it, beside those of Python.
 
     Raises:
         PalpateError: The file is damaged.
@@ -38,6 +41,8 @@ def damage_as(kind: type[PalpateError], what: str, *, allowed: str) -> Iterator[
         yield
     except PalpateError:
         raise
-    except BROKEN as error:
-        why = " ".join(str(error).split())[:MOST_LETTERS] or type(error).__name__
+    except BROKEN + also as error:
+        # what went wrong stands last, as in tracebacks
+        lines = str(error).strip().splitlines() or [type(error).__name__]
+        why = " ".join(lines[-1].split())[:MOST_LETTERS].rstrip(".")
         raise kind(f"{what} ({why}); allowed: {allowed}") from None

@@ -6,16 +6,14 @@ modules are imported inside the commands, so that ``palpate --help`` is quick.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.exceptions import TyperException
 
-from palpate.base.console import WRONG_INPUT, fail
+from palpate.base.console import WRONG_INPUT, fail, told_by
 from palpate.base.errors import PalpateError
-from palpate.base.reader_process import warm
 from palpate.cli.bench import (
     bench_deform,
     bench_edit,
@@ -36,6 +34,7 @@ from palpate.cli.bench_touch import (
     bench_touch_quality,
 )
 from palpate.cli.export import export
+from palpate.cli.flags import as_flags
 from palpate.cli.import_scan import EXAMPLES as IMPORT_EXAMPLES
 from palpate.cli.import_scan import import_scan
 from palpate.cli.info import info
@@ -54,47 +53,35 @@ from palpate.cli.series import series
 from palpate.cli.statistics import EXAMPLES as STATISTICS_EXAMPLES
 from palpate.cli.statistics import statistics
 from palpate.cli.surface import surface
+from palpate.cli.transform import EXAMPLES as TRANSFORM_EXAMPLES
+from palpate.cli.transform import transform
 
-__all__ = ["app", "main"]
+__all__ = ["app", "run"]
 
-app = typer.Typer(
-    name="palpate",
-    help="Examine medical scans by touch. For research and teaching, not for clinical use.",
-    add_completion=False,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-READING = {
-    "open",
-    "import",
-    "export",
-    "info",
-    "record",
-    "register",
-    "run",
-    "segment",
-    "series",
-    "statistics",
+SETTINGS: dict[str, Any] = {
+    "name": "palpate",
+    "help": "Examine medical scans by touch. For research and teaching, not for clinical use.",
+    "add_completion": False,
+    "no_args_is_help": True,
+    "pretty_exceptions_enable": False,
+    "context_settings": {"help_option_names": ["-h", "--help"]},
 }
-"""Commands that read files in most cases."""
+app = typer.Typer(**SETTINGS)
+
 STOPPED_BY_PERSON = 130
 """Exit code after Ctrl-C, as shells expect it."""
 
 
-def main() -> None:
-    """Runs the command line and ends the process."""
-    if READING.intersection(sys.argv[1:2]) and not {"-h", "--help"}.intersection(sys.argv):
-        # it starts while the modules of the command do
-        warm()
-    sys.exit(run(sys.argv[1:]))
-
-
 def run(arguments: list[str]) -> int:
     """Runs the command line with these arguments; returns the exit code."""
+    part = _only(arguments)
+    with told_by(lambda message: as_flags(message, part, arguments, whole=app)):
+        return _run(part, arguments)
+
+
+def _run(part: typer.Typer, arguments: list[str]) -> int:
     try:
-        result = app(args=arguments, prog_name="palpate", standalone_mode=False)
+        result = part(args=arguments, prog_name="palpate", standalone_mode=False)
     except TyperException as error:
         # without a command the help was printed instead
         return fail(_usage(error, arguments)) if error.format_message() else WRONG_INPUT
@@ -105,6 +92,17 @@ def run(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         return STOPPED_BY_PERSON
     return result if isinstance(result, int) else 0
+
+
+def _only(arguments: list[str]) -> typer.Typer:
+    """Returns the command line with the command that was typed alone: each takes time to build."""
+    one = typer.Typer(**SETTINGS)
+    one.registered_callback = app.registered_callback
+    one.registered_commands = [
+        each for each in app.registered_commands if each.name in arguments[:1]
+    ]
+    one.registered_groups = [each for each in app.registered_groups if each.name in arguments[:1]]
+    return one if one.registered_commands or one.registered_groups else app
 
 
 def _usage(error: TyperException, arguments: list[str]) -> str:
@@ -183,6 +181,7 @@ app.command("export")(export)
 app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
 app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
+app.command("transform", epilog=TRANSFORM_EXAMPLES)(transform)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(statistics)

@@ -9,10 +9,12 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import AnotherPatient, Resample, Segments
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.request_options import with_requests
+from palpate.export.request import ExportRequest
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
-    from palpate.export.export import Kind
+    from palpate.export.kinds import Kind
     from palpate.volumes.scene import Scene
 
 __all__ = ["export"]
@@ -34,7 +36,7 @@ references stay valid. Use --keep-identity for the archive that holds the scan.
 """
 
 
-@with_reading
+@with_requests
 def export(
     path: Annotated[
         Path,
@@ -44,24 +46,7 @@ def export(
         ),
     ],
     *,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            "-o",
-            help="Output: .seg.nrrd, .nii.gz, .nrrd, .mha or .dcm file, or a new folder for DICOM.",
-            metavar="OUT",
-        ),
-    ],
-    kind: Annotated[
-        str | None,
-        typer.Option(
-            "--as",
-            help="Format: seg-nrrd, labels, scan, dicom-seg, dicom-labelmap, rtstruct or "
-            "dicom (all DICOM objects); by default it follows from the name of the "
-            "output.",
-        ),
-    ] = None,
+    request: ExportRequest,
     segments: Segments = None,
     resample: Resample = False,
     another_patient: AnotherPatient = False,
@@ -69,31 +54,27 @@ def export(
         str | None,
         typer.Option(help="Make a segment of the values from LOW to HIGH.", metavar="LOW[,HIGH]"),
     ] = None,
-    only: Annotated[
-        list[str] | None, typer.Option(help="Export only the segment with this name; repeatable.")
-    ] = None,
-    keep_identity: Annotated[
-        bool,
-        typer.Option(
-            "--keep-identity",
-            help="Keep the patient's identity in DICOM and refer to the original series.",
-        ),
-    ] = False,
-    reading: Reading,
+    reading: ReadRequest,
 ) -> None:
     """Writes what was asked for and says what it is."""
+    from palpate.base.early_imports import DICOM_WRITING, IMAGE_WRITING, import_early
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.scenes import edited_saved_scene, wanted_scene
-    from palpate.export.export import export_scene
-    from palpate.saved.opening import is_scene
+    from palpate.export.kinds import FROM_DICOM
+    from palpate.saved.ending import is_scene
 
     bounds = parse_threshold(threshold)
     saved = is_scene(path)
-    if saved and (reading != Reading() or segments is not None or bounds is not None):
+    if saved and (reading != ReadRequest() or segments is not None or bounds is not None):
         raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
     has_segments = saved or segments is not None or bounds is not None
-    known = _check_target(out, kind, has_segments=has_segments, keep_identity=keep_identity)
+    kind = request.kind_for(has_segments=has_segments)
+    if not has_segments and kind not in {"scan", "dicom"}:
+        raise OptionError(
+            "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
+        )
+    import_early(DICOM_WRITING if kind in FROM_DICOM else IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
         if saved:
             scene = edited_saved_scene(path, display)
@@ -109,35 +90,38 @@ def export(
                 another_patient=another_patient,
                 progress=display,
             )
+        from palpate.export.export import export_scene
+
         notes = export_scene(
-            scene, out, kind=known, only=only, keep_identity=keep_identity, progress=display
+            scene,
+            request.out,
+            kind=kind,
+            only=request.only,
+            keep_identity=request.keep_identity,
+            progress=display,
         )
-    _print_result(scene, out, notes)
+    _print_result(scene, request.out, notes, written=_written(scene, kind, request.only))
 
 
 export.__doc__ = EXAMPLES
 
 
-def _check_target(out: Path, kind: str | None, *, has_segments: bool, keep_identity: bool) -> Kind:
-    """Returns what is to be written; refuses what could not be, before a scan is read.
+def _written(scene: Scene, kind: Kind, only: list[str] | None) -> list[str]:
+    """Returns the names of the segments that were written."""
+    from palpate.export.masks import written_segments
 
-    Raises:
-        OptionError: The kind is not known, or does not fit the name.
-    """
-    from palpate.base.errors import OptionError
-    from palpate.export.export import KINDS, check_export, kind_of
-
-    if kind is not None and kind not in KINDS:
-        raise OptionError(f"--as {kind} given; allowed: {', '.join(KINDS)}")
-    known = kind_of(out, has_segments=has_segments) if kind is None else kind
-    check_export(out, known, keep_identity=keep_identity)
-    return known
+    if kind == "scan" or len(scene) == 0:
+        return []
+    return [one.name for one in written_segments(scene, only)[0]]
 
 
-def _print_result(scene: Scene, out: Path, notes: list[str]) -> None:
-    """Says what was written."""
+def _print_result(scene: Scene, out: Path, notes: list[str], *, written: list[str]) -> None:
+    """Says what was written, and of how many segments."""
     for note in notes:
         warn(note)
     files = sum(1 for file in out.rglob("*") if file.is_file()) if out.is_dir() else 1
     what = f"{files} files" if files > 1 else f"{out.stat().st_size / 2**20:.1f} MiB"
-    typer.echo(f"{out}: {what}, of {len(scene)} segments in {scene.volume.name}")
+    some = 0 < len(written) < len(scene)
+    which = f"{len(written)} of {len(scene)} segments"
+    which += f" ({', '.join(written)})" if some else ""
+    typer.echo(f"{out}: {what}, {which} in {scene.volume.name}")

@@ -5,23 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import msgspec
 import typer
 
 from palpate.base.console import Display, quiet_libraries
-from palpate.cli.options import (
-    AnotherPatient,
-    Fill,
-    Frame,
-    MaxVoxels,
-    Orientation,
-    Raw,
-    Resample,
-    Series,
-    Strict,
-    Unit,
-    VoxelSize,
-)
-from palpate.cli.reading_options import Reading
+from palpate.cli.options import AnotherPatient, Resample
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
     from palpate.cli.import_scan_run import Writing
@@ -49,6 +39,7 @@ missing or left out. An output file appears only when it is complete.
 """
 
 
+@with_requests
 def import_scan(  # noqa: PLR0913  # one per option of the command line
     paths: Annotated[
         list[Path] | None,
@@ -68,8 +59,6 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         ),
     ] = None,
     study: Annotated[str | None, typer.Option(help="UID of the study, with --dicomweb.")] = None,
-    series: Series = None,
-    frame: Frame = None,
     volume: Annotated[
         str | None,
         typer.Option(
@@ -98,13 +87,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     ] = None,
     resample: Resample = False,
     another_patient: AnotherPatient = False,
-    orientation: Orientation = None,
-    unit: Unit = None,
-    fill: Fill = None,
-    strict: Strict = False,
-    raw: Raw = None,
-    voxel_size: VoxelSize = None,
-    max_voxels: MaxVoxels = 1024**3,
+    reading: ReadRequest,
     every: Annotated[
         bool, typer.Option("--all", help="List every volume of a series that holds many.")
     ] = False,
@@ -126,17 +109,10 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     target = None if output is None else check_target(output, paths=given, segments=segments)
     if segments is not None and target in {None, "folder"}:
         raise OptionError("--segments given; allowed: with --output FILE")
-    reading = Reading(
-        series=series if dicomweb is None else volume,
-        frame=frame,
-        orientation=orientation,
-        unit=unit,
-        fill=fill,
-        strict=strict,
-        raw=raw,
-        voxel_size=voxel_size,
-        max_voxels=max_voxels,
-    )
+    series = None if reading.series is None else str(reading.series)
+    if dicomweb is not None:
+        # it chooses among those of the server; of what is brought, the volume
+        reading = msgspec.structs.replace(reading, series=volume)
     writing = None
     if output is not None and target is not None:
         writing = Writing(
@@ -149,7 +125,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     if dicomweb is None:
         _import_files(given, reading, writing, every=every, as_json=as_json)
         return
-    if target in {None, "folder"} and reading != Reading():
+    if target in {None, "folder"} and reading != ReadRequest():
         raise OptionError("options of reading given; allowed: with --output FILE")
     address = WebAddress.of(dicomweb, study=study)
     if writing is not None and writing.target == "folder":
@@ -160,7 +136,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
 
 def _import_files(
     paths: list[Path],
-    reading: Reading,
+    reading: ReadRequest,
     writing: Writing | None,
     *,
     every: bool,
@@ -185,7 +161,7 @@ def _import_remote(
     address: WebAddress,
     series: str | None,
     *,
-    reading: Reading,
+    reading: ReadRequest,
     writing: Writing | None,
     as_json: bool,
 ) -> None:

@@ -9,17 +9,18 @@ from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 from palpate.base.errors import OptionError, PalpateError, SeriesChoiceError, VolumeFormatError
+from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.base.progress import Progress
 from palpate.base.whole_file import whole_folder
-from palpate.cli.reading_options import Reading
 from palpate.cli.scenes import scene_of, wanted_scene
 from palpate.export.export import export_scene
-from palpate.export.image import IMAGE_SUFFIXES
 from palpate.io.browse import Choice, browsed, choices_among
 from palpate.io.dicomweb.address import WebAddress
 from palpate.io.dicomweb.series import RemoteSeries, fetch_series
 from palpate.io.reading import list_series
-from palpate.saved.scene_file import ENDING, save_scene
+from palpate.io.request import ReadRequest
+from palpate.saved.ending import ENDING
+from palpate.saved.scene_file import save_scene
 from palpate.session.appearance import appearances_of, keep_appearances
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
@@ -68,7 +69,7 @@ def check_target(out: Path, *, paths: Sequence[Path], segments: Path | None) -> 
 
 
 def read_or_list(
-    paths: Sequence[Path], reading: Reading, *, choose: bool, progress: Progress
+    paths: Sequence[Path], reading: ReadRequest, *, choose: bool, progress: Progress
 ) -> Volume | list[Choice]:
     """Reads the scan at these places, or lists the scans where there are several.
 
@@ -88,7 +89,7 @@ def read_or_list(
 
 
 def read_remote(
-    address: WebAddress, one: RemoteSeries, reading: Reading, *, progress: Progress
+    address: WebAddress, one: RemoteSeries, reading: ReadRequest, *, progress: Progress
 ) -> Volume:
     """Brings a server's series, reads it, and leaves nothing of its files.
 

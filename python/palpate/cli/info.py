@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from palpate.base.console import Display, quiet_libraries
+from palpate.base.console import Display, quiet_libraries, spoken
 from palpate.cli.options import Scan
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
     from palpate.volumes.volume import Volume
@@ -16,11 +17,11 @@ if TYPE_CHECKING:
 __all__ = ["describe", "info", "print_table"]
 
 
-@with_reading
+@with_requests
 def info(
     path: Scan,
     *,
-    reading: Reading,
+    reading: ReadRequest,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
 ) -> None:
     """Print the properties of a scan."""
@@ -52,7 +53,7 @@ def describe(volume: Volume) -> dict[str, Any]:
         "soft_tissue": volume.anchors.soft_tissue,
         "memory_bytes": volume.memory_bytes,
         "series": volume.traits.series,
-        "warnings": list(volume.warnings),
+        "warnings": [spoken(warning) for warning in volume.warnings],
     }
 
 
@@ -72,7 +73,7 @@ def _rows(volume: Volume) -> list[tuple[str, str]]:
         ("bone from", f"{volume.anchors.bone:.4g}{unit}"),
         ("memory", f"{volume.memory_bytes / 2**20:.1f} MiB"),
         *([("series", volume.traits.series)] if volume.traits.series else []),
-        *(("warning", warning) for warning in volume.warnings),
+        *(("warning", spoken(warning)) for warning in volume.warnings),
     ]
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.base.console import quiet_libraries
+from palpate.base.early_imports import importing
 from palpate.cli.options import (
     AnotherPatient,
     Browser,
@@ -22,8 +24,12 @@ from palpate.cli.options import (
     Threshold,
     Transform,
     With,
+    WithFrame,
+    WithSeries,
 )
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.read_ahead import ReadAhead
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
@@ -31,16 +37,18 @@ if TYPE_CHECKING:
 __all__ = ["demo", "open_scan"]
 
 
-@with_reading
+@with_requests
 def open_scan(  # noqa: PLR0913  # one per option of the command line
     path: ScanOrNone = None,
     *,
-    reading: Reading,
+    reading: ReadRequest,
     threshold: Threshold = None,
     segments: Segments = None,
     resample: Resample = False,
     another_patient: AnotherPatient = False,
     second: With = None,
+    second_series: WithSeries = None,
+    second_frame: WithFrame = None,
     transform: Transform = None,
     mesh: Mesh = None,
     mesh_frame: MeshFrame = None,
@@ -68,17 +76,21 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     """Open a scan or a saved scene in the browser."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.scenes import add_mesh, add_second, saved_scene, scene_of
-    from palpate.cli.show_page import check_start, choose_on_page, show
-    from palpate.saved.opening import Opening, is_scene
-    from palpate.server.app import bind_again
-    from palpate.server.resume import note_port
+    from palpate.saved.ending import is_scene
+
+    ahead = None if path is None or is_scene(path) else ReadAhead(partial(reading.read, path))
+    with importing():
+        from palpate.cli.scenes import add_mesh, add_second, saved_scene, scene_of
+        from palpate.cli.show_page import check_start, choose_on_page, show
+        from palpate.saved.opening import Opening
+        from palpate.server.app import bind_again
+        from palpate.server.resume import note_port
 
     check_start(rate)
     bounds = parse_threshold(threshold)
     if path is None or is_scene(path):
-        of_scans = (bounds, segments, mesh, second, transform)
-        if reading != Reading() or any(option is not None for option in of_scans):
+        of_scans = (bounds, segments, mesh, second, second_series, second_frame, transform)
+        if reading != ReadRequest() or any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
     if path is None:
@@ -89,9 +101,9 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     given = path
 
     def make(progress: Progress) -> Opening:
-        if is_scene(given):
+        if ahead is None:
             return saved_scene(given, progress)
-        volume = reading.read(given, progress)
+        volume = ahead.result(progress)
         scene = scene_of(
             volume,
             bounds=bounds,
@@ -100,7 +112,14 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             another_patient=another_patient,
             progress=progress,
         )
-        add_second(scene, second, transform, progress=progress)
+        add_second(
+            scene,
+            second,
+            transform,
+            series=second_series,
+            frame=second_frame,
+            progress=progress,
+        )
         if mesh is not None:
             add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         return Opening(scene, None, tuple(volume.warnings))

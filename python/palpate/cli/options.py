@@ -9,29 +9,22 @@ import typer
 
 __all__ = [
     "Browser",
-    "Fill",
-    "Frame",
-    "MaxVoxels",
     "Mesh",
     "MeshFrame",
     "MeshSpacing",
     "MeshUnit",
-    "Orientation",
     "Plot",
     "Port",
     "Rate",
-    "Raw",
     "Resample",
     "Scan",
     "ScanOrNone",
     "Segments",
-    "Series",
-    "Strict",
     "Threshold",
     "Transform",
-    "Unit",
-    "VoxelSize",
     "With",
+    "WithFrame",
+    "WithSeries",
 ]
 
 Scan = Annotated[
@@ -51,40 +44,6 @@ ScanOrNone = Annotated[
         metavar="[PATH]",
     ),
 ]
-Series = Annotated[
-    str | None, typer.Option(help="DICOM series to read: UID, description, or number in the list.")
-]
-Frame = Annotated[
-    int | None,
-    typer.Option(help="Volume of an image file that holds several, such as times; 1 is the first."),
-]
-Orientation = Annotated[
-    str | None,
-    typer.Option(
-        help="Directions in which x, y and z increase, such as LPS or RAS; overrides the file."
-    ),
-]
-Unit = Annotated[
-    str | None, typer.Option(help="Unit of the values: HU if they are Hounsfield units.")
-]
-Raw = Annotated[
-    str | None,
-    typer.Option(
-        help="Layout of raw voxels, such as 256x256x113,int16,big.",
-        metavar="SIZE,TYPE[,ORDER[,SKIP]]",
-    ),
-]
-VoxelSize = Annotated[
-    str | None,
-    typer.Option(
-        help="Voxel size of raw voxels and of PNG or TIFF slices, in mm.", metavar="X,Y,Z"
-    ),
-]
-Fill = Annotated[float | None, typer.Option(help="Value that replaces NaN and infinity.")]
-Strict = Annotated[
-    bool, typer.Option("--strict", help="Refuse scans with NaN or infinity, without --fill.")
-]
-MaxVoxels = Annotated[int, typer.Option(help="Refuse scans with more voxels than this.")]
 Threshold = Annotated[
     str | None,
     typer.Option(help="Make a segment of the values from LOW to HIGH.", metavar="LOW[,HIGH]"),
@@ -113,6 +72,14 @@ With = Annotated[
         "--with",
         help="Second scan to show together with the first, such as MR or RTDOSE with CT.",
     ),
+]
+WithSeries = Annotated[
+    str | None,
+    typer.Option("--with-series", help="DICOM series of --with: UID, description, or number."),
+]
+WithFrame = Annotated[
+    int | None,
+    typer.Option("--with-frame", help="Volume of --with, if that is an image file with several."),
 ]
 Transform = Annotated[
     Path | None,

@@ -19,6 +19,7 @@ A recipe has a step for each command, with its options:
   register:                    # optional: a second scan
     moving: mr/
     resampled: mr-on-ct.nii.gz
+    output: mr-to-ct.tfm
   segment:
     - threshold: 250
       keep-largest: true
@@ -31,6 +32,10 @@ A recipe has a step for each command, with its options:
       out: bone.stl
   export:
     - out: segments.seg.nrrd
+  transform:                   # the second scan's labels, on the grid of the first
+    - path: mr-labels.nii.gz
+      transform: mr-to-ct.tfm
+      output: on-ct.nii.gz
   report: report.html
 
 Instead of import, reconstruct makes the scan from projections:
@@ -41,25 +46,33 @@ Instead of import, reconstruct makes the scan from projections:
     arc: 180
     pixel: [0.8, 0.8]
 
-Paths are relative to the recipe. The whole recipe is checked before anything is read.
+Paths are relative to the recipe. The whole recipe is checked before anything is written.
 """
 
 
 def run_file(
     recipe: Annotated[Path, typer.Argument(help="Recipe (YAML).", metavar="RECIPE")],
     *,
-    check: Annotated[bool, typer.Option("--check", help="Only validate the recipe.")] = False,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--check", help="Check the recipe and the files that it reads; write nothing."
+        ),
+    ] = False,
 ) -> None:
     """Run a recipe: import, registration, segments, surfaces, export, report."""
+    from palpate.recipes.check import read_inputs
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe
 
-    wanted = read_recipe(recipe)
+    wanted, source = read_recipe(recipe)
+    with quiet_libraries(), Display() as display:
+        inputs = read_inputs(wanted, source, progress=display)
+        if not check:
+            scene, written, told = run_recipe(wanted, inputs, progress=display)
     if check:
         typer.echo(f"{recipe}: nothing is wrong with it")
         return
-    with quiet_libraries(), Display() as display:
-        scene, written, told = run_recipe(wanted, progress=display)
     for sentence in told:
         warn(sentence)
     for shown in scene:

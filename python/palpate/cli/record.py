@@ -9,8 +9,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import Browser, Port, Rate, Scan, Segments, Threshold
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.options import (
+    AnotherPatient,
+    Browser,
+    Port,
+    Rate,
+    Resample,
+    Scan,
+    Segments,
+    Threshold,
+)
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
     from palpate.session.scripted_path import ScriptedPath
@@ -22,8 +32,8 @@ LONGEST = 3600.0
 """A recording keeps an hour at 1 kHz; see ``recording.rs`` of the engine."""
 
 
-@with_reading
-def record(
+@with_requests
+def record(  # noqa: PLR0913  # one per option of the command line
     path: Scan,
     *,
     out: Annotated[
@@ -37,9 +47,11 @@ def record(
         Path | None,
         typer.Option(help="Path that the device follows (.csv, .json); runs without the page."),
     ] = None,
-    reading: Reading,
+    reading: ReadRequest,
     threshold: Threshold = None,
     segments: Segments = None,
+    resample: Resample = False,
+    another_patient: AnotherPatient = False,
     port: Port = 0,
     browser: Browser = True,
     rate: Rate = 1000,
@@ -57,7 +69,14 @@ def record(
     scripted = None if script is None else read_path(script)
     with quiet_libraries(), Display() as display:
         volume = reading.read(path, display)
-        scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+        scene = scene_of(
+            volume,
+            bounds=bounds,
+            label_map=segments,
+            resample=resample,
+            another_patient=another_patient,
+            progress=display,
+        )
     for warning in volume.warnings:
         warn(warning)
     if scripted is not None:

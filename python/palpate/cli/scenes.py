@@ -2,37 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 
 from palpate.base.console import warn
-from palpate.base.errors import MeshFormatError, OptionError, SceneFormatError
+from palpate.base.errors import MeshFormatError, OptionError, PalpateError, SceneFormatError
+from palpate.base.hints import prefixed, retold
 from palpate.base.progress import Progress
 from palpate.base.typed_numbers import Bounds
+from palpate.cli.flags import of_import
 from palpate.io.reading import read
-from palpate.labels.labels import read_labels
-from palpate.saved.autosave import with_autosave
-from palpate.saved.opening import Opening, offer_bone
-from palpate.saved.scene_file import open_scene
-from palpate.volumes.mesh_read import (
-    Frame,
-    MeshFile,
-    Unit,
-    closed,
-    object_of_mesh,
-    read_mesh,
-    suitable_spacing,
-)
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import doubts_of, placed, read_transform
 from palpate.volumes.volume import Volume
+
+if TYPE_CHECKING:
+    from palpate.saved.opening import Opening
+    from palpate.volumes.mesh_read import Frame, MeshFile, Unit
 
 __all__ = [
     "add_labels",
     "add_mesh",
     "add_second",
     "edited_saved_scene",
+    "further_scan",
     "mesh_file",
     "saved_scene",
     "scene_of",
@@ -94,8 +90,12 @@ def scene_of(
         another_patient=another_patient,
         progress=progress,
     )
-    if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
-        warn(told)
+    if bounds is None and label_map is None:
+        from palpate.saved.opening import offer_bone
+
+        told = offer_bone(scene)
+        if told is not None:
+            warn(told)
     return scene
 
 
@@ -108,6 +108,8 @@ def add_labels(
     progress: Progress,
 ) -> None:
     """Adds the segments of a file or folder, and says what was changed or left out."""
+    from palpate.labels.labels import read_labels
+
     found = read_labels(
         path,
         scene.volume,
@@ -123,23 +125,67 @@ def add_labels(
 
 
 def add_second(
-    scene: Scene, path: Path | None, transform: Path | None, *, progress: Progress
+    scene: Scene,
+    path: Path | None,
+    transform: Path | None,
+    *,
+    series: str | None = None,
+    frame: int | None = None,
+    progress: Progress,
 ) -> None:
     """Shows a second scan with the first, where a transform says that it lies.
 
     Raises:
-        OptionError: There is a transform and no scan, or it cannot be used.
+        OptionError: There is a transform, series or frame and no scan, or it cannot be used.
         VolumeFormatError: The scan or the transform cannot be read.
     """
     if path is None:
-        if transform is not None:
-            raise OptionError(f"--transform {transform} given; allowed: together with --with")
+        _refuse_alone({"--transform": transform, "--with-series": series, "--with-frame": frame})
         return
-    volume = read(path, progress=progress)
+    volume = _second_read(path, series=series, frame=frame, progress=progress)
     known = None if transform is None else read_transform(transform)
     scene.second = placed(scene.volume, volume, known)
     for warning in (*doubts_of(scene.volume, scene.second), *volume.warnings):
-        warn(f"{path.name}: {warning}")
+        warn(f"{path.name}: {of_import(warning)}")
+
+
+def further_scan(path: Path, progress: Progress) -> Volume:
+    """Reads a scan for which the command has no options of reading.
+
+    Raises:
+        PalpateError: It cannot be read, or there are several.
+    """
+    try:
+        return read(path, progress=progress)
+    except PalpateError as error:
+        raise type(error)(of_import(str(error))) from None
+
+
+def _refuse_alone(options: Mapping[str, object]) -> None:
+    """Refuses options of a second scan where there is none."""
+    for name, given in options.items():
+        if given is not None:
+            raise OptionError(f"{name} {given} given; allowed: together with --with")
+
+
+def _second_read(
+    path: Path, *, series: str | None, frame: int | None, progress: Progress
+) -> Volume:
+    try:
+        return read(path, series=series, frame=frame, progress=progress)
+    except PalpateError as error:
+        # here the options of the second scan are called otherwise than those of the first
+        raise type(error)(_of_second(str(error))) from None
+
+
+def _of_second(message: str) -> str:
+    """Returns a message of the second scan with options that are its own."""
+    own = {"series": "--with-series", "frame": "--with-frame"}
+
+    def tell(name: str, value: str) -> str:
+        return f"{own[name]} {value}" if name in own else f"`{name}={value}`"
+
+    return of_import(retold(message, tell))
 
 
 def saved_scene(path: Path, progress: Progress) -> Opening:
@@ -148,6 +194,10 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
     Raises:
         SceneFormatError: It cannot be opened; its last autosave is named then.
     """
+    from palpate.saved.autosave import with_autosave
+    from palpate.saved.opening import Opening
+    from palpate.saved.scene_file import open_scene
+
     try:
         saved = open_scene(path, progress=progress)
         return Opening(saved.scene(), saved, saved.messages)
@@ -156,12 +206,13 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
 
 
 def edited_saved_scene(path: Path, progress: Progress) -> Scene:
-    """Returns the scan of a scene that was saved, with its edits and segments.
+    """Returns the scan of a scene that was saved, with its edits and segments, and says its doubts.
 
     Raises:
         SceneFormatError: It cannot be opened.
     """
     from palpate.saved.edited_scene import edited_scene
+    from palpate.saved.scene_file import open_scene
 
     saved = open_scene(path, progress=progress)
     scene, notes = edited_scene(saved)
@@ -176,6 +227,8 @@ def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -
     Raises:
         OptionError: The frame or the unit is not known.
     """
+    from palpate.volumes.mesh_read import closed, read_mesh
+
     frames: dict[str | None, Frame | None] = {None: None, "LPS": "LPS", "RAS": "RAS"}
     units: dict[str | None, Unit | None] = {None: None, "mm": "mm", "m": "m"}
     if frame not in frames:
@@ -200,12 +253,13 @@ def add_mesh(
         MeshFormatError: It holds no mesh, or is open.
         EmptySegmentError: It is thinner than a voxel everywhere.
     """
+    from palpate.volumes.mesh_read import object_of_mesh, suitable_spacing
+
     try:
         file = mesh_file(path, frame=frame, unit=unit, close=False)
     except OptionError as error:
         # here the options of a mesh are called otherwise than in `palpate surface`
-        said = str(error).replace("--frame", "--mesh-frame").replace("--unit", "--mesh-unit")
-        raise OptionError(said) from None
+        raise OptionError(prefixed(str(error), "mesh")) from None
     if file.holes:
         raise MeshFormatError(
             f"{file.name!r} has {file.holes} hole{'s' if file.holes > 1 else ''}, so no inside; "

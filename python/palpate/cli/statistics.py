@@ -9,7 +9,8 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
     from palpate.segmentation.segment_statistics import SegmentStatistics
@@ -20,7 +21,7 @@ __all__ = ["EXAMPLES", "statistics"]
 EXAMPLES = """\b
 Examples:
   palpate statistics ct/ --segments organs.seg.nrrd
-  palpate statistics ct.nii.gz --threshold 250 --csv > bone.csv
+  palpate statistics ct.nii.gz --threshold 250 -o bone.csv
   palpate statistics work.palpate -o work.json     (a saved scene)
 
 Values are those of the file, in its unit. The axial diameter is the largest within one slice, of
@@ -30,7 +31,7 @@ the scan's slices that are nearest to axial; diameters run from corner to corner
 SUFFIXES = (".csv", ".json")
 
 
-@with_reading
+@with_requests
 def statistics(
     path: Annotated[
         Path,
@@ -48,14 +49,14 @@ def statistics(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Write a file (.csv, .json) instead.")
     ] = None,
-    reading: Reading,
+    reading: ReadRequest,
 ) -> None:
     """Measure segments: volume, values, diameters, surface area, centroid."""
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target, whole_file
     from palpate.cli.scenes import edited_saved_scene, wanted_scene
-    from palpate.saved.opening import is_scene
+    from palpate.saved.ending import is_scene
     from palpate.segmentation.segment_statistics import statistics as measure
 
     form = _form(out, as_csv=as_csv, as_json=as_json)
@@ -63,7 +64,7 @@ def statistics(
         check_target(out, SUFFIXES)
     bounds = parse_threshold(threshold)
     saved, chosen = is_scene(path), segments is not None or bounds is not None
-    if saved and (chosen or reading != Reading()):
+    if saved and (chosen or reading != ReadRequest()):
         raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
     if not saved and not chosen:
         raise OptionError(

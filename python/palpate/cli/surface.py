@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import Scan, Segments, Threshold
-from palpate.cli.reading_options import Reading, with_reading
+from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
+from palpate.cli.request_options import with_requests
+from palpate.io.request import ReadRequest
+from palpate.volumes.surface_request import SurfaceRequest
 
 if TYPE_CHECKING:
+    from palpate.base.progress import Progress
     from palpate.volumes.mesh_read import MeshFile
-    from palpate.volumes.segment import Segment
-    from palpate.volumes.surface import Source
+    from palpate.volumes.scene import Scene
+    from palpate.volumes.surface_report import SurfaceReport
     from palpate.volumes.volume import Volume
 
 __all__ = ["surface"]
@@ -27,47 +30,51 @@ surface = typer.Typer(
 
 
 @surface.command("export")
-@with_reading
+@with_requests
 def surface_export(
-    path: Scan,
-    file: Annotated[
-        Path, typer.Argument(help="Mesh to write (.stl, .ply, .obj, .glb).", metavar="FILE")
+    path: Annotated[
+        Path,
+        typer.Argument(
+            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
+        ),
     ],
     *,
-    segment: Annotated[
-        str | None, typer.Option(help="Name of the segment, if there are several.")
+    request: SurfaceRequest,
+    json_file: Annotated[
+        Path | None,
+        typer.Option("--json", help="Write the report to this file (.json); in mm, mm² and mm³."),
     ] = None,
-    smoothing: Annotated[
-        int | None,
-        typer.Option(help="Degree of smoothing, 0 to 12; 0 keeps the shape of the voxels."),
-    ] = None,
-    step: Annotated[int | None, typer.Option(help="Cell size: 1, 2 or 4 voxels.")] = None,
-    source: Annotated[
-        str,
-        typer.Option(
-            "--from", help="intensities (of a threshold; smooth) or bits (the voxels; with steps)."
-        ),
-    ] = "intensities",
-    reading: Reading,
+    reading: ReadRequest,
     threshold: Threshold = None,
     segments: Segments = None,
+    resample: Resample = False,
+    another_patient: AnotherPatient = False,
 ) -> None:
-    """Write the surface of a segment as a mesh, in LPS mm."""
+    """Write the surface of a segment as a mesh, in LPS mm, and say what it keeps."""
     from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target
-    from palpate.cli.scenes import scene_of
-    from palpate.volumes.mesh_write import SUFFIXES
+    from palpate.volumes.mesh_write import write_mesh
     from palpate.volumes.scene import choose_segment
+    from palpate.volumes.surface import Surface
 
-    check_target(file, SUFFIXES)
+    if json_file is not None:
+        check_target(json_file, (".json",))
     bounds = parse_threshold(threshold)
+    options = {
+        "label_map": segments,
+        "bounds": bounds,
+        "resample": resample,
+        "another_patient": another_patient,
+    }
     with quiet_libraries(), Display() as display:
-        volume = reading.read(path, display)
-        scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
-    for warning in volume.warnings:
-        warn(warning)
-    chosen = choose_segment(scene, segment)
-    _export(chosen, file, step=step, smoothing=smoothing, source=source)
+        scene = _scene(path, reading, options, progress=display)
+    chosen = choose_segment(scene, request.segment)
+    made = Surface(chosen, step=request.step, smoothing=request.smoothing, source=request.source)
+    write_mesh(made.mesh(), request.out)
+    report = made.report()
+    _print_report(report, request.out, count=len(scene))
+    if json_file is not None:
+        _write_report(report, request.out, json_file, count=len(scene))
 
 
 @surface.command("voxels")
@@ -84,44 +91,64 @@ def surface_voxels(
     frame: Annotated[str | None, typer.Option(help="Frame of the mesh: LPS or RAS.")] = None,
     unit: Annotated[str | None, typer.Option(help="Unit of the mesh: mm or m.")] = None,
     close: Annotated[bool, typer.Option("--close", help="Close holes in the mesh.")] = False,
-    shell: Annotated[
+    as_shell: Annotated[
         bool, typer.Option("--shell", help="Label only the surface, not the inside.")
     ] = False,
 ) -> None:
     """Make a label map of the inside of a mesh."""
     from palpate.base.errors import OptionError
     from palpate.base.whole_file import check_target
-    from palpate.cli.scenes import mesh_file
-    from palpate.io.reading import read
+    from palpate.cli.scenes import further_scan, mesh_file
 
     check_target(file, MASK_SUFFIXES)
     if (spacing is None) == (like is None):
         raise OptionError("one grid is needed; allowed: --spacing MM, or --like SCAN")
     with quiet_libraries(), Display() as display:
         given = mesh_file(mesh, frame=frame, unit=unit, close=close)
-        grid = spacing if like is None else read(like, progress=display)
+        grid = spacing if like is None else further_scan(like, display)
     assert grid is not None  # noqa: S101  # one of both is given
-    _write_voxels(given, file, grid=grid, shell=shell)
+    _write_voxels(given, file, grid=grid, shell=as_shell)
 
 
-def _export(
-    segment: Segment, path: Path, *, step: int | None, smoothing: int | None, source: str
-) -> None:
-    """Writes the surface of a segment and prints its size.
+def _scene(
+    path: Path, reading: ReadRequest, options: dict[str, Any], *, progress: Progress
+) -> Scene:
+    """Returns the saved scene of a path, or its scan with the segments asked for.
 
     Raises:
-        OptionError: A setting is not allowed.
+        OptionError: Options of scans are given with a scene.
+        PalpateError: It cannot be read.
     """
-    from palpate.base.volume_text import volume_text
-    from palpate.volumes.mesh_write import write_mesh
-    from palpate.volumes.surface import Surface
+    from palpate.base.errors import OptionError
+    from palpate.cli.scenes import edited_saved_scene, scene_of
+    from palpate.saved.ending import is_scene
 
-    surface = Surface(segment, step=step, smoothing=smoothing, source=cast("Source", source))
-    write_mesh(surface.mesh(), path)
-    typer.echo(
-        f"{path}: {surface.triangle_count} triangles, {surface.area / 100.0:.1f} cm², "
-        f"{volume_text(surface.volume)}, LPS, {'m' if path.suffix == '.glb' else 'mm'}"
-    )
+    if is_scene(path):
+        if reading != ReadRequest() or any(options.values()):
+            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+        return edited_saved_scene(path, progress)
+    volume = reading.read(path, progress)
+    for warning in volume.warnings:
+        warn(warning)
+    return scene_of(volume, **options, progress=progress)
+
+
+def _print_report(report: SurfaceReport, path: Path, *, count: int) -> None:
+    """Says what was written, of how many segments, and what was lost."""
+    for warning in report.warnings:
+        warn(warning)
+    typer.echo(f"{path}: {report.of(count)}, LPS, {'m' if path.suffix == '.glb' else 'mm'}")
+
+
+def _write_report(report: SurfaceReport, mesh: Path, path: Path, *, count: int) -> None:
+    """Writes the same as JSON, volumes in mm³ and areas in mm²."""
+    import json
+
+    from palpate.base.whole_file import whole_file
+
+    told = {"file": str(mesh), "segments": count, **report.as_dict()}
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", "utf-8")
 
 
 def _write_voxels(file: MeshFile, path: Path, *, grid: Volume | float, shell: bool) -> None:

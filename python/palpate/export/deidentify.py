@@ -166,8 +166,8 @@ class Deidentifier:
             if any(word.search(text) for word in self._words):
                 raise StillIdentifiedError(
                     f"{element.name or element.tag} would still name the patient or the study; "
-                    "nothing was written; allowed: .seg.nrrd, NIfTI, or --keep-identity for an "
-                    "archive that may know the patient"
+                    "nothing was written; allowed: .seg.nrrd, NIfTI, or `keep_identity=True` "
+                    "for an archive that may know the patient"
                 )
 
 
@@ -245,5 +245,5 @@ def _check_shown(dataset: Dataset) -> None:
     if str(dataset.get("BurnedInAnnotation") or "") == "YES":
         raise StillIdentifiedError(
             "the scan's images have text in their pixels, which may name the patient; allowed: "
-            ".seg.nrrd, or --keep-identity for an archive that may know the patient"
+            ".seg.nrrd, or `keep_identity=True` for an archive that may know the patient"
         )

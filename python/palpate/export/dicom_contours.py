@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.export.dicom_object import coded, header_told, new_object, now, reference_to
 from palpate.export.dicom_source import DicomSource, SourceSlice
+from palpate.export.numbering import numbers_of, unique_names
 from palpate.volumes.scene import SceneSegment
 from palpate.volumes.terminology import terminology_of_name
 from palpate.volumes.volume import Volume
@@ -50,9 +51,10 @@ def make_rtstruct(segments: Sequence[SceneSegment], volume: Volume, source: Dico
         made.StructureSetROISequence = []
         made.ROIContourSequence = []
         made.RTROIObservationsSequence = []
-        for number, one in enumerate(segments, 1):
+        numbers, names = numbers_of(segments)[0], unique_names(segments)[0]
+        for number, name, one in zip(numbers, names, segments, strict=True):
             roi, contours, observed = Dataset(), Dataset(), Dataset()
-            roi.ROINumber, roi.ROIName = number, one.name[:64]
+            roi.ROINumber, roi.ROIName = number, name
             roi.ReferencedFrameOfReferenceUID = source.first.FrameOfReferenceUID
             roi.ROIGenerationAlgorithm = "SEMIAUTOMATIC"
             contours.ReferencedROINumber = number

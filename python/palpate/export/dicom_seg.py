@@ -18,6 +18,7 @@ from palpate.base.package_version import package_version
 from palpate.export.dicom_object import MAKER, UTF_8, header_told, series_number
 from palpate.export.dicom_source import DicomSource
 from palpate.export.masks import label_map, overlap_of
+from palpate.export.numbering import numbers_of, unique_names
 from palpate.labels.dicom_seg import lab_of_colour
 from palpate.volumes.scene import SceneSegment
 from palpate.volumes.terminology import Code, Terminology, terminology_of_name
@@ -27,10 +28,12 @@ if TYPE_CHECKING:
     import highdicom
     from pydicom.dataset import Dataset
 
-__all__ = ["SegKind", "make_seg"]
+__all__ = ["MOST_LABEL", "SegKind", "make_seg"]
 
 SegKind = Literal["BINARY", "LABELMAP"]
 
+MOST_LABEL = 2**16 - 1
+"""Highest number of a label map; those of binary segmentations run from 1 without a gap."""
 MOST_BYTES = 2**31
 """Of masks that overlap, which highdicom wants all at once."""
 
@@ -44,16 +47,25 @@ def make_seg(
         OptionError: Segments overlap and the kind does not allow it, or need too much memory; or
             the headers of the scan's files do not allow a SEG.
     """
+    names, _ = unique_names(segments)
+    numbers = list(range(1, len(segments) + 1))
+    if kind == "LABELMAP":
+        numbers, _ = numbers_of(segments, most=MOST_LABEL)
+        # highdicom wants descriptions in the order of their numbers
+        order = sorted(range(len(segments)), key=numbers.__getitem__)
+        segments = [segments[place] for place in order]
+        names = [names[place] for place in order]
+        numbers.sort()
     with header_told("a DICOM SEG"):
         import highdicom
         from pydicom.uid import generate_uid
 
         made: Dataset = highdicom.seg.Segmentation(
             source_images=list(source.images),
-            pixel_array=_masks(segments, volume, source, kind=kind),
+            pixel_array=_masks(segments, volume, source, numbers=numbers, kind=kind),
             segmentation_type=kind,
             segment_descriptions=[
-                _description(number, one) for number, one in enumerate(segments, 1)
+                _description(*each) for each in zip(numbers, names, segments, strict=True)
             ],
             series_instance_uid=generate_uid(),
             series_number=series_number(source, 1 if kind == "BINARY" else 2),
@@ -71,7 +83,12 @@ def make_seg(
 
 
 def _masks(
-    segments: Sequence[SceneSegment], volume: Volume, source: DicomSource, *, kind: SegKind
+    segments: Sequence[SceneSegment],
+    volume: Volume,
+    source: DicomSource,
+    *,
+    numbers: Sequence[int],
+    kind: SegKind,
 ) -> highdicom.Volume:
     """Returns highdicom's volume: numbers of segments, or a mask of each where they overlap."""
     import highdicom
@@ -79,7 +96,7 @@ def _masks(
     overlap = overlap_of(segments)
     channels: dict[Any, Any] | None = None
     if overlap is None:
-        array: NDArray[np.uint8] = label_map(segments)[0]
+        array: NDArray[Any] = label_map(segments, numbers)[0]
     elif kind == "LABELMAP":
         raise OptionError(
             f"segments {overlap[0]!r} and {overlap[1]!r} share voxels, which a label map cannot "
@@ -90,7 +107,7 @@ def _masks(
         if size > MOST_BYTES:
             raise OptionError(
                 f"{len(segments)} segments that overlap take {size / 2**30:.1f} GiB; allowed: "
-                f"{MOST_BYTES / 2**30:.0f} GiB, so fewer with --only, or .seg.nrrd"
+                f"{MOST_BYTES / 2**30:.0f} GiB, so fewer with `only=NAME`, or .seg.nrrd"
             )
         array = np.stack([one.segment.mask() for one in segments], axis=-1)
         channels = {"SegmentNumber": list(range(1, len(segments) + 1))}
@@ -107,7 +124,7 @@ def _masks(
     )
 
 
-def _description(number: int, one: SceneSegment) -> highdicom.seg.SegmentDescription:
+def _description(number: int, name: str, one: SceneSegment) -> highdicom.seg.SegmentDescription:
     import highdicom
     from pydicom.sr.coding import Code as DicomCode
 
@@ -117,7 +134,7 @@ def _description(number: int, one: SceneSegment) -> highdicom.seg.SegmentDescrip
     terms: Terminology = one.segment.terminology or terminology_of_name(one.name)
     made = highdicom.seg.SegmentDescription(
         segment_number=number,
-        segment_label=one.name[:64],
+        segment_label=name,
         segmented_property_category=given(terms.category),
         segmented_property_type=given(terms.kind),
         algorithm_type="MANUAL",

@@ -93,7 +93,7 @@ def dicom_source(volume: Volume, *, complete: bool, progress: Progress) -> Itera
         raise OptionError(f"the scan {volume.name!r} {gone}; {ELSEWHERE}")
     if "orientation" in source.options:
         raise OptionError(
-            "the scan was read with --orientation, which its files do not tell, so nothing in "
+            "the scan was read with an orientation that its files do not tell, so nothing in "
             f"DICOM can refer to it; {ELSEWHERE}"
         )
     path, series = source.path, source.options.get("series")
@@ -137,7 +137,7 @@ def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) ->
     if lacking and not complete:
         raise OptionError(
             f"the scan's files have no {' and no '.join(lacking)}, so nothing can refer to them; "
-            f"{ELSEWHERE}, or DICOM without --keep-identity, which makes new ones"
+            f"{ELSEWHERE}, or DICOM without `keep_identity=True`, which makes new ones"
         )
     with warnings.catch_warnings():
         # sloppy values are kept as they are

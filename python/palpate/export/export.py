@@ -10,86 +10,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
 from palpate.base.errors import OptionError
+from palpate.base.given import path_of
 from palpate.base.progress import Progress, silent
 from palpate.base.whole_file import whole_file, whole_folder
-from palpate.export.deidentify import Deidentifier
-from palpate.export.dicom_contours import make_rtstruct
-from palpate.export.dicom_object import save_dicom
-from palpate.export.dicom_scan import make_series
-from palpate.export.dicom_seg import make_seg
-from palpate.export.dicom_source import IDENTIFIERS, DicomSource, dicom_source
-from palpate.export.image import IMAGE_SUFFIXES, write_label_map, write_scan
+from palpate.export.image import write_label_map, write_scan
+from palpate.export.kinds import Kind, check_export, kind_of
 from palpate.export.masks import written_segments
+from palpate.export.numbering import changed_numbers, numbers_of, unique_names
 from palpate.export.seg_nrrd import write_seg_nrrd
-from palpate.io.dicom.header import damage_told
 from palpate.volumes.scene import Scene, SceneSegment, require_scene
 
 if TYPE_CHECKING:
+    # what makes DICOM is imported where DICOM is made
     from pydicom.dataset import Dataset
 
-__all__ = ["KINDS", "Kind", "check_export", "export_scene", "kind_of"]
+    from palpate.export.deidentify import Deidentifier
+    from palpate.export.dicom_source import DicomSource
 
-Kind = Literal["seg-nrrd", "labels", "scan", "dicom-seg", "dicom-labelmap", "rtstruct", "dicom"]
-"""What to write: segments for 3D Slicer; a label map; the scan with its edits; one DICOM object; or
-a folder of DICOM with all of these."""
-KINDS: tuple[Kind, ...] = get_args(Kind)
-
-ENDINGS: dict[Kind, tuple[str, ...]] = {
-    "seg-nrrd": (".seg.nrrd",),
-    "labels": IMAGE_SUFFIXES,
-    "scan": IMAGE_SUFFIXES,
-    "dicom-seg": (".dcm",),
-    "dicom-labelmap": (".dcm",),
-    "rtstruct": (".dcm",),
-    "dicom": ("",),
-}
-"""File name extensions of each kind."""
-
-
-def kind_of(path: Path, *, has_segments: bool) -> Kind:
-    """Returns the kind for a name; for an image, labels where there are segments, else the scan.
-
-    Raises:
-        OptionError: The extension is not known.
-    """
-    name = path.name.lower()
-    if name.endswith(".seg.nrrd"):
-        return "seg-nrrd"
-    if name.endswith(IMAGE_SUFFIXES):
-        return "labels" if has_segments else "scan"
-    if name.endswith(".dcm"):
-        return "dicom-seg"
-    if "." in name:
-        endings = ", ".join((".seg.nrrd", *IMAGE_SUFFIXES, ".dcm"))
-        raise OptionError(
-            f"{path.name!r} given; allowed: a name with {endings}, or a new folder for DICOM"
-        )
-    return "dicom"
-
-
-def check_export(path: Path, kind: Kind, *, keep_identity: bool) -> None:
-    """Refuses what could not be written, before anything is computed.
-
-    Raises:
-        OptionError: The name does not fit, its folder does not exist, or a DICOM object would refer
-            to nothing.
-    """
-    if kind not in KINDS:
-        raise OptionError(f"kind {kind!r} given; allowed: {', '.join(KINDS)}")
-    if not path.name.lower().endswith(ENDINGS[kind]):
-        endings = ", ".join(ENDINGS[kind])
-        raise OptionError(f"{path.name!r} given for {kind}; allowed: a name with {endings}")
-    if not path.absolute().parent.is_dir():
-        raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")
-    if ENDINGS[kind] == (".dcm",) and not keep_identity:
-        raise OptionError(
-            f"{path.name!r} would refer to a scan that names the patient; allowed: with "
-            "--keep-identity for an archive that has the scan, or a new folder (a name without an "
-            "ending), into which the scan goes along, all de-identified"
-        )
+__all__ = ["export_scene"]
 
 
 def export_scene(
@@ -121,7 +62,7 @@ def export_scene(
         OSError: The file cannot be written; an existing one stays as it was.
     """
     require_scene(scene)
-    target = Path(path)
+    target = path_of(path)
     chosen = kind_of(target, has_segments=len(scene) > 0) if kind is None else kind
     check_export(target, chosen, keep_identity=keep_identity)
     progress(f"writing {target.name}", None)
@@ -133,37 +74,68 @@ def export_scene(
     segments, told = written_segments(scene, only)
     match chosen:
         case "seg-nrrd":
-            write_seg_nrrd(segments, scene.volume, target)
+            told += write_seg_nrrd(segments, scene.volume, target)
         case "labels":
             told += write_label_map(segments, scene.volume, target)
         case "dicom":
             told += _export_folder(scene, segments, target, keep=keep_identity, progress=progress)
         case _:
-            with dicom_source(scene.volume, complete=False, progress=progress) as source:
-                progress(f"writing {target.name}", None)
-                made = _make(chosen, segments, scene, source=source)
-            with whole_file(target) as unfinished:
-                save_dicom(made, unfinished)
+            told += _export_object(scene, segments, target, kind=chosen, progress=progress)
     return told
+
+
+def _export_object(
+    scene: Scene, segments: list[SceneSegment], path: Path, *, kind: Kind, progress: Progress
+) -> list[str]:
+    """Writes one DICOM object that refers to the scan's files; returns what it has otherwise."""
+    from palpate.export.dicom_object import save_dicom
+    from palpate.export.dicom_source import dicom_source
+
+    with dicom_source(scene.volume, complete=False, progress=progress) as source:
+        progress(f"writing {path.name}", None)
+        made = _make(kind, segments, scene, source=source)
+    with whole_file(path) as unfinished:
+        save_dicom(made, unfinished)
+    return _changes_told(kind, segments)
 
 
 def _make(
     kind: Kind, segments: list[SceneSegment], scene: Scene, *, source: DicomSource
 ) -> Dataset:
+    from palpate.export.dicom_contours import make_rtstruct
+    from palpate.export.dicom_seg import make_seg
+
     if kind == "rtstruct":
         return make_rtstruct(segments, scene.volume, source)
     seg_kind: Literal["BINARY", "LABELMAP"] = "BINARY" if kind == "dicom-seg" else "LABELMAP"
     return make_seg(segments, scene.volume, source, kind=seg_kind)
 
 
+def _changes_told(kind: Kind, segments: list[SceneSegment]) -> list[str]:
+    """Says which names and numbers of segments a DICOM object has in another form."""
+    from palpate.export.dicom_seg import MOST_LABEL
+
+    numbers = {
+        "dicom-labelmap": numbers_of(segments, most=MOST_LABEL)[0],
+        "rtstruct": numbers_of(segments)[0],
+    }.get(kind, list(range(1, len(segments) + 1)))
+    return [*changed_numbers(segments, numbers), *unique_names(segments)[1]]
+
+
 def _export_folder(
     scene: Scene, segments: list[SceneSegment], path: Path, *, keep: bool, progress: Progress
 ) -> list[str]:
     """Writes everything that DICOM can represent of a scene into a new folder."""
+    from palpate.export.deidentify import Deidentifier
+    from palpate.export.dicom_contours import make_rtstruct
+    from palpate.export.dicom_scan import make_series
+    from palpate.export.dicom_seg import make_seg
+    from palpate.export.dicom_source import dicom_source
+
     if keep and not segments and not scene.volume.edited:
         raise OptionError(
-            "the scan is as it was read, and there are no segments to write; allowed: with "
-            "--segments FILE or --threshold LOW,HIGH, or without --keep-identity to share the scan"
+            "the scan is as it was read, and there are no segments to write; allowed: a scan "
+            "with segments, or without `keep_identity=True` to share the scan"
         )
     lost: list[str] = []
     with (
@@ -186,6 +158,7 @@ def _export_folder(
                 )
         if segments:
             progress("writing segments", None)
+            lost += _changes_told("dicom-seg", segments)
             made = make_seg(segments, scene.volume, source, kind="BINARY")
             _save(made, folder / "segments.dcm", share)
             _save(make_rtstruct(segments, scene.volume, source), folder / "structures.dcm", share)
@@ -197,6 +170,9 @@ def _copy_scan(
 ) -> None:
     """Writes the files that the scan was read from, de-identified, with their own pixels."""
     import pydicom
+
+    from palpate.export.dicom_source import IDENTIFIERS
+    from palpate.io.dicom.header import damage_told
 
     folder.mkdir()
     for number, (path, headers) in enumerate(zip(source.files, source.images, strict=True)):
@@ -210,4 +186,6 @@ def _copy_scan(
 
 
 def _save(made: Dataset, path: Path, share: Deidentifier | None) -> None:
+    from palpate.export.dicom_object import save_dicom
+
     save_dicom(made if share is None else share.apply(made), path)

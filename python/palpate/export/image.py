@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from palpate.base.simpleitk import image_on, reason_of, simpleitk
 from palpate.base.whole_file import whole_file
 from palpate.export.masks import label_map
+from palpate.export.numbering import changed_numbers, numbers_of
+from palpate.labels.name_table import table_beside
 from palpate.volumes.scene import SceneSegment
 from palpate.volumes.volume import Volume
 
-__all__ = ["IMAGE_SUFFIXES", "write_image", "write_label_map", "write_scan"]
-
-IMAGE_SUFFIXES = (".nii.gz", ".nii", ".nrrd", ".mha")
+__all__ = ["write_image", "write_label_map", "write_scan"]
 
 
 def write_scan(volume: Volume, path: Path) -> None:
@@ -45,18 +45,19 @@ def write_label_map(segments: Sequence[SceneSegment], volume: Volume, path: Path
     Raises:
         OSError: The disk refuses it.
     """
-    labels, shared = label_map(segments)
-    names = path.with_name(path.name.split(".")[0] + ".csv")
-    with whole_file(names) as table:
-        _write_names(segments, table)
+    numbers, told = numbers_of(segments)
+    labels, shared = label_map(segments, numbers)
+    with whole_file(table_beside(path)) as table:
+        _write_names(segments, numbers, table)
         write_image(labels, volume, path)
     if not shared:
-        return []
+        return told
     return [
+        *told,
         (
             f"{shared} voxels belong to several segments and are kept in the last one; .seg.nrrd "
             "and DICOM SEG keep them in all"
-        )
+        ),
     ]
 
 
@@ -99,9 +100,13 @@ def _values(volume: Volume) -> NDArray[Any]:
     return narrow
 
 
-def _write_names(segments: Sequence[SceneSegment], path: Path) -> None:
+def _write_names(segments: Sequence[SceneSegment], numbers: Sequence[int], path: Path) -> None:
+    """Writes the table; where numbers changed, with a column of those that were read."""
+    changed = bool(changed_numbers(segments, numbers))
     with path.open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["id", "structure", "red", "green", "blue"])
-        for number, one in enumerate(segments, 1):
-            table.writerow([number, one.name, *(f"{part:.6g}" for part in one.colour)])
+        table.writerow(["id", "structure", "red", "green", "blue", *(["original"] * changed)])
+        for number, one in zip(numbers, segments, strict=True):
+            colour = (f"{part:.6g}" for part in one.colour)
+            original = number if one.segment.number is None else one.segment.number
+            table.writerow([number, one.name, *colour, *([original] * changed)])

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
+from palpate.export.numbering import kind_for
 from palpate.volumes.scene import Scene, SceneSegment
 
 __all__ = ["Layered", "label_map", "layered", "overlap_of", "written_segments"]
@@ -47,19 +49,19 @@ def written_segments(
     if not kept:
         raise OptionError(
             "no segments to write (" + ("; ".join(told) or "the scan has none") + "); allowed: "
-            "with --segments FILE, --threshold LOW,HIGH, or a scene that has some"
+            "a scan with segments"
         )
     return kept, told
 
 
-def label_map(segments: Sequence[SceneSegment]) -> tuple[NDArray[np.uint8], int]:
-    """Numbers voxels by their segment, 1 for the first; the last of several holds.
+def label_map(segments: Sequence[SceneSegment], numbers: Sequence[int]) -> tuple[NDArray[Any], int]:
+    """Numbers voxels by their segment; the last of several holds.
 
     Returns the map, and how many voxels belong to more than one segment.
     """
-    labels = np.zeros(segments[0].segment.volume.shape, np.uint8)
+    labels = np.zeros(segments[0].segment.volume.shape, kind_for(numbers))
     shared = 0
-    for number, one in enumerate(segments, 1):
+    for number, one in zip(numbers, segments, strict=True):
         box, inside = _part(one)
         shared += int(np.count_nonzero(labels[box][inside]))
         labels[box][inside] = number
@@ -70,26 +72,23 @@ def label_map(segments: Sequence[SceneSegment]) -> tuple[NDArray[np.uint8], int]
 class Layered:
     """Maps of labels that together hold segments which overlap."""
 
-    layers: tuple[NDArray[np.uint8], ...]
+    layers: tuple[NDArray[Any], ...]
     places: tuple[tuple[int, int], ...]
     """Layer and value of each segment."""
 
 
-def layered(segments: Sequence[SceneSegment]) -> Layered:
-    """Lays each segment into the first layer where it overlaps no other."""
-    layers: list[NDArray[np.uint8]] = []
+def layered(segments: Sequence[SceneSegment], numbers: Sequence[int]) -> Layered:
+    """Lays each segment under its number into the first layer where it overlaps no other."""
+    layers: list[NDArray[Any]] = []
     places: list[tuple[int, int]] = []
-    counts: list[int] = []
-    for one in segments:
+    for one, number in zip(segments, numbers, strict=True):
         box, inside = _part(one)
         free = (index for index, layer in enumerate(layers) if not layer[box][inside].any())
         index = next(free, len(layers))
         if index == len(layers):
-            layers.append(np.zeros(one.segment.volume.shape, np.uint8))
-            counts.append(0)
-        counts[index] += 1
-        layers[index][box][inside] = counts[index]
-        places.append((index, counts[index]))
+            layers.append(np.zeros(one.segment.volume.shape, kind_for(numbers)))
+        layers[index][box][inside] = number
+        places.append((index, number))
     return Layered(tuple(layers), tuple(places))
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from palpate.base.whole_file import whole_file
 from palpate.export.masks import Layered, layered
+from palpate.export.numbering import numbers_of
 from palpate.volumes.scene import SceneSegment
 from palpate.volumes.terminology import terminology_of_name
 from palpate.volumes.volume import Volume
@@ -23,14 +24,18 @@ from palpate.volumes.volume import Volume
 __all__ = ["write_seg_nrrd"]
 
 
-def write_seg_nrrd(segments: Sequence[SceneSegment], volume: Volume, path: Path) -> None:
-    """Writes segments, each with all its voxels.
+KINDS = {"uint8": "unsigned char", "uint16": "unsigned short", "int32": "int"}
+
+
+def write_seg_nrrd(segments: Sequence[SceneSegment], volume: Volume, path: Path) -> list[str]:
+    """Writes segments, each with all its voxels, and returns what changed, in words.
 
     Raises:
         OSError: The disk refuses it.
     """
-    parts = layered(segments)
-    header = [*_grid_lines(volume, len(parts.layers)), *_segment_lines(segments, parts)]
+    numbers, told = numbers_of(segments)
+    parts = layered(segments, numbers)
+    header = [*_grid_lines(volume, parts), *_segment_lines(segments, parts)]
     several = len(parts.layers) > 1
     voxels = np.stack(parts.layers, axis=-1) if several else parts.layers[0]
     with whole_file(path) as unfinished, unfinished.open("wb") as file:
@@ -38,18 +43,22 @@ def write_seg_nrrd(segments: Sequence[SceneSegment], volume: Volume, path: Path)
         # gzip of zlib: the header of 16 more bits
         packer = zlib.compressobj(6, zlib.DEFLATED, zlib.MAX_WBITS + 16)
         for plane in voxels:
-            file.write(packer.compress(plane.tobytes()))
+            file.write(
+                packer.compress(plane.astype(plane.dtype.newbyteorder("<"), copy=False).tobytes())
+            )
         file.write(packer.flush())
+    return told
 
 
-def _grid_lines(volume: Volume, layers: int) -> list[str]:
+def _grid_lines(volume: Volume, parts: Layered) -> list[str]:
+    layers = len(parts.layers)
     columns = (volume.direction * np.asarray(volume.spacing)).T
     x, y, z = volume.dimensions
     several = layers > 1
     vectors = " ".join(_vector(column) for column in columns)
     return [
         "NRRD0004",
-        "type: unsigned char",
+        f"type: {KINDS[parts.layers[0].dtype.name]}",
         f"dimension: {4 if several else 3}",
         "space: left-posterior-superior",
         f"sizes: {f'{layers} ' if several else ''}{x} {y} {z}",

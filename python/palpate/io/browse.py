@@ -20,19 +20,20 @@ from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart, apart_each, looking_at
 from palpate.io.archive import is_archive, unpacked
+from palpate.io.called import called_of
 from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import read_slice
 from palpate.io.dicom.reading import plan_of, volumes_of
-from palpate.io.dicom.series import MOST_FILES, called_of, is_dicom, series_among, series_in
+from palpate.io.dicom.series import MOST_FILES, is_dicom, series_among, series_in
 from palpate.io.image_file import form_of, header_of, image_files, middle_of
 from palpate.io.preview import preview
 
-__all__ = ["Choice", "browsed", "choices_among", "previews"]
+__all__ = ["Choice", "browsed", "choices_among", "late_picture", "previews"]
 
 MOST_IMAGES = 200
 """Image files of one folder that are listed."""
 MOST_PICTURED = 32
-"""Volumes of one image file that have pictures: each is unpacked from the start of the file."""
+"""Volumes of one image file whose pictures come with the list; the others' come when asked for."""
 MOST_THREADS = 4
 LARGEST = 1024**3
 """Voxels, as ``palpate.io.read`` has it."""
@@ -93,6 +94,8 @@ class Choice:
     """Why it cannot be opened."""
     picture: Picture = field(compare=False)
     """Of its middle."""
+    late: bool = False
+    """Whether its picture is made only when asked for."""
     fetch: Fetch | None = field(default=None, compare=False)
     """Brings its files into a folder; None where they are at ``path``."""
 
@@ -133,7 +136,7 @@ def previews(
     wanted = {
         number: choice.picture
         for number, choice in enumerate(choices)
-        if choice.refused is None and choice.picture is not _nothing
+        if choice.refused is None and choice.picture is not _nothing and not choice.late
     }
     here = {number: one for number, one in wanted.items() if isinstance(one, MiddleOf)}
     left = dict(here)
@@ -151,6 +154,20 @@ def previews(
     ):
         if picture is not None:
             yield number, picture
+
+
+def late_picture(choice: Choice, *, progress: Progress = silent) -> NDArray[np.uint8]:
+    """Returns the picture of a choice, also when its list is no longer ``browsed``.
+
+    Raises:
+        FileNotFoundError: Its file is gone.
+        PalpateError: It cannot be drawn.
+    """
+    middle = choice.picture
+    if not is_archive(choice.path) or choice.series is None or not isinstance(middle, MiddleOf):
+        return middle()
+    with unpacked(choice.path, progress) as folder:
+        return replace(middle, path=folder / choice.series)()
 
 
 def _drawn(
@@ -285,9 +302,8 @@ def _image(path: Path, name: str) -> list[Choice]:
             name=f"{name}, volume {frame}",
             part=f"volume {frame}",
             frame=frame,
-            picture=MiddleOf(path, frame=frame, pixel=header.spacing[:2])
-            if frame <= MOST_PICTURED
-            else _nothing,
+            picture=MiddleOf(path, frame=frame, pixel=header.spacing[:2]),
+            late=frame > MOST_PICTURED,
         )
         for frame in range(1, header.frames + 1)
     ]

@@ -18,6 +18,7 @@ from palpate.base.progress import Progress
 from palpate.io.header_check import check_header
 from palpate.io.open_image import OpenImage
 from palpate.io.raw_scan import RawScan, check_shape, choose_frame
+from palpate.volumes.siblings import Siblings
 
 __all__ = [
     "FORMATS",
@@ -58,7 +59,7 @@ APPLE_DOUBLE = b"\x00\x05\x16\x07"
 ALLOWED = (
     "NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), MINC (.mnc), FreeSurfer "
     "(.mgh, .mgz), Analyze (.hdr), PAR/REC (.par), AFNI (.HEAD), a DICOM folder or a zip archive "
-    "of one, or pictures of slices with --voxel-size"
+    "of one, or pictures of slices with `voxel_size=X,Y,Z`"
 )
 
 
@@ -98,7 +99,12 @@ def read_file(
         VolumeFormatError: The file is no volume, is damaged, or has too many voxels.
     """
     image = _checked(path, max_voxels)
-    return image.scan(choose_frame(str(path), image.size, frame), progress)
+    chosen = choose_frame(str(path), image.size, frame)
+    scan = image.scan(chosen, progress)
+    count = math.prod(image.size[3:])
+    if count > 1:
+        scan.siblings = Siblings("frame", tuple(range(1, count + 1)), chosen + 1)
+    return scan
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from palpate.io.nifti_file import checked
 from palpate.io.payload import check_payload, metaimage_header, nrrd_header
 from palpate.io.raw_scan import RawScan, refuse_components
 from palpate.io.stored_image import Place
+from palpate.volumes.orientation import direction_of, letters_of
 
 __all__ = ["ItkImage", "unit_of"]
 
@@ -87,7 +88,16 @@ class ItkImage:
         affine[:3, 3] = np.multiply(image.GetOrigin(), self.scale)
         checked(self.path, affine)
         known = _orientation_known(self.path, self.format_name)
-        place = Place(affine=affine, known=known, told=self.told)
+        told = self.told
+        letters = "" if self.format_name != "metaimage" else anatomical_sides(self.path)
+        if letters and not known:
+            affine[:3, :3] = direction_of(letters) * self.spacing[:3]
+            known = True
+            told = (*told, f"axes lie toward {letters}, as AnatomicalOrientation tells alone")
+        elif letters and letters != (lie := letters_of(affine[:3, :3])):
+            unused = f"AnatomicalOrientation, which tells {letters}, is not used"
+            told = (*told, f"axes lie toward {lie}, as TransformMatrix tells: {unused}")
+        place = Place(affine=affine, known=known, told=told)
         return place.scan(self._array(image, frame), self.path)
 
     def middle(self, frame: int) -> NDArray[Any]:
@@ -214,6 +224,21 @@ def _orientation_known(path: Path, format_name: str) -> bool:
         return nrrd_header(path)[0].get("space", "").lower() in SPACES
     fields, _ = metaimage_header(path)
     return bool({"TransformMatrix", "Orientation", "Rotation"} & fields.keys())
+
+
+FROM = "RLAPIS"
+"""Sides by their letters, each beside its opposite."""
+
+
+def anatomical_sides(path: Path) -> str:
+    """Returns the sides toward which axes of a MetaImage run, such as "LPS"; "" if it tells none.
+
+    MetaIO names the sides that they come from.
+    """
+    told = metaimage_header(path)[0].get("AnatomicalOrientation", "").strip().upper()
+    if len(told) != SPACE_AXES or {FROM.find(side) // 2 for side in told} != {0, 1, 2}:
+        return ""
+    return "".join(FROM[FROM.index(side) ^ 1] for side in told)
 
 
 SPACES = (

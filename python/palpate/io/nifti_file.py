@@ -264,7 +264,8 @@ def _disagreement(
     if off <= NEAR:
         return ()
     flipped = np.linalg.det(sform[:3, :3]) * np.linalg.det(qform[:3, :3]) < 0.0
-    sides = f"{_letters(sform)} and {_letters(qform)}"
+    both = dict.fromkeys((_letters(sform), _letters(qform)))
+    sides = " and ".join(both) if len(both) > 1 else f"{next(iter(both))} in both"
     swapped = "; one mirrors the other, so left and right may be swapped" if flipped else ""
     told = f"{first} and {second} of the file disagree by up to {off:.3g} mm, axes toward {sides}"
     return (f"{told}{swapped}: the sform is used",)

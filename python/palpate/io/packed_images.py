@@ -45,7 +45,7 @@ def image_of(folder: Path, wanted: str | None, *, called: Path, progress: Progre
     named = ", ".join([*images][:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
     asked = "" if wanted is None else f", and none is {wanted!r}"
     raise SeriesChoiceError(
-        f"{called} holds {len(images)} image files{asked}; choose one with --series NAME: {named}"
+        f"{called} holds {len(images)} image files{asked}; choose one with `series=NAME`: {named}"
     )
 
 

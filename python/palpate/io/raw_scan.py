@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import SeriesChoiceError, VolumeFormatError
 from palpate.base.reader_process import expect
+from palpate.volumes.siblings import Siblings
 from palpate.volumes.stored_values import Scale
 
 __all__ = [
@@ -50,6 +51,8 @@ class RawScan:
     """FrameOfReferenceUID, for DICOM."""
     subject: tuple[str, str, str] = ("", "", "")
     """StudyInstanceUID, PatientID and PatientName, for DICOM."""
+    siblings: Siblings | None = None
+    """Volumes of its file or series, such as times; None where it is alone."""
     orientation_known: bool = True
     file_scale: Scale | None = None
     warnings: list[str] = field(default_factory=list)
@@ -71,7 +74,7 @@ def check_shape(what: str, size: tuple[int, ...], max_voxels: int) -> None:
     if math.prod(size) > max_voxels:
         raise VolumeFormatError(
             f"{what} has {named} = {math.prod(size)} voxels; allowed: at most {max_voxels}, "
-            "or more with --max-voxels"
+            "or more with `max_voxels=COUNT`"
         )
     expect(math.prod(size))
 
@@ -115,9 +118,9 @@ def choose_frame(what: str, size: tuple[int, ...], frame: int | None) -> int:
         asked = "" if frame is None else f", and {frame} was asked for"
         raise SeriesChoiceError(
             f"{what} is a {len(size)}-D image of {count} volumes{axes}{asked}; allowed: one of "
-            f"them, with --frame 1 to {count}"
+            f"them, with `frame=NUMBER` from 1 to {count}"
             if count > 1
-            else f"{what} holds one volume{asked}; allowed: --frame 1"
+            else f"{what} holds one volume{asked}; allowed: the first, with `frame=1`"
         )
     return frame - 1
 

@@ -333,7 +333,7 @@ def _damaged(file: Path, error: RuntimeError) -> VolumeFormatError:
 def _asked(path: Path, voxel: Size | None) -> Size:
     if voxel is None:
         raise OptionError(
-            f"{path} does not say how large its voxels are; allowed: with --voxel-size X,Y,Z [mm], "
+            f"{path} does not say how large its voxels are; allowed: with `voxel_size=X,Y,Z` [mm], "
             "such as 0.5,0.5,1.25"
         )
     if not all(np.isfinite(voxel)) or min(voxel) <= 0.0:

@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from palpate.base.counted import counted
 from palpate.base.damaged_file import damage_as
 from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.base.given import given_text, number, path_of, whole_number
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
-from palpate.io.dicom.header import Series
-from palpate.io.dicom.series import called_of
+from palpate.io.called import called_of
+from palpate.io.deferred import scan_at, series_at
 from palpate.io.raw_scan import RawScan, check_place
-from palpate.io.scan_at import scan_at, series_at
 from palpate.volumes.orientation import direction_of, letters_of
 from palpate.volumes.stored_values import Stored, to_stored
 from palpate.volumes.volume import Source, Volume, VolumeTraits
 
-__all__ = ["list_series", "read"]
+if TYPE_CHECKING:
+    from palpate.io.dicom.header import Series
+
+__all__ = ["list_series", "read", "read_again", "read_sibling"]
 
 Place = str | PathLike[str]
 
@@ -76,6 +81,12 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     """
     places = _places(path)
     source = called_of(places)
+    frame = None if frame is None else whole_number("frame", frame)
+    max_voxels = whole_number("max_voxels", max_voxels)
+    fill = None if fill is None else _filling(fill)
+    for name, text in (("series", series), ("orientation", orientation), ("raw", raw)):
+        if text is not None and not isinstance(text, str):
+            raise OptionError(f"{name} {given_text(text)} given; allowed: text")
     if unit is not None and unit not in UNITS:
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
     scan = apart(
@@ -99,7 +110,7 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     progress("storing values as 16 bits", None)
     stored = _stored(scan, source, fill=fill, strict=strict)
     if not scan.unit:
-        scan.warnings.append("the unit of the values is unknown; give --unit HU if it is HU")
+        scan.warnings.append("the unit of the values is unknown; give `unit=HU` if it is HU")
     volume = Volume(
         stored.values,
         spacing=scan.spacing,
@@ -118,6 +129,7 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
             study=scan.subject[0],
             patient_id=scan.subject[1],
             patient_name=scan.subject[2],
+            siblings=scan.siblings,
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
         ),
@@ -139,6 +151,56 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     return volume
 
 
+def read_sibling(volume: Volume, number: int, *, progress: Progress = silent) -> Volume:
+    """Reads another volume of the file or series of a scan, such as another time, as that was read.
+
+    Args:
+        volume: The scan.
+        number: Of the volume among those of the file or series, from 1.
+        progress: Takes the progress.
+
+    Raises:
+        OptionError: There is no such volume.
+        PalpateError: As ``read``.
+    """
+    siblings = volume.traits.siblings
+    if siblings is None:
+        raise OptionError(f"{volume.name} is the only volume of its file; allowed: to open others")
+    return read_again(volume, {siblings.option: siblings.key_of(number)}, progress=progress)
+
+
+def read_again(
+    volume: Volume, changes: Mapping[str, Any], *, progress: Progress = silent
+) -> Volume:
+    """Reads a scan again as it was read, but for some options of ``read``.
+
+    Raises:
+        OptionError: It was made, or read from several files.
+        PalpateError: As ``read``.
+    """
+    if volume.source is None:
+        raise OptionError(
+            f"{volume.name} has no file of its own; allowed: a scan that was read from one file, "
+            "folder or archive"
+        )
+    return read(volume.source.path, progress=progress, **{**volume.source.options, **changes})
+
+
+def _filling(fill: float) -> float:
+    """Returns a value to put in the place of none.
+
+    Raises:
+        OptionError: It is none either, or beyond what values are kept in.
+    """
+    value = float(number("fill", fill))
+    largest = float(np.finfo(np.float32).max)
+    if not abs(value) <= largest:
+        raise OptionError(
+            f"fill is {value:g}; allowed: a finite number between {-largest:.3g} and {largest:.3g}"
+        )
+    return value
+
+
 def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) -> Stored:
     """Returns the values of a scan as they are used; refuses those that are none where asked to."""
     try:
@@ -147,13 +209,19 @@ def _stored(scan: RawScan, source: Path, *, fill: float | None, strict: bool) ->
     except PalpateError as error:
         raise type(error)(f"{source}: {error}") from None
     if strict and stored.missing:
+        some = counted(stored.missing, "values is", "values are", of=stored.values.size)
         raise VolumeFormatError(
-            f"{source}: {stored.missing} of {stored.values.size} values are NaN or infinite; "
+            f"{source}: {some} NaN or infinite; "
             "allowed: finite values, a value to put in their place (fill), or no value there "
             "(not strict)"
         )
     if stored.filled:
-        scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
+        some = counted(stored.filled, "NaN or infinite value was", "NaN or infinite values were")
+        scan.warnings.append(f"{some} set to {fill:g}")
+    if stored.off:
+        scan.warnings.append(
+            f"values of 64 bits are kept in 32 bits: they differ by up to {stored.off:.2g}"
+        )
     return stored
 
 
@@ -169,7 +237,10 @@ def list_series(path: Place | Sequence[Place], *, progress: Progress = silent) -
 
 
 def _places(path: Place | Sequence[Place]) -> list[Path]:
-    places = [Path(path)] if isinstance(path, str | PathLike) else [Path(one) for one in path]
+    if isinstance(path, Iterable) and not isinstance(path, str | bytes | PathLike):
+        places = [path_of(one) for one in path]
+    else:
+        places = [path_of(path)]
     if not places:
         raise OptionError("no path given; allowed: one, or several DICOM files")
     return places

@@ -13,6 +13,7 @@ from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.archive import is_archive, unpacked
+from palpate.io.called import called_of
 from palpate.io.dicom.dicomdir import is_dicomdir
 from palpate.io.dicom.header import Series
 from palpate.io.dicom.mark import is_dicom
@@ -22,7 +23,7 @@ from palpate.io.dicom.reading import (
     read_dicom_folder,
     volumes_of,
 )
-from palpate.io.dicom.series import called_of, series_among, series_in
+from palpate.io.dicom.series import series_among, series_in
 from palpate.io.image_file import form_of, read_file
 from palpate.io.packed_images import image_of, read_unpacked
 from palpate.io.raw_scan import RawScan

@@ -53,7 +53,7 @@ def check_belonging(
     if others and not another_patient:
         raise OptionError(
             f"{path} is not of this scan (other {' and '.join(others)}); allowed: the scan's "
-            "own segments, or those of another patient where they are asked for (--another-patient)"
+            "own segments, or those of another patient with `another_patient=True`"
         )
     scan = volume.traits.frame
     foreign = frames - {scan}
@@ -61,7 +61,7 @@ def check_belonging(
         raise OptionError(
             f"{path} is drawn in frame of reference {min(foreign)}, the scan has {scan}: one place "
             "in the patient may have other coordinates there; allowed: structures of the scan's "
-            "frame, or of others where they are asked to be resampled as they are (--resample)"
+            "frame, or of others resampled as they are with `resample=True`"
         )
     if others or (scan and foreign and another_patient):
         return [ANOTHER]

@@ -24,6 +24,10 @@ MOST_SLICES = 2.1
 """Planes up to this far apart belong together [slices]; wider ones, where they are regular."""
 LEAST_REGULAR = 3
 """Steps of one height that show how far apart a structure was drawn, if most steps are such."""
+MOST_MISSING = 2
+"""Planes in a row that may be missing: more are parts of a structure that lie apart."""
+MISSING_OFF = 0.2
+"""By how much the planes around them are off their places [step]."""
 SAME_STEP = 0.1
 """By how much such steps differ [step]."""
 
@@ -80,6 +84,25 @@ class ContourStack:
             return usual
         near = steps[steps <= self.widest]
         return float(np.median(near)) if len(near) else self.thickness
+
+    def missing(self) -> tuple[int, int]:
+        """Returns how many planes without a contour are bridged, and how many are left empty.
+
+        They lie within the structure: contours above and below overlap.
+        """
+        steps = np.diff(self.planes)
+        base = float(min(steps.min(initial=np.inf), self._usual))
+        bridged = left = 0
+        for lower, step in enumerate(steps):
+            count = round(step / base) - 1
+            off = abs(step - (count + 1) * base)
+            if not 1 <= count <= MOST_MISSING or off > MISSING_OFF * base:
+                continue
+            if not (self.sheets[lower] & self.sheets[lower + 1]).any():
+                continue
+            bridged += count if self._joined[lower] else 0
+            left += 0 if self._joined[lower] else count
+        return bridged, left
 
     @property
     def ends(self) -> tuple[float, float]:

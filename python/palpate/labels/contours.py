@@ -12,21 +12,24 @@ Source: DICOM PS3.3, C.8.8.5 (structure set), C.8.8.6 (ROI contour), C.7.4.1 (fr
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.base.errors import OptionError
+from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.header import damage_told
 from palpate.labels.belonging import check_belonging
 from palpate.labels.contour_fill import fill_contours
 from palpate.labels.contour_stack import MOST_SLICES, ContourStack, planes_of
 from palpate.labels.dicom_objects import dataset_of
+from palpate.labels.filled import Filled
 from palpate.labels.grid import RESAMPLED, Colour, Label, Labels
 from palpate.labels.oblique_contours import NotFlatError, filled_aslant
+from palpate.labels.structures_told import StructuresTold, cut_share
 from palpate.volumes.volume import Volume
 
 if TYPE_CHECKING:
@@ -36,6 +39,7 @@ __all__ = ["filled", "read_rtstruct"]
 
 EXCLUSIVE = "CLOSEDPLANAR_XOR"
 CLOSED = ("CLOSED_PLANAR", EXCLUSIVE)
+LEAST_CORNERS = 3
 ONE_PLANE = 0.02
 """Contours nearer than this lie in one plane [slice]."""
 FLAT = 0.1
@@ -82,24 +86,24 @@ def read_rtstruct(
     free = resample or another_patient or frames == {volume.traits.frame}
     made: list[Label] = []
     aslant = False
-    left_out: list[str] = []
+    told = StructuresTold()
     for done, roi in enumerate(rois):
         progress(f"filling {len(rois)} structures", done / len(rois))
         name = names.get(int(roi.ReferencedROINumber), f"structure {roi.ReferencedROINumber}")
-        polygons = _polygons(roi)
         what = f"structure {name!r} of {path}"
-        mask = (
+        polygons = _polygons(what, roi)
+        found = (
             filled(what, polygons, volume, free=free, exclusive=_is_exclusive(roi))
             if polygons
             else None
         )
-        aslant = aslant or (mask is not None and _axis_of(polygons, volume) is None)
-        if mask is None or not mask.any():
-            left_out.append(name)
-        else:
-            made.append(Label(volume.segment(mask, name=name), _colour(roi)))
-    said = foreign
-    said += [f"no closed contours on the scan: {', '.join(left_out)}"] if left_out else []
+        aslant = aslant or (found is not None and _axis_of(polygons, volume) is None)
+        told.add(name, found)
+        if found is not None and found.mask.any():
+            part = volume.segment(found.mask, name=name)
+            part.number = int(roi.ReferencedROINumber)
+            made.append(Label(part, _colour(roi)))
+    said = [*foreign, *told.sentences()]
     said += [RESAMPLED] if aslant else []
     return Labels(tuple(made), tuple(said))
 
@@ -113,12 +117,27 @@ def _frames(dataset: Dataset) -> set[str]:
     return {str(uid) for uid in told if uid}
 
 
-def _polygons(roi: Dataset) -> list[Polygon]:
-    return [
-        np.array(contour.ContourData, float).reshape(-1, 3)
+def _polygons(what: str, roi: Dataset) -> list[Polygon]:
+    """Returns the closed contours of a structure.
+
+    Raises:
+        VolumeFormatError: Coordinates are no points, or no numbers.
+    """
+    closed = [
+        np.array(contour.get("ContourData") or [], float)
         for contour in roi.get("ContourSequence") or []
-        if contour.get("ContourGeometricType") in CLOSED and len(contour.ContourData) >= 9
+        if contour.get("ContourGeometricType") in CLOSED
     ]
+    for numbers in closed:
+        if numbers.size % 3:
+            raise VolumeFormatError(
+                f"{what} has a contour of {numbers.size} coordinates; allowed: three for each point"
+            )
+        if not np.isfinite(numbers).all():
+            raise VolumeFormatError(
+                f"{what} has contours with coordinates that are no numbers; allowed: finite ones"
+            )
+    return [numbers.reshape(-1, 3) for numbers in closed if numbers.size >= 3 * LEAST_CORNERS]
 
 
 def _is_exclusive(roi: Dataset) -> bool:
@@ -144,8 +163,8 @@ def filled(
     *,
     free: bool = False,
     exclusive: bool = False,
-) -> NDArray[np.uint8]:
-    """Returns 1 for the voxels whose middles contours enclose, shape as the scan's.
+) -> Filled:
+    """Fills the voxels whose middles contours enclose.
 
     Args:
         what: What it is, for the message.
@@ -161,11 +180,14 @@ def filled(
     if axis is None and not free:
         raise OptionError(
             f"{what} has contours that lie across the scan's slices; allowed: contours drawn on "
-            "slices of the scan, or others where they are asked to be resampled (--resample)"
+            "slices of the scan, or others with `resample=True`"
         )
     if axis is None:
         try:
-            return filled_aslant(polygons, volume, exclusive=exclusive)
+            found = filled_aslant(polygons, volume, exclusive=exclusive)
+            placed = _placed(polygons, volume)
+            flattest = int(np.argmin(_extents(placed)))
+            return replace(found, cut=cut_share(placed, flattest, volume))
         except NotFlatError:
             raise OptionError(
                 f"{what} has contours that lie in no plane; allowed: contours drawn on slices of "
@@ -174,9 +196,7 @@ def filled(
     return _filled_upright(_placed(polygons, volume), axis, volume, exclusive=exclusive)
 
 
-def _filled_upright(
-    placed: list[Polygon], axis: int, volume: Volume, *, exclusive: bool
-) -> NDArray[np.uint8]:
+def _filled_upright(placed: list[Polygon], axis: int, volume: Volume, *, exclusive: bool) -> Filled:
     """Fills contours that lie in slices along one axis of the scan, in indices of the scan."""
     # the array's axes come the other way around
     mask = np.zeros(volume.shape, np.uint8)
@@ -209,7 +229,8 @@ def _filled_upright(
         found = {nearest: sheets[len(planes) // 2]}
     for number, sheet in found.items():
         slices[number, first[1] : last[1], first[0] : last[0]] = sheet
-    return mask
+    bridged, left = stack.missing()
+    return Filled(mask=mask, cut=cut_share(placed, axis, volume), bridged=bridged, left=left)
 
 
 def _placed(polygons: list[Polygon], volume: Volume) -> list[Polygon]:
@@ -223,6 +244,12 @@ def _placed(polygons: list[Polygon], volume: Volume) -> list[Polygon]:
 
 def _axis_of(polygons: list[Polygon], volume: Volume) -> int | None:
     """Returns the axis of the scan along which each contour is flat; None where there is none."""
-    extents = np.array([np.ptp(corners, axis=0) for corners in _placed(polygons, volume)])
-    axis = int(np.argmin(extents.max(axis=0)))
-    return axis if extents[:, axis].max() <= FLAT else None
+    extents = _extents(_placed(polygons, volume))
+    axis = int(np.argmin(extents))
+    return axis if extents[axis] <= FLAT else None
+
+
+def _extents(placed: list[Polygon]) -> NDArray[np.float64]:
+    """Returns how far the widest polygon goes along each axis."""
+    extents: NDArray[np.float64] = np.max([np.ptp(corners, axis=0) for corners in placed], axis=0)
+    return extents

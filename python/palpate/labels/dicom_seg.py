@@ -21,14 +21,14 @@ from palpate.io.dicom.header import Frame, damage_told, frame_of
 from palpate.labels.belonging import check_belonging
 from palpate.labels.dicom_objects import dataset_of, pixels_of
 from palpate.labels.grid import (
-    RESAMPLED,
     Colour,
     Label,
     Labels,
     Place,
-    Resampling,
+    outside_told,
     patient_from_grid,
     placement,
+    told_of,
 )
 from palpate.volumes.terminology import Code, Terminology
 from palpate.volumes.volume import Volume
@@ -88,7 +88,7 @@ def read_seg(
     kind = str(dataset.get("SegmentationType") or "BINARY")
     most = int(dataset.get("MaximumFractionalValue") or 255)
     made: list[Label] = []
-    outside = empty = 0
+    outside = voxels = empty = 0
     for done, segment in enumerate(told):
         progress(f"making {len(told)} segments", done / len(told))
         mask = np.zeros(volume.shape, np.uint8)
@@ -96,9 +96,11 @@ def read_seg(
             if kind != "LABELMAP" and number != segment.number:
                 continue
             solid = _solid(pixels, kind=kind, number=segment.number, most=most)
+            voxels += int(np.count_nonzero(solid))
             outside += place.lay(solid[None], mask)
         if mask.any():
             part = volume.segment(mask, name=segment.name)
+            part.number = segment.number
             part.terminology = segment.terminology
             made.append(Label(part, segment.colour))
         else:
@@ -106,8 +108,8 @@ def read_seg(
     said = foreign
     said += ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
     said += [f"{empty} segments are empty"] if empty else []
-    said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
-    said += [RESAMPLED] if any(isinstance(place, Resampling) for place in places) else []
+    said += outside_told(outside, voxels)
+    said += told_of(places)
     return Labels(tuple(made), tuple(said))
 
 

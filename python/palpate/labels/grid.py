@@ -29,18 +29,23 @@ __all__ = [
     "Place",
     "Placement",
     "Resampling",
+    "outside_told",
     "patient_from_grid",
     "placement",
+    "told_of",
 ]
 
 """sRGB, each 0..1."""
 
 OFF = 0.25
-"""By how much of a voxel a corner may lie off the scan's grid: headers are rounded."""
-
+"""By how much of a voxel a corner may lie off the scan's grid, and be moved onto it."""
+ROUNDED = 0.01
+"""Up to which part of a voxel that is not told: headers are rounded."""
 
 RESAMPLED = "it lies on another grid: each voxel of the scan takes what is at its centre"
 """Said where it is so."""
+MOVED = "its voxels lie up to {:.2g} mm off those of the scan: they were moved onto them"
+"""Said where they lie farther off than headers are rounded."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,9 @@ class Placement:
     """Of those, the ones that run the other way."""
     start: tuple[int, int, int]
     """Where it begins in the scan, along z, y, x."""
+    moved: float = 0.0
+    """How far its corners come to lie from where its file has them, at most [mm]; 0 where that is
+    rounding."""
 
     def lay(self, values: NDArray[Any], scan: NDArray[Any]) -> int:
         """Adds values to an array of the scan's shape where they are not 0.
@@ -137,6 +145,14 @@ class Resampling:
 Place = Placement | Resampling
 
 
+def outside_told(outside: int, voxels: int) -> list[str]:
+    """Says how many of the voxels of segments lie outside the scan, and what share that is."""
+    if not outside:
+        return []
+    share = 100.0 * outside / voxels
+    return [f"{outside} voxels of segments lie outside the scan ({share:.2g} %)"]
+
+
 def _affine(matrix: NDArray[Any], *point: NDArray[Any] | float) -> list[NDArray[np.float64]]:
     """Returns the coordinates of points, each an array of its own, after a matrix [4, 4]."""
     return [
@@ -154,6 +170,14 @@ def _inside(
         [(axis >= 0) & (axis < length) for axis, length in zip(voxel, shape, strict=True)]
     )
     return there, tuple(axis[there] for axis in voxel)
+
+
+def told_of(places: Sequence[Place]) -> list[str]:
+    """Returns what is to be said of how arrays were laid on the scan's grid."""
+    if any(isinstance(place, Resampling) for place in places):
+        return [RESAMPLED]
+    moved = max((place.moved for place in places if isinstance(place, Placement)), default=0.0)
+    return [MOVED.format(moved)] if moved > 0.0 else []
 
 
 def patient_from_grid(
@@ -195,19 +219,23 @@ def placement(
     ends = np.array(np.meshgrid(*([0.0, length] for length in shape[::-1]))).reshape(3, -1)
     meant = turn @ ends + shift[:, None]
     lies = scan_from_mask[:3, :3] @ ends + scan_from_mask[:3, 3:]
-    if not is_turn or np.abs(meant - lies).max() > OFF:
+    off = meant - lies
+    if not is_turn or np.abs(off).max() > OFF:
         if resample:
             return Resampling(np.linalg.inv(scan_from_mask))
+        size = " x ".join(map(str, volume.dimensions))
         raise OptionError(
-            f"{what} lies on another grid than the scan; allowed: voxels of the grid of {volume!r}"
-            ", or others where they are asked to be resampled (--resample)"
+            f"{what} lies on another grid than the scan; allowed: the scan's {size} voxels, or "
+            "others with `resample=True`"
         )
     # from x, y, z to the order of arrays
     axes = [int(np.flatnonzero(row)[0]) for row in turn[::-1]]
     turned = tuple(axis for axis, row in enumerate(turn[::-1]) if row.sum() < 0.0)
     start = meant.min(axis=1)[::-1].astype(int)
+    far = np.linalg.norm(off * np.array(volume.spacing)[:, None], axis=0).max()
     return Placement(
         order=(2 - axes[0], 2 - axes[1], 2 - axes[2]),
         turned=turned,
         start=(int(start[0]), int(start[1]), int(start[2])),
+        moved=float(far) if np.abs(off).max() > ROUNDED else 0.0,
     )

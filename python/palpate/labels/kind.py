@@ -1,38 +1,25 @@
-"""Whether files hold segments and no scan: by what they say of themselves, else by their values.
-
-A label map has 0 around its structures, few whole numbers, and areas of one number: two voxels
-beside one another mostly have the same. In scans noise makes them differ.
-"""
+"""Whether files hold segments and no scan: by what they say of themselves, else by their values."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from palpate.base.errors import PalpateError
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
 from palpate.io.dicom.series import is_dicom
 from palpate.io.image_file import header_of, is_beside, middle_of, read_file
-from palpate.labels.label_map import ENDINGS, MOST_LABELS
+from palpate.labels.label_map import ENDINGS
 from palpate.labels.labels import modality_of
 from palpate.labels.seg_nrrd import is_segmentation
+from palpate.volumes.label_like import is_named_so, may_be_labels
 
 __all__ = ["LabelsTold", "labels_in", "labels_told"]
 
 DICOM = {"SEG": "a DICOM segmentation", "RTSTRUCT": "structures of radiotherapy (RTSTRUCT)"}
 BESIDE = (".csv", ".json", ".txt", ".raw", ".zraw")
 """Endings of what may lie beside masks: tables, and voxels of their own."""
-NAMED = re.compile(r"(?i)(?:^|[^a-z])(?:seg|segmentation|labels?|labelmap|masks?|aseg)(?:[^a-z]|$)")
-HIGHEST = 255
-"""Label that is usual, where no name says that it is one."""
-MOST_EDGES = 0.25
-"""Of pairs of voxels beside one another that differ."""
 MOST_VOXELS = 1024**3
 
 
@@ -103,7 +90,7 @@ def _masks(folder: Path, progress: Progress) -> LabelsTold | None:
         progress(f"looking at {len(masks)} files", done / len(masks))
         if header_of(path) != first:
             return None
-    if not _may_be_map(middle_of(masks[0]), named=False):
+    if not may_be_labels(middle_of(masks[0]), named=False):
         return None
     return LabelsTold(folder.name, f"a folder of {len(masks)} masks", image=False)
 
@@ -121,17 +108,4 @@ def _is_map(path: Path, progress: Progress) -> bool:
     if not values.any():
         # what there is may lie anywhere
         values = read_file(path, max_voxels=MOST_VOXELS, progress=progress).values
-    named = NAMED.search(path.name) is not None
-    return bool(values.any()) and _may_be_map(values, named=named)
-
-
-def _may_be_map(values: NDArray[Any], *, named: bool) -> bool:
-    """Says whether values are those of labels, shape [..., rows, columns]."""
-    if min(values.shape[-2:]) < 2:
-        return False
-    if not np.isfinite(values).all() or values.min() != 0 or (values != np.rint(values)).any():
-        return False
-    if values.max() > HIGHEST and not named:
-        return False
-    edges = [np.mean(np.diff(values, axis=axis) != 0) for axis in (-1, -2)]
-    return float(np.mean(edges)) < MOST_EDGES and len(np.unique(values)) <= MOST_LABELS + 1
+    return bool(values.any()) and may_be_labels(values, named=is_named_so(path.name))

@@ -23,30 +23,30 @@ from palpate.io.packed_file import unpacked_file
 from palpate.io.raw_scan import RawScan
 from palpate.io.scan_at import stored_scan_at
 from palpate.labels.grid import (
-    RESAMPLED,
     Colour,
     Label,
     Labels,
     Placement,
     Resampling,
+    outside_told,
     patient_from_grid,
     placement,
+    told_of,
 )
 from palpate.labels.label_values import label_codes, label_values
+from palpate.labels.name_table import ENDINGS, tables_beside
 from palpate.volumes.anatomical_colour import colour_of_name
+from palpate.volumes.label_like import MOST_LABELS
 from palpate.volumes.volume import Volume
 
 __all__ = ["ENDINGS", "read_label_map", "read_mask_folder"]
 
-MOST_LABELS = 255
-"""More values than this are intensities, not labels."""
 LARGEST_TABLE = 1 << 20
 """Of a NIfTI file [bytes]."""
 NAMES = ("structure", "name", "label", "segment")
 NUMBERS = ("id", "value", "index", "number")
 COLOURS = ("red", "green", "blue")
 """Each 0..1."""
-ENDINGS = (".nii.gz", ".nii", ".nrrd", ".mha", ".mhd", ".mnc", ".mgz", ".mgh")
 
 
 def read_label_map(
@@ -68,12 +68,17 @@ def read_label_map(
     names = _names_of(path)
     there = np.bincount(laid.array.ravel(), minlength=len(values) + 1)
     made = []
+    empty = [value for code, value in enumerate(values, 1) if not there[code]]
+    if empty:
+        said = (*said, f"labels without a voxel in the scan: {', '.join(map(str, empty))}")
     for code, value in enumerate(values, 1):
         progress(f"making {len(values)} segments", code / len(values))
         if there[code]:
             told = str(value) if isinstance(value, int) else f"{value:g}"
-            name, colour = names.get(value, (f"label {told}", None))
+            name, colour, original = names.get(value, (f"label {told}", None, None))
             part = laid.threshold(code, code).part_of(volume, name=name)
+            if isinstance(value, int):
+                part.number = value if original is None else original
             made.append(Label(part, colour or colour_of_name(name)))
     return Labels(tuple(made), said)
 
@@ -138,12 +143,12 @@ def _on_grid(
         volume=volume,
         resample=resample,
     )
-    laid = codes
+    laid, lost = codes, list[str]()
     if isinstance(place, Resampling) or not _is_same(place, codes.shape, volume.shape):
         laid = np.zeros(volume.shape, np.int16)
-        place.lay(codes, laid)
+        lost = outside_told(place.lay(codes, laid), int(np.count_nonzero(codes)))
     on_grid = Volume(laid, spacing=volume.spacing, origin=volume.origin, direction=volume.direction)
-    return on_grid, (RESAMPLED,) if isinstance(place, Resampling) else ()
+    return on_grid, (*lost, *told_of([place]))
 
 
 def _is_same(place: Placement, shape: Sequence[int], scan: Sequence[int]) -> bool:
@@ -152,15 +157,14 @@ def _is_same(place: Placement, shape: Sequence[int], scan: Sequence[int]) -> boo
 
 # --- names --------------------------------------------------------------------------------
 
-Names = dict[float, tuple[str, Colour | None]]
-"""By the number of the label."""
+Names = dict[float, tuple[str, Colour | None, int | None]]
+"""By the number of the label: name, colour, and the label's number before it was written here."""
 
 
 def _names_of(path: Path) -> Names:
     if ".nii" in path.name.lower() and (names := _nifti_table(path)):
         return names
-    stem = path.name.split(".")[0]
-    for beside in (path.with_name(f"{stem}.csv"), path.with_name("structures.csv")):
+    for beside in tables_beside(path):
         if beside.is_file() and (names := _csv_table(beside)):
             return names
     return {}
@@ -183,7 +187,7 @@ def _nifti_table(path: Path) -> Names:
         except (KeyError, ValueError):
             continue
         name = (quoted or plain).decode("utf-8", "replace").strip()
-        names[number] = (name or f"label {number}", (red, green, blue))
+        names[number] = (name or f"label {number}", (red, green, blue), None)
     return names
 
 
@@ -203,7 +207,9 @@ def _csv_table(path: Path) -> Names:
     for row in rows:
         told = {str(key).strip().lower(): str(value).strip() for key, value in row.items()}
         if told[number].isdecimal() and told[named]:
-            names[int(told[number])] = (told[named], _csv_colour(told))
+            before = told.get("original", "").removeprefix("-")
+            original = int(told["original"]) if before.isdecimal() else None
+            names[int(told[number])] = (told[named], _csv_colour(told), original)
     return names
 
 

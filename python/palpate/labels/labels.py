@@ -7,6 +7,7 @@ from pathlib import Path
 
 from palpate.base.damaged_file import damage_as
 from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.given import path_of
 from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
@@ -53,7 +54,7 @@ def read_labels(
         OptionError: It is on another grid than the scan, of another patient or study, or has no
             segment.
     """
-    source = Path(path)
+    source = path_of(path)
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
     check_plain(source)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.labels.contour_fill import fill_contours
 from palpate.labels.contour_stack import MOST_SLICES, ContourStack, planes_of
+from palpate.labels.filled import Filled
 from palpate.volumes.volume import Volume
 
 __all__ = ["NotFlatError", "filled_aslant"]
@@ -33,10 +34,8 @@ class NotFlatError(ValueError):
     """A contour lies in no plane, or not in one that is parallel to the others'."""
 
 
-def filled_aslant(
-    polygons: list[Polygon], volume: Volume, *, exclusive: bool = False
-) -> NDArray[np.uint8]:
-    """Returns 1 for the voxels whose middles contours enclose, shape as the scan's.
+def filled_aslant(polygons: list[Polygon], volume: Volume, *, exclusive: bool = False) -> Filled:
+    """Fills the voxels whose middles contours enclose.
 
     Raises:
         NotFlatError: They lie in no parallel planes.
@@ -65,7 +64,9 @@ def filled_aslant(
     )
     widest = MOST_SLICES * max(volume.spacing)
     stack = ContourStack(planes, sheets, pixel=(pixel, pixel), thickness=pixel, widest=widest)
-    return _looked_up(stack, low, volume, scan=scan, box=_box(polygons, volume, stack))
+    mask = _looked_up(stack, low, volume, scan=scan, box=_box(polygons, volume, stack))
+    bridged, left = stack.missing()
+    return Filled(mask=mask, bridged=bridged, left=left)
 
 
 def _looked_up(

@@ -22,18 +22,18 @@ from palpate.io.header_check import check_header
 from palpate.io.itk_image import unit_of
 from palpate.io.payload import check_payload, header_text, nrrd_header
 from palpate.labels.grid import (
-    RESAMPLED,
     Colour,
     Label,
     Labels,
-    Resampling,
+    outside_told,
     patient_from_grid,
     placement,
+    told_of,
 )
 from palpate.volumes.terminology import Terminology
 from palpate.volumes.volume import Volume
 
-__all__ = ["is_segmentation", "read_seg_nrrd"]
+__all__ = ["SegmentationGrid", "is_segmentation", "read_seg_nrrd", "segmentation_grid"]
 
 
 def is_segmentation(path: Path) -> bool:
@@ -91,6 +91,30 @@ def _image_at(path: Path, *, progress: Progress) -> _Image:
     )
 
 
+@dataclass(frozen=True)
+class SegmentationGrid:
+    """Where the voxels of a file lie, LPS [mm]."""
+
+    shape: tuple[int, int, int]
+    """[depth, height, width]."""
+    spacing: tuple[float, float, float]
+    origin: tuple[float, float, float]
+    direction: NDArray[np.float64]
+
+
+def segmentation_grid(path: Path, *, progress: Progress) -> SegmentationGrid:
+    """Returns the grid of a file.
+
+    Raises:
+        VolumeFormatError: The file is damaged.
+    """
+    image = _image_at(path, progress=progress)
+    depth, height, width = image.layers.shape[:3]
+    x, y, z = image.spacing.tolist()
+    left, back, up = image.origin.tolist()
+    return SegmentationGrid((depth, height, width), (x, y, z), (left, back, up), image.direction)
+
+
 def read_seg_nrrd(
     path: Path, volume: Volume, *, resample: bool = False, progress: Progress
 ) -> Labels:
@@ -109,22 +133,24 @@ def read_seg_nrrd(
 
     stored = _stored_segments(path, fields, layers.shape[3])
     made: list[Label] = []
-    outside = empty = 0
+    outside = voxels = empty = 0
     for done, one in enumerate(stored):
         progress(f"making {len(stored)} segments", done / len(stored))
         layer = layers[..., one.layer]
         inside = layer != 0 if one.value is None else layer == one.value
         mask = np.zeros(volume.shape, np.uint8)
+        voxels += int(np.count_nonzero(inside))
         outside += place.lay(inside.astype(np.uint8), mask)
         if mask.any():
             segment = volume.segment(mask, name=one.name)
+            segment.number = one.value
             segment.terminology = _terminology(fields, one.number)
             made.append(Label(segment, _colour(fields, one.number)))
         else:
             empty += 1
     said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
-    said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
-    said += [RESAMPLED] if isinstance(place, Resampling) else []
+    said += outside_told(outside, voxels)
+    said += told_of([place])
     return Labels(tuple(made), tuple(said))
 
 

@@ -44,7 +44,9 @@ class Scan(msgspec.Struct, frozen=True):
     ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape [4, 4]; grid
     coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. ``unit`` is such
     as "HU" or "SUVbw", "" where it is not known. ``title`` is for windows: it contains no file
-    name that the user did not type.
+    name that the user did not type. ``volume`` is which of how many volumes of its file or series
+    it is, such as times, from 1; null where others cannot be opened. A ``rereadable`` scan can be
+    read again with what its files do not tell.
     """
 
     name: str
@@ -61,6 +63,8 @@ class Scan(msgspec.Struct, frozen=True):
     soft_tissue: Value
     bone: Value
     presets: list[ThresholdPreset]
+    volume: tuple[int, int] | None
+    rereadable: bool
     orientation_known: bool
     warnings: list[str]
 

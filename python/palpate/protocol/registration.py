@@ -38,14 +38,17 @@ class RegistrationLevel(msgspec.Struct, frozen=True):
 class FoundRegistration(msgspec.Struct, frozen=True):
     """Result of a registration: the metric before and after, and how far points move [mm].
 
-    ``overlap`` is the fraction of the first scan that the second covers afterwards.
+    ``overlap_before`` and ``overlap`` are the fractions of the first scan that the second covers at
+    the start and afterwards; ``start_kept`` says that the start was right already.
     """
 
     kind: RegistrationKind
     metric: RegistrationMetric
     before: float
     after: float
+    overlap_before: Share
     overlap: Share
+    start_kept: bool
     moved_mean: float
     moved_most: float
 

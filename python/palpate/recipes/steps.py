@@ -1,96 +1,88 @@
-"""Steps of recipes: the options of the commands, under their names."""
+"""Steps of recipes: the options of the commands, and what a recipe adds to them."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
-from palpate.export.export import Kind
-from palpate.reconstruction.reconstruction import WATER
+from palpate.base.errors import OptionError
+from palpate.base.file_suffixes import IMAGE_SUFFIXES
+from palpate.base.request import Request, words
+from palpate.export.request import ExportRequest
+from palpate.io.request import ReadRequest
 from palpate.reconstruction.request import ReconstructionRequest
-from palpate.reconstruction.scanner import Beam
-from palpate.registration.options import Kind as RegistrationKind
-from palpate.registration.options import Metric
+from palpate.registration.request import RegisterRequest
+from palpate.registration.transform_request import TransformRequest
+from palpate.segmentation.request import SegmentRequest
+from palpate.volumes.surface_request import SurfaceRequest
 
-__all__ = ["ExportStep", "ImportStep", "ReconstructStep", "RegisterStep", "Step", "SurfaceStep"]
-
-
-class Step(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
-    """Base of all steps: options under their names."""
+__all__ = ["ImportStep", "Recipe", "ReconstructStep", "RegisterStep", "TransformStep"]
 
 
-class ImportStep(Step, frozen=True, kw_only=True):
-    """The scan, as for ``palpate import``."""
+class ImportStep(ReadRequest, frozen=True, kw_only=True):
+    """The scan, as ``palpate import`` reads it."""
 
-    path: Path
-    series: str | int | None = None
-    frame: int | None = None
-    orientation: str | None = None
-    unit: str | None = None
-    fill: float | None = None
-    strict: bool = False
-    raw: str | None = None
-    voxel_size: str | None = None
+    path: Annotated[Path, words("The scan.", reads=True)]
 
 
-class ReconstructStep(Step, frozen=True, kw_only=True):
+class ReconstructStep(ReconstructionRequest, frozen=True, kw_only=True):
     """The scan out of projections, as by ``palpate reconstruct``."""
 
-    path: Path
-    beam: Beam
-    pixel: tuple[float, float]
-    arc: float = 360.0
-    first_angle: float = 0.0
-    offset: tuple[float, float] = (0.0, 0.0)
-    source_to_axis: float = msgspec.field(default=0.0, name="source-axis")
-    source_to_detector: float = msgspec.field(default=0.0, name="source-detector")
-    sinograms: bool = False
-    intensities: float | None = None
-    size: tuple[int, int, int] | None = None
-    voxel: tuple[float, float, float] | None = None
-    water: float = WATER
-    hann: float = 0.0
-    output: Path | None = None
-    """Where the scan is written."""
-
-    def request(self) -> ReconstructionRequest:
-        """Returns how the projections were taken, and which scan is wanted of them."""
-        wanted = ReconstructionRequest.__struct_fields__
-        return ReconstructionRequest(**{name: getattr(self, name) for name in wanted})
+    path: Annotated[Path, words("The projections.", reads=True)]
+    output: Annotated[Path | None, words("Scan to write, in HU.", writes=IMAGE_SUFFIXES)] = None
 
 
-class RegisterStep(Step, frozen=True, kw_only=True):
+class RegisterStep(RegisterRequest, frozen=True, kw_only=True):
     """Another scan that is brought to the first one, as by ``palpate register``."""
 
-    moving: Path
-    moving_series: str | int | None = None
-    moving_frame: int | None = None
-    kind: RegistrationKind = "rigid"
-    metric: Metric = "mutual-information"
-    start: Literal["geometry", "centre", "moments"] = "centre"
-    output: Path | None = None
-    resampled: Path | None = None
-    picture: Path | None = None
-    go_on_with: Literal["fixed", "moving"] = "fixed"
-    """The scan that segments are made of: ``moving`` on the grid of the first one."""
+    go_on_with: Annotated[
+        Literal["fixed", "moving"],
+        words("The scan that segments are made of; moving is on the grid of the fixed one."),
+    ] = "fixed"
 
 
-class SurfaceStep(Step, frozen=True, kw_only=True):
-    """A surface, as of ``palpate surface export``; the only segment where none is named."""
+class TransformStep(TransformRequest, frozen=True, kw_only=True):
+    """A file that is carried as by ``palpate transform``, once all other files are written.
 
-    out: Path
-    segment: str | None = None
-    smoothing: int | None = None
-    step: int | None = None
-    source: Literal["intensities", "bits"] = msgspec.field(default="intensities", name="from")
+    Without ``like``, the grid for images is that of the recipe's scan.
+    """
+
+    path: Annotated[Path, words("The file that is carried.", reads=True)]
+    # which ending fits depends on what is carried
+    output: Annotated[Path, words("File to write.", writes=("",))]
+
+    def check(self) -> None:
+        """Refuses what could not be done, whatever the files are.
+
+        Raises:
+            OptionError: The moving scan is not given where its grid is needed.
+        """
+        if self.inverse and self.like is None:
+            raise OptionError(
+                "inverse without like given; allowed: inverse with like, the moving scan"
+            )
 
 
-class ExportStep(Step, frozen=True, kw_only=True):
-    """A file for other programs, as of ``palpate export``."""
+class Recipe(Request, frozen=True, kw_only=True):
+    """What is to be done, in this order."""
 
-    out: Path
-    kind: Kind | None = msgspec.field(default=None, name="as")
-    only: list[str] | None = None
-    keep_identity: bool = False
+    scan: Annotated[ImportStep | None, words("The scan.", name="import")] = None
+    reconstruct: Annotated[
+        ReconstructStep | None, words("The scan out of projections, in the place of import.")
+    ] = None
+    register: Annotated[RegisterStep | None, words("A second scan, registered to it.")] = None
+    segment: Annotated[list[SegmentRequest], words("Segments to make.")]
+    surface: Annotated[list[SurfaceRequest], words("Surfaces to write.")] = msgspec.field(
+        default_factory=list
+    )
+    export: Annotated[list[ExportRequest], words("Files to write.")] = msgspec.field(
+        default_factory=list
+    )
+    transform: Annotated[list[TransformStep], words("Files to carry.")] = msgspec.field(
+        default_factory=list
+    )
+    report: Annotated[
+        Path | None, words("Report of pictures and volumes to write.", writes=(".html",))
+    ] = None

@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING
 from palpate.base.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from palpate.reconstruction.reconstruction import WATER, missing_library, reconstruct
-    from palpate.reconstruction.scanner import BEAMS, Beam, Scanner
+    from palpate.reconstruction.beams import BEAMS, WATER, Beam
+    from palpate.reconstruction.reconstruction import missing_library, reconstruct
+    from palpate.reconstruction.scanner import Scanner
 
 __all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"]
 
 __getattr__ = lazy_exports(
     __name__,
     {
-        "BEAMS": "scanner",
-        "Beam": "scanner",
+        "BEAMS": "beams",
+        "Beam": "beams",
         "Scanner": "scanner",
-        "WATER": "reconstruction",
+        "WATER": "beams",
         "missing_library": "reconstruction",
         "reconstruct": "reconstruction",
     },

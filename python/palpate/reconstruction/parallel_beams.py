@@ -5,7 +5,8 @@ Each row of a projection is filtered by a ramp and back-projected along its rays
 Tomographic Imaging, 1988, 3.3.3). RTK does the same many times as fast.
 
 Frames: that of ``palpate.reconstruction.scanner``, and the patient's (LPS): x, y, z of the patient
-are x, -z, y of the device. Layout: projections are [angle, v, u], scans [z, y, x].
+are x, z, y of the device, or x, -z, y where the source begins in front.
+Layout: projections are [angle, v, u], scans [z, y, x].
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ def back_projected(
             progress(f"reconstructing from {count} projections", number / count)
         rows = _filtered(_at_heights(image, z, scanner), ramp)
         turn = math.radians(angle)
-        across = (x * math.cos(turn) + y[:, None] * math.sin(turn) - scanner.offset[0]).ravel()
+        deep = scanner.posterior * y[:, None]
+        across = (x * math.cos(turn) - deep * math.sin(turn) - scanner.offset[0]).ravel()
         left, share = _between(across / scanner.pixel[0], rows.shape[1])
         for first in range(0, len(z), slices):
             some = rows[first : first + slices]

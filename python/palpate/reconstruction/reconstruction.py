@@ -9,7 +9,7 @@ time.
 
 Frame of the device: that of ``palpate.reconstruction.scanner``. The scan is given in the patient
 frame (LPS) for a patient in supine position whose axis from feet to head is that of rotation: x, y,
-z of the patient are x, -z, y of the device.
+z of the patient are x, z, y of the device, or x, -z, y where the source begins in front.
 
 Layout: projections are [angle, v, u], line integrals of attenuation [1].
 """
@@ -26,15 +26,14 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
+from palpate.reconstruction.beams import WATER, Beam
 from palpate.reconstruction.parallel_beams import back_projected
-from palpate.reconstruction.scanner import BEAMS, Beam, Grid, Scanner, fitted_grid
+from palpate.reconstruction.scanner import Grid, Scanner, fitted_grid
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Volume, VolumeTraits
 
-__all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"]
+__all__ = ["missing_library", "reconstruct"]
 
-WATER = 0.0206
-"""Attenuation of water at 60 keV [1/mm] (NIST, Hubbell and Seltzer)."""
 NOT_INSTALLED = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
 FAR = 1e6
 """Distance of the source from which on beams count as parallel [mm]."""
@@ -117,8 +116,10 @@ def _by_rtk(
         progress(f"reconstructing from {count} projections", first / len(angles))
         some = slice(first, first + AT_ONCE)
         image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), angles[some], onto=image)
-    # [z, y, x] of the device to [z, y, x] of the patient, whose back lies toward -z
-    return np.transpose(rtk.values(image), (1, 0, 2))[:, ::-1]
+    # [z, y, x] of the device to [z, y, x] of the patient: a mirror image, as its projections are,
+    # unless the source begins in front
+    found = np.transpose(rtk.values(image), (1, 0, 2))
+    return found if scanner.posterior > 0.0 else found[:, ::-1]
 
 
 def _scan(

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-
-import msgspec
-import numpy as np
+from typing import TYPE_CHECKING, Annotated
 
 from palpate.base.progress import Progress, silent
-from palpate.reconstruction.projections import ProjectionStack, integrals_of, read_projections
-from palpate.reconstruction.reconstruction import WATER, reconstruct
-from palpate.reconstruction.scanner import Beam, Grid, Scanner, fitted_grid
-from palpate.volumes.volume import Volume
+from palpate.base.request import Request, words
+from palpate.reconstruction.beams import WATER, Beam, Zero
+
+if TYPE_CHECKING:
+    from palpate.reconstruction.projections import ProjectionStack
+    from palpate.reconstruction.scanner import Grid, Scanner
+    from palpate.volumes.volume import Volume
 
 __all__ = ["ReconstructionRequest", "grid_of", "reconstruct_file", "suggested"]
 
@@ -21,37 +22,61 @@ DISTANCES = (1000.0, 1536.0)
 """Distances of a common radiotherapy machine from its source to axis and detector [mm]."""
 
 
-class ReconstructionRequest(msgspec.Struct, frozen=True, kw_only=True):
-    """Geometry of projections, and the requested scan."""
+class ReconstructionRequest(Request, frozen=True, kw_only=True):
+    """Geometry of projections, and the requested scan: the options of ``palpate reconstruct``."""
 
-    beam: Beam
-    pixel: tuple[float, float]
-    """Pixel size of the detector along u and v [mm]."""
-    arc: float = 360.0
-    """Arc of the projections [degrees]."""
-    first_angle: float = 0.0
-    """First angle of the gantry [degrees]."""
-    offset: tuple[float, float] = (0.0, 0.0)
-    """Offset of the detector's middle from the central ray along u and v [mm]."""
-    source_to_axis: float = 0.0
-    """Distance from source to axis, for cone beams [mm]."""
-    source_to_detector: float = 0.0
-    """Distance from source to detector, for cone beams [mm]."""
-    sinograms: bool = False
-    """Whether each image is one row of the detector at all angles."""
-    intensities: float | None = None
-    """Count of the detector without a patient; None where values are line integrals."""
-    size: tuple[int, int, int] | None = None
-    """Number of voxels along x, y, z; None for all that is visible."""
-    voxel: tuple[float, float, float] | None = None
-    """Voxel size along x, y, z [mm]; None for that of the pixels."""
-    water: float = WATER
-    """Attenuation of water [1/mm]."""
-    hann: float = 0.0
-    """Cut-off of the Hann window, as a fraction of the highest frequency."""
+    beam: Annotated[Beam, words("Geometry: parallel, or cone (circular source trajectory).")]
+    pixel: Annotated[tuple[float, float], words("Pixel size of the detector in mm.", form="U,V")]
+    size: Annotated[
+        tuple[int, int, int] | None,
+        words("Number of voxels; by default the whole field of view.", form="X,Y,Z"),
+    ] = None
+    voxel: Annotated[
+        tuple[float, float, float] | None,
+        words("Voxel size in mm; by default the pixel size at the axis.", form="X,Y,Z"),
+    ] = None
+    arc: Annotated[float, words("Angular range of the projections in degrees.")] = 360.0
+    first_angle: Annotated[float, words("Angle of the first projection in degrees.")] = 0.0
+    source_to_axis: Annotated[
+        float,
+        words("Cone: distance from source to rotation axis in mm.", name="source-axis"),
+    ] = 0.0
+    source_to_detector: Annotated[
+        float,
+        words("Cone: distance from source to detector in mm.", name="source-detector"),
+    ] = 0.0
+    offset: Annotated[
+        tuple[float, float],
+        words("Offset of the detector's centre from the central ray in mm.", form="U,V"),
+    ] = (0.0, 0.0)
+    zero: Annotated[
+        Zero,
+        words(
+            "Side of the patient with the source at angle 0: back, or front (IEC 61217, RTK); it "
+            "moves to the patient's left."
+        ),
+    ] = "back"
+    sinograms: Annotated[bool, words("The images are sinograms, one for each detector row.")] = (
+        False
+    )
+    intensities: Annotated[
+        float | None,
+        words("The images are intensities; the value is the intensity without a patient."),
+    ] = None
+    water: Annotated[float, words("Attenuation coefficient of water in 1/mm.")] = WATER
+    hann: Annotated[
+        float,
+        words(
+            "Cut-off of the Hann window as a fraction of the highest frequency; 0 for no window."
+        ),
+    ] = 0.0
 
     def scanner(self, projections: int) -> Scanner:
         """Returns the geometry of so many projections."""
+        import numpy as np
+
+        from palpate.reconstruction.scanner import Scanner
+
         step = self.arc / max(1, projections)
         return Scanner(
             beam=self.beam,
@@ -60,6 +85,7 @@ class ReconstructionRequest(msgspec.Struct, frozen=True, kw_only=True):
             offset=self.offset,
             source_to_axis=self.source_to_axis,
             source_to_detector=self.source_to_detector,
+            zero=self.zero,
         )
 
 
@@ -85,6 +111,8 @@ def grid_of(stack: ProjectionStack, request: ReconstructionRequest) -> Grid:
     Raises:
         OptionError: The request is not possible.
     """
+    from palpate.reconstruction.scanner import fitted_grid
+
     images, rows, columns = stack.shape
     shape = (rows, images, columns) if request.sinograms else (images, rows, columns)
     return fitted_grid(shape, request.scanner(shape[0]), size=request.size, voxel=request.voxel)
@@ -110,6 +138,9 @@ def reconstruct_file(
         VolumeFormatError: It is not a stack of images.
         OptionError: A number is not allowed, or RTK is not installed.
     """
+    from palpate.reconstruction.projections import integrals_of, read_projections
+    from palpate.reconstruction.reconstruction import reconstruct
+
     images = read_projections(path, sinograms=request.sinograms, progress=progress)
     if request.intensities is not None:
         images = integrals_of(images, request.intensities)

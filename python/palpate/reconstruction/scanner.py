@@ -1,23 +1,21 @@
 """Geometry of projections: beams, angles, distances; and what they show of the patient.
 
 Frame of the device: y is the axis of rotation; at angle 0 the detector's columns u run along x and
-its rows v along y, and the source is at +z [mm].
+its rows v along y, the source is at +z, and it moves toward +x [mm]. In the patient (LPS), x is
+left and y the head; z is the back, or the front where ``zero`` says so.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 
 from palpate.base.errors import OptionError
+from palpate.reconstruction.beams import BEAMS, ZEROS, Beam, Zero
 
-__all__ = ["BEAMS", "MOST_VOXELS", "Beam", "Grid", "Scanner", "fitted_grid"]
-
-Beam = Literal["parallel", "cone"]
-BEAMS: tuple[Beam, ...] = get_args(Beam)
+__all__ = ["MOST_VOXELS", "Grid", "Scanner", "fitted_grid"]
 
 LEAST_ANGLES = 8
 MOST_VOXELS = 1024**3
@@ -43,6 +41,14 @@ class Scanner:
     """Distance from source to axis, for cone beams [mm]."""
     source_to_detector: float = 0.0
     """Distance from source to detector, for cone beams [mm]."""
+    zero: Zero = "back"
+    """Side of the patient at which the source is at angle 0; "front" is IEC 61217's, as RTK has it
+    for a patient in supine position."""
+
+    @property
+    def posterior(self) -> float:
+        """Direction of the patient's back along z of the device, 1 or -1."""
+        return 1.0 if self.zero == "back" else -1.0
 
     @property
     def arc(self) -> float | None:
@@ -59,6 +65,8 @@ class Scanner:
         """
         if self.beam not in BEAMS:
             raise OptionError(f"beam {self.beam!r} given; allowed: {', '.join(BEAMS)}")
+        if self.zero not in ZEROS:
+            raise OptionError(f"zero {self.zero!r} given; allowed: {', '.join(ZEROS)}")
         if len(shape) != 3 or min(shape) < 1 or shape[2] < 2:
             raise OptionError(
                 f"projections of shape {list(shape)} given; allowed: [angles, rows, columns]"

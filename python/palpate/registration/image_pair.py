@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.errors import OptionError
 from palpate.base.simpleitk import reason_of, simpleitk
 from palpate.registration.options import STARTS, Metric, RegistrationError
 from palpate.registration.search_history import SearchHistory
 from palpate.registration.start import mask_on
 
-__all__ = ["Compared", "Measured"]
+__all__ = ["Compared", "Measured", "check_content"]
 
 LEAST_AT_LEVEL = 8
 """Voxels along each axis of a level, where the scan has so many."""
@@ -29,8 +30,42 @@ MEASURED_VOXELS = 1_000_000
 WORSE = 1e-2
 """Share of the metric, or of the values' variance, by which an end may be worse: scans may lie
 right already."""
-LEAST_OVERLAP = 0.5
-"""Share of the overlap at the start that must be left: with less, the search ran away."""
+USUAL_OVERLAP = 0.5
+"""Share of the overlap at the start that is left in most cases; less must be borne out."""
+LEAST_OVERLAP = 0.15
+"""Share that must be left in any case: with less, the search ran away."""
+LEAST_CONTRAST = 0.5
+"""Variance of the part that is covered, as a share of the whole scan's: it shows something."""
+LEAST_GAIN = 0.1
+"""Share of the metric by which an end must be better where little of the overlap is left."""
+LEAST_ALIKE = 0.01
+"""Squared correlation, or mutual information [nat], below which nothing of scans is alike."""
+BESIDE = 2.0
+"""How far beside a place it is looked whether another is better, in voxels of the fixed scan."""
+
+
+def check_content(images: tuple[Any, Any], masks: tuple[Any, Any]) -> None:
+    """Refuses scans that show nothing by which they could be compared; masks are images or None.
+
+    Raises:
+        OptionError: A mask has no voxel in its scan, or a scan has one value, there or everywhere.
+    """
+    sitk = simpleitk()
+    for which, image, mask in zip(("fixed", "moving"), images, masks, strict=True):
+        values = sitk.GetArrayViewFromImage(image)
+        if mask is not None:
+            values = values[sitk.GetArrayFromImage(mask_on(mask, image)) != 0]
+        if not values.size:
+            raise OptionError(
+                f"the mask of the {which} scan has no voxel in it; allowed: one with voxels"
+            )
+        low, high = float(values.min()), float(values.max())
+        if low == high:
+            where = "everywhere" if mask is None else "within its mask"
+            raise OptionError(
+                f"the {which} scan has one value, {low:g}, {where}, so nothing tells where it "
+                "lies; allowed: scans whose values differ"
+            )
 
 
 @dataclass(frozen=True)
@@ -40,6 +75,8 @@ class Measured:
     metric: float
     overlap: float
     """Share of the fixed scan, or of its mask, that the moving one covers."""
+    contrast: float = 1.0
+    """Variance of the fixed scan where it is covered, as a share of the whole's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +139,35 @@ class Compared:
         there.CopyInformation(moving)
         covered = sitk.Resample(there, fixed, transform, sitk.sitkNearestNeighbor, 0.0)
         inside = sitk.GetArrayFromImage(covered) != 0
+        values = sitk.GetArrayViewFromImage(fixed)
         if self.masks[0] is not None:
-            inside = inside[sitk.GetArrayFromImage(mask_on(self.masks[0], fixed)) != 0]
+            there = sitk.GetArrayFromImage(mask_on(self.masks[0], fixed)) != 0
+            inside, values = inside[there], values[there]
         if not inside.any():
             # mean squares of nothing are no error to ITK
             raise history.no_overlap("no voxel of one lies in the other")
-        return Measured(metric, float(inside.mean()))
+        whole = float(np.var(values))
+        contrast = float(np.var(values[inside])) / whole if whole > 0.0 else 0.0
+        return Measured(metric, float(inside.mean()), contrast)
+
+    def is_best_near(
+        self,
+        transform: Any,  # noqa: ANN401
+        measured: Measured,
+        history: SearchHistory,
+    ) -> bool:
+        """Says whether the scans are less alike in all places a little beside one.
+
+        Raises:
+            RegistrationError: They do not overlap there.
+        """
+        sitk = simpleitk()
+        far = BESIDE * max(self.images[0].GetSpacing())
+        for step in np.vstack([far * np.eye(3), -far * np.eye(3)]).tolist():
+            beside = sitk.CompositeTransform([sitk.TranslationTransform(3, step), transform])
+            if not self.measure(beside, history).metric > measured.metric:
+                return False
+        return True
 
     def check(self, before: Measured, after: Measured, history: SearchHistory) -> None:
         """Refuses an end that is worse than its start.
@@ -118,18 +178,37 @@ class Compared:
         scale = abs(before.metric)
         if self.metric == "mean-squares":
             scale = float(np.var(simpleitk().GetArrayViewFromImage(self.images[0])))
-        worse = not after.metric <= before.metric + WORSE * scale
-        away = after.overlap < LEAST_OVERLAP * before.overlap
-        if not (worse or away):
+        if not after.metric <= before.metric + WORSE * scale:
+            why = "the scans did not become more alike"
+        elif _is_away(before, after, scale):
+            why = "the scans were moved apart"
+        elif self.metric != "mean-squares" and -after.metric < LEAST_ALIKE:
+            why = "nothing in the scans is alike, at the start nor in the end"
+        else:
             return
-        why = "the scans did not become more alike" if worse else "the scans were moved apart"
-        raise RegistrationError(
+        raise self.refusal(why, (before, after), history)
+
+    def refusal(
+        self, why: str, measured: tuple[Measured, Measured], history: SearchHistory
+    ) -> RegistrationError:
+        """Returns the error of a search whose end is no answer; ``measured`` are start and end."""
+        before, after = measured
+        return RegistrationError(
             f"{why} ({self.metric} {before.metric:.4g} before, {after.metric:.4g} after, less is "
             f"better; {before.overlap:.0%} and {after.overlap:.0%} covered; on the way: "
             f"{history.summary()}); nothing was changed; allowed: scans of the same part, another "
             f"start ({', '.join(STARTS)}), masks, or a simpler kind",
             history.curve,
         )
+
+
+def _is_away(before: Measured, after: Measured, scale: float) -> bool:
+    """Says whether a search ran away, rather than found scans that share a part only."""
+    left = after.overlap / before.overlap
+    borne_out = (
+        after.contrast >= LEAST_CONTRAST and after.metric <= before.metric - LEAST_GAIN * scale
+    )
+    return left < (LEAST_OVERLAP if borne_out else USUAL_OVERLAP)
 
 
 def _factors(size: tuple[int, ...], shrink: int) -> list[int]:

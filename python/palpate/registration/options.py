@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, PalpateError
+from palpate.registration.choices import (
+    KINDS,
+    METRICS,
+    STARTS,
+    Kind,
+    Metric,
+    MetricChoice,
+    Start,
+)
 
 __all__ = [
     "KINDS",
@@ -31,15 +39,6 @@ __all__ = [
     "checked_matrix",
     "unwatched",
 ]
-
-Kind = Literal["rigid", "affine", "bspline"]
-Metric = Literal["mutual-information", "correlation", "mean-squares"]
-MetricChoice = Literal["automatic", "mutual-information", "correlation", "mean-squares"]
-"""Automatic is the correlation of two scans by CT, else mutual information."""
-Start = Literal["geometry", "centre", "moments", "landmarks"]
-KINDS: tuple[Kind, ...] = get_args(Kind)
-METRICS: tuple[MetricChoice, ...] = get_args(MetricChoice)
-STARTS: tuple[Start, ...] = get_args(Start)
 
 Points = NDArray[np.float64]
 Pairs = tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]]

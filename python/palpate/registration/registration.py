@@ -20,10 +20,12 @@ from typing import Any, Literal
 import numpy as np
 
 from palpate.base.errors import OptionError
+from palpate.base.interpolation import InterpolationChoice
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import image_on, reason_of, simpleitk
 from palpate.base.whole_file import whole_file
-from palpate.registration.image_pair import Compared
+from palpate.registration.image_pair import Compared, check_content
+from palpate.registration.inverse import Inverse, inverse_of
 from palpate.registration.options import (
     Kind,
     Level,
@@ -40,6 +42,7 @@ from palpate.registration.options import (
     checked_matrix,
     unwatched,
 )
+from palpate.registration.point_map import matrix_of
 from palpate.registration.search import Search
 from palpate.registration.start import first_guess, guess_of_matrix
 from palpate.volumes.resampled import resampled
@@ -76,10 +79,14 @@ class Registration:
     """The metric at the start; it is made small."""
     after: float
     """The metric in the end, over the same voxels."""
+    overlap_before: float
+    """Share of the fixed scan, or of its mask, that the moving one covers at the start."""
     overlap: float
-    """Share of the fixed scan, or of its mask, that the moving one covers in the end."""
+    """The same share in the end."""
     curve: tuple[Level, ...]
     """The metric after each step, level by level."""
+    start_kept: bool = False
+    """Whether the start was right already, and is the answer."""
 
     def points(self, points: Sequence[Sequence[float]] | Points) -> Points:
         """Returns where points of the fixed scan lie in the moving one, shape [count, 3] [mm]."""
@@ -90,13 +97,13 @@ class Registration:
     @property
     def matrix(self) -> Points | None:
         """The transform as a homogeneous matrix, shape [4, 4] [mm]; None where it bends."""
-        return _matrix_of(self.transform) if self.transform.IsLinear() else None
+        return matrix_of(self.transform) if self.transform.IsLinear() else None
 
     @property
     def unbent(self) -> Points:
         """The matrix without what bends, shape [4, 4] [mm]: where a next search may begin."""
         bends = not self.transform.IsLinear()
-        return _matrix_of(self.transform.GetNthTransform(0) if bends else self.transform)
+        return matrix_of(self.transform.GetNthTransform(0) if bends else self.transform)
 
     def moved(self, fixed: Volume) -> Points:
         """Returns how far points all over the fixed scan move, shape [count, 3] [mm]."""
@@ -115,9 +122,37 @@ class Registration:
         """
         write_transform(self.transform, path)
 
-    def resampled(self, moving: Volume, fixed: Volume) -> Volume:
-        """Returns the moving scan on the grid of the fixed one; beyond it, its lowest value."""
-        return resampled(moving, fixed, self.transform)
+    def inverse(self, moving: Volume) -> Inverse:
+        """Returns the transform from points of the moving scan to the fixed one, and its error.
+
+        Raises:
+            OptionError: There is none: the transform folds.
+        """
+        return inverse_of(self.transform, moving)
+
+    def save_inverse(self, path: Path, moving: Volume) -> dict[str, Any]:
+        """Writes the inverse as ``.tfm``; returns how good it is, ready for JSON.
+
+        Raises:
+            OptionError: The name ends otherwise, or there is no inverse.
+            OSError: The disk refuses it.
+        """
+        inverse = self.inverse(moving)
+        write_transform(inverse.transform, path)
+        return inverse.report
+
+    def resampled(
+        self,
+        moving: Volume,
+        fixed: Volume,
+        *,
+        interpolation: InterpolationChoice = "automatic",
+    ) -> Volume:
+        """Returns the moving scan on the grid of the fixed one; beyond it, its lowest value.
+
+        By default label maps take the nearest label, and scans are linear between voxels.
+        """
+        return resampled(moving, fixed, self.transform, interpolation=interpolation)
 
 
 def register(  # noqa: PLR0913  # one for each thing that can be chosen
@@ -157,7 +192,8 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         watch: Called with the metric so far after each step.
 
     Raises:
-        OptionError: A choice is not known, landmarks do not fit, or a scan is too small.
+        OptionError: A choice is not known, landmarks do not fit, a scan is too small or has one
+            value only, or a mask has no voxels.
         RegistrationError: The scans do not overlap, or did not become more alike.
     """
     matrix = checked_matrix(start) if isinstance(start, np.ndarray) else None
@@ -167,12 +203,15 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     check_choices(kind, metric, named)
     for volume in (fixed, moving):
         if min(volume.dimensions) < LEAST_VOXELS:
+            size = " x ".join(map(str, volume.dimensions))
             raise OptionError(
-                f"{volume!r} is too small; allowed: {LEAST_VOXELS} voxels or more along each axis"
+                f"{volume.name!r} of {size} voxels is too small; allowed: {LEAST_VOXELS} voxels or "
+                "more along each axis"
             )
     chosen = metric_for(fixed, moving) if metric == "automatic" else metric
     images = _image(fixed), _image(moving)
     masks = _mask(fixed_mask), _mask(moving_mask)
+    check_content(images, masks)
     wanted = options or SearchOptions()
     search = Search(
         Compared(images, masks, metric=chosen, bins=wanted.bins),
@@ -189,8 +228,10 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     found = search.run(first, kind)
     after = search.measure(found)
     search.check(before, after)
-    if after.metric > before.metric:
+    start_kept = not after.metric < before.metric
+    if start_kept:
         # they are registered already, within the noise of a few samples
+        search.require_best(first, before, after)
         found, after = first, before
     return Registration(
         transform=found,
@@ -199,8 +240,10 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         start=named if matrix is None else "matrix",
         before=before.metric,
         after=after.metric,
+        overlap_before=before.overlap,
         overlap=after.overlap,
         curve=search.curve,
+        start_kept=start_kept,
     )
 
 
@@ -224,17 +267,6 @@ def write_transform(transform: Any, path: Path) -> None:  # noqa: ANN401  # Simp
             simpleitk().WriteTransform(transform, str(unfinished))
         except RuntimeError as error:
             raise OSError(5, f"cannot be written ({reason_of(error)})", str(path)) from None
-
-
-def _matrix_of(linear: Any) -> Points:  # noqa: ANN401  # SimpleITK has no types
-    """Returns what a linear transform does to points, shape [4, 4]."""
-    origin, *ends = (
-        linear.TransformPoint(at) for at in np.vstack([np.zeros(3), np.eye(3)]).tolist()
-    )
-    matrix = np.eye(4)
-    matrix[:3, 3] = origin
-    matrix[:3, :3] = (np.array(ends) - origin).T
-    return matrix
 
 
 def _image(volume: Volume) -> Any:  # noqa: ANN401  # SimpleITK has no types

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from palpate.base.simpleitk import image_on, reason_of, simpleitk
 from palpate.base.whole_file import whole_file
 from palpate.registration.options import Pairs, Points
+from palpate.registration.point_map import points_through
 from palpate.registration.registration import Registration
 from palpate.volumes.volume import Volume
 
@@ -20,6 +21,8 @@ TILES = 8
 """Along the longer side of a plane."""
 LONGEST = 400
 """Pixels along the longest side of the scan."""
+PROBES = 24
+"""Places along each axis of the fixed scan by which the middle of what both show is found."""
 GAP = 6
 """Between planes [pixels]."""
 DARKEST, BRIGHTEST = 1.0, 99.0
@@ -48,8 +51,10 @@ def report_of(
         "kind": found.kind,
         "metric": found.metric,
         "start": found.start,
+        "start_kept": found.start_kept,
         "metric_before": found.before,
         "metric_after": found.after,
+        "overlap_before": found.overlap_before,
         "overlap": found.overlap,
         "moved_mean_mm": float(lengths.mean()),
         "moved_most_mm": float(lengths.max()),
@@ -76,18 +81,32 @@ def report_of(
 
 def sentence_of(report: dict[str, Any]) -> str:
     """Returns a report in one sentence."""
-    sentence = (
-        f"{report['kind']}, {report['metric']} {report['metric_before']:.4g} → "
-        f"{report['metric_after']:.4g} (less is better), points move by "
-        f"{report['moved_mean_mm']:.1f} mm, at most {report['moved_most_mm']:.1f} mm"
-    )
-    landmarks = report.get("landmarks_mm")
-    if landmarks is None:
-        return sentence
-    return (
-        f"{sentence}; landmarks {landmarks['before_mean']:.2f} → {landmarks['after_mean']:.2f} mm, "
-        f"at most {landmarks['after_most']:.2f} mm"
-    )
+    parts = [
+        (
+            f"{report['kind']}, {report['metric']} {report['metric_before']:.4g} → "
+            f"{report['metric_after']:.4g} (less is better), points move by "
+            f"{report['moved_mean_mm']:.1f} mm, at most {report['moved_most_mm']:.1f} mm"
+        ),
+        (
+            f"{report['overlap']:.0%} of the fixed scan is covered, "
+            f"{report['overlap_before']:.0%} at the start"
+        ),
+    ]
+    if report["start_kept"]:
+        parts.append("the start was right already and is kept")
+    if (landmarks := report.get("landmarks_mm")) is not None:
+        parts.append(
+            f"landmarks {landmarks['before_mean']:.2f} → {landmarks['after_mean']:.2f} mm, "
+            f"at most {landmarks['after_most']:.2f} mm"
+        )
+    if report.get("interpolation") == "nearest":
+        parts.append("resampled by the nearest voxel")
+    if (inverse := report.get("inverse")) is not None and not inverse["exact"]:
+        parts.append(
+            f"the inverse is off by {inverse['error_mean_mm']:.2g} mm on average, 99 of 100 "
+            f"points by at most {inverse['error_of_99_in_100_mm']:.2g} mm"
+        )
+    return "; ".join(parts)
 
 
 # --- the picture --------------------------------------------------------------------------
@@ -96,8 +115,8 @@ def sentence_of(report: dict[str, Any]) -> str:
 def write_checkerboard(found: Registration, fixed: Volume, moving: Volume, *, path: Path) -> None:
     """Writes a PNG of both scans in alternating squares.
 
-    Above as the files place them, below through the transform; from left to right the middle
-    planes across z, y and x of the fixed scan, all in one scale.
+    Above as the files place them, below through the transform; from left to right planes across z,
+    y and x of the fixed scan, through the middle of what both show in the end, all in one scale.
 
     Raises:
         OSError: The disk refuses it.
@@ -108,11 +127,12 @@ def write_checkerboard(found: Registration, fixed: Volume, moving: Volume, *, pa
         np.percentile(volume.array[::2, ::2, ::2], [DARKEST, BRIGHTEST])
         for volume in (fixed, moving)
     ]
+    middle = _middle_of_both(found, fixed, moving)
     rows = []
     for transform in (sitk.Transform(3, sitk.sitkIdentity), found.transform):
         planes = []
         for axis in (2, 1, 0):
-            plane = _plane(fixed, axis)
+            plane = _plane(fixed, axis, at=middle[axis])
             first, second = (
                 _grey(_seen(image, plane, through), *window)
                 for image, through, window in zip(
@@ -129,8 +149,21 @@ def write_checkerboard(found: Registration, fixed: Volume, moving: Volume, *, pa
             raise OSError(5, f"cannot be written ({reason_of(error)})", str(path)) from None
 
 
-def _plane(fixed: Volume, axis: int) -> Any:  # noqa: ANN401  # SimpleITK has no types
-    """Returns the grid of a middle plane: square pixels, its normal along an axis of the scan."""
+def _middle_of_both(found: Registration, fixed: Volume, moving: Volume) -> list[int]:
+    """Returns the voxel x, y, z of the fixed scan in the middle of what the moving one covers."""
+    shares = (np.arange(PROBES) + 0.5) / PROBES
+    voxels = np.stack(np.meshgrid(shares, shares, shares), axis=-1).reshape(-1, 3)
+    voxels = voxels * fixed.dimensions
+    to_patient, to_grid = fixed.patient_from_grid, np.linalg.inv(moving.patient_from_grid)
+    there = points_through(found.transform, voxels @ to_patient[:3, :3].T + to_patient[:3, 3])
+    seen = there @ to_grid[:3, :3].T + to_grid[:3, 3]
+    covered = np.all((seen >= 0.0) & (seen < moving.dimensions), axis=1)
+    both = voxels[covered] if covered.any() else voxels
+    return [int(at) for at in both.mean(axis=0)]
+
+
+def _plane(fixed: Volume, axis: int, *, at: int) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    """Returns the grid of a plane: square pixels, its normal along an axis of the scan."""
     sitk = simpleitk()
     lengths = np.multiply(fixed.dimensions, fixed.spacing)
     pixel = float(lengths.max()) / LONGEST
@@ -142,7 +175,7 @@ def _plane(fixed: Volume, axis: int) -> Any:  # noqa: ANN401  # SimpleITK has no
     start[3] = 1.0
     for other in (across, down):
         start[other] = 0.5 * pixel / fixed.spacing[other]
-    start[axis] = fixed.dimensions[axis] // 2 + 0.5
+    start[axis] = at + 0.5
     plane = sitk.Image([*size, 1], sitk.sitkUInt8)
     plane.SetSpacing([pixel, pixel, pixel])
     plane.SetOrigin((fixed.patient_from_grid @ start)[:3].tolist())

@@ -62,6 +62,17 @@ class Search:
         """
         self._compared.check(before, after, self._history)
 
+    def require_best(self, first: Any, before: Measured, after: Measured) -> None:  # noqa: ANN401
+        """Refuses a start that nothing better was found than, unless all beside it is worse.
+
+        Raises:
+            RegistrationError: What is beside it is as good, so that nothing tells where scans lie;
+                the error has the curve.
+        """
+        if not self._compared.is_best_near(first, before, self._history):
+            why = "no place was found that is better than the start, nor is the start the best"
+            raise self._compared.refusal(why, (before, after), self._history)
+
     def run(self, first: Any, kind: Kind) -> Any:  # noqa: ANN401
         """Returns the best transform of a kind near a first one, which may be affine already.
 

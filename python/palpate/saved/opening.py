@@ -8,11 +8,12 @@ from pathlib import Path
 from palpate.base.errors import EmptySegmentError
 from palpate.base.progress import Progress, silent
 from palpate.io.reading import read
-from palpate.saved.scene_file import ENDING, SavedScene, open_scene
+from palpate.saved.ending import is_scene
+from palpate.saved.scene_file import SavedScene, open_scene
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
 
-__all__ = ["Opening", "is_scene", "offer_bone", "opening", "opening_of"]
+__all__ = ["Opening", "offer_bone", "opening", "opening_of"]
 
 
 @dataclass(frozen=True)
@@ -55,11 +56,6 @@ def opening_of(volume: Volume) -> Opening:
     scene = Scene(volume)
     message = offer_bone(scene)
     return Opening(scene, None, () if message is None else (message,))
-
-
-def is_scene(path: Path) -> bool:
-    """Returns whether a path is that of a scene file, by its extension."""
-    return path.suffix == ENDING and path.is_file()
 
 
 def offer_bone(scene: Scene) -> str | None:

@@ -46,9 +46,8 @@ from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.volume import Volume
 
-__all__ = ["ENDING", "SavedScene", "kept_scan", "open_scene", "save_scene"]
+__all__ = ["SavedScene", "kept_scan", "open_scene", "save_scene"]
 
-ENDING = ".palpate"
 FORMAT = "palpate-scene-1"
 MOST_JSON_BYTES = 1 << 24
 """Most bytes of ``scene.json``; 255 segments take about 100 kB."""
@@ -69,6 +68,8 @@ class _About(SavedSoftTissue, frozen=True, kw_only=True):
     second: SavedSecond | None = None
     locked: tuple[int, ...] = ()
     """Numbers of locked segments."""
+    labels: dict[int, int] = msgspec.field(default_factory=dict)
+    """Labels of segments in the files that they were read from, by their numbers here."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,7 @@ class SavedScene:
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
         restore_soft_tissue(session, self.about)
+        session.label_numbers.update(self.about.labels)
         for each in self.about.locked:
             session.set_locked(each, locked=True)
 
@@ -166,6 +168,7 @@ def save_scene(
         view=None if view is None else dict(view),
         second=None if second is None else saved_second(second, path, copied=second_copied),
         locked=tuple(each["id"] for each in session.segments() if each["locked"]),
+        labels=dict(session.label_numbers),
         **msgspec.structs.asdict(saved_soft_tissue(session)),
     )
     with TemporaryDirectory(prefix="palpate-") as folder:

@@ -114,7 +114,7 @@ def body_of_scan(
     """
     values = volume.intensities()
     shift = RAW_SHIFT if volume.unit != "HU" and volume.range[0] >= 0.0 else 0.0
-    solid = values > (volume.anchors.bone if bone is None else bone)
+    solid = volume.between(volume.anchors.bone if bone is None else bone, np.inf)
     body = values > AIR_END + shift
     soft = {}
     if labels is not None:
@@ -122,7 +122,7 @@ def body_of_scan(
         solid &= ~soft["liver"]
         body &= ~soft["liver"]
     if not solid.any():
-        raise EmptySegmentError("the scan has no bone; allowed: --bone with a lower value")
+        raise EmptySegmentError("the scan has no bone; allowed: a lower `bone=VALUE`")
     return Body(volume=volume, soft={"soft tissue": body & ~solid, **soft}, bone=solid)
 
 
@@ -146,7 +146,7 @@ def run_needle(
     """
     if scenario == "needle-liver":
         if "liver" not in body.soft:
-            raise OptionError("no label map given; allowed: --segments FILE, which has the liver")
+            raise OptionError("no label map given; allowed: one that has the liver")
         through, longest, other = body.soft["liver"], 300.0, "muscle"
     else:
         # a skull is close under its skin; where fat and muscle are known, bone is a little deeper

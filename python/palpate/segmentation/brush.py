@@ -102,9 +102,7 @@ def covered(volume: Volume, brush: Brush, ends: tuple[Point, Point]) -> tuple[Bo
     squared = from_start - out**2 - 2.0 * share * along + share**2 * length
     mask: Mask = np.asarray(inside & (squared <= brush.radius**2 * (1.0 + TIE)))
     if brush.values is not None:
-        low, high = brush.values
-        values = volume.values(box)
-        mask &= (values >= low) & (values <= high)
+        mask &= volume.between(*brush.values, box)
     return box, mask
 
 

@@ -105,7 +105,7 @@ def _upper_chain(plane: Indices, u: Indices, v: Indices) -> Indices:
         turn = (x[1:-1] - x[:-2]) * (y[2:] - y[:-2]) - (y[1:-1] - y[:-2]) * (x[2:] - x[:-2])
         below = (p[:-2] == p[2:]) & (turn >= 0)
         if not below.any():
-            return chain
+            return np.asarray(chain, np.int64)
         chain = chain[np.concatenate([[True], ~below, [True]])]
 
 

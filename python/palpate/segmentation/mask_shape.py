@@ -3,18 +3,22 @@
 Masks are bool, [z, y, x]; spacing is along x, y, z [mm]. What lies beyond a mask's border counts as
 what lies at it, so that a body that the scan cuts off is not rounded or eaten from there. Distances
 are between centres of voxels: a margin smaller than a voxel's side changes nothing along that side.
+What a ball does is the same everywhere and to all sides: opening and closing done twice do no more.
 Work is done in the box of the mask, with as much around it as the change can reach.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.lengths_in_voxels import nearest_voxels, whole_voxels, within
 
 __all__ = [
     "Mask",
@@ -30,10 +34,17 @@ __all__ = [
     "opened",
     "shares",
     "smooth",
+    "squared_distance_to",
+    "touches_border",
 ]
 
 Mask = NDArray[np.bool_]
 Box = tuple[slice, slice, slice]
+
+SLAB = 32
+"""Layers at least that distances are worked out in at once."""
+MOST_THREADS = 8
+"""That do so side by side."""
 
 SMALLEST_PART = 0.01
 """Of the weight of a Gaussian that may be cut off."""
@@ -55,32 +66,42 @@ def box_of(mask: Mask, around: float = 0.0, spacing: Sequence[float] = (1.0, 1.0
     return box[0], box[1], box[2]
 
 
-def distance_to(mask: Mask, spacing: Sequence[float]) -> NDArray[np.float32]:
-    """Returns how far the centre of each voxel is from the nearest one in the mask [mm].
+def squared_distance_to(mask: Mask, spacing: Sequence[float]) -> NDArray[np.float32]:
+    """Returns the squares of distances between the centre of each voxel and the nearest in a mask.
 
-    It is 0 in the mask, and infinite everywhere where the mask is empty. Source: Maurer, Qi and
-    Raghavan, "A linear time algorithm for computing exact Euclidean distance transforms", 2003.
+    They are 0 in the mask, and infinite everywhere where it is empty [mm²]. Each is made of whole
+    steps along the axes, so that it is the same wherever the two voxels lie. Source: Maurer, Qi and
+    Raghavan, "A linear time algorithm for computing exact Euclidean distance transforms", 2003, as
+    SciPy does it in double precision.
     """
+    from scipy.ndimage import distance_transform_edt
+
     if not mask.any():
         return np.full(mask.shape, np.inf, np.float32)
-    if mask.all():
-        return np.zeros(mask.shape, np.float32)
-    sitk = simpleitk()
-    signed = sitk.SignedMaurerDistanceMap(
-        _image(mask, spacing), insideIsPositive=False, squaredDistance=False, useImageSpacing=True
+    sides = tuple(reversed(spacing))
+    nearest = distance_transform_edt(
+        ~mask, sampling=sides, return_distances=False, return_indices=True
     )
-    distance: NDArray[np.float32] = sitk.GetArrayFromImage(signed)
-    # below 0 it is the distance to the mask's own border
-    return np.maximum(distance, 0.0, out=distance)
+    squared = np.zeros(mask.shape, np.float32)
+    places = np.ogrid[tuple(map(slice, mask.shape))]
+    for there, here, side in zip(nearest, places, sides, strict=True):
+        steps = np.subtract(there, here, out=there)
+        squares = (np.arange(here.size) * side) ** 2
+        squared += squares.astype(np.float32)[np.abs(steps, out=steps)]
+    return squared
+
+
+def distance_to(mask: Mask, spacing: Sequence[float]) -> NDArray[np.float32]:
+    """Returns the distances of which ``squared_distance_to`` returns the squares [mm]."""
+    squared = squared_distance_to(mask, spacing)
+    return np.sqrt(squared, out=squared)
 
 
 def margin(mask: Mask, spacing: Sequence[float], by: float) -> Mask:
     """Moves the border of a mask outward by a distance, or inward where it is below 0 [mm]."""
     if by >= 0.0:
-        return _in_box(
-            mask, lambda part: distance_to(part, spacing) <= by, around=by, spacing=spacing
-        )
-    return _in_box(mask, lambda part: distance_to(~part, spacing) > -by)
+        return _in_box(mask, lambda part: _reached(part, spacing, by), around=by, spacing=spacing)
+    return _in_box(mask, lambda part: ~_reached(~part, spacing, -by))
 
 
 def opened(mask: Mask, spacing: Sequence[float], radius: float) -> Mask:
@@ -92,15 +113,20 @@ def closed(mask: Mask, spacing: Sequence[float], radius: float) -> Mask:
     """Fills what a ball outside does not fit into: gaps and dents [mm]."""
 
     def work(part: Mask) -> Mask:
-        grown = distance_to(part, spacing) <= radius
-        return part | (distance_to(~grown, spacing) > radius)
+        grown = _reached(part, spacing, radius)
+        return ~_reached(~grown, spacing, radius)
 
     return _in_box(mask, work, around=2.0 * radius, spacing=spacing)
 
 
 def hollow(mask: Mask, spacing: Sequence[float], thickness: float) -> Mask:
-    """Returns a shell inside of the mask's border, or outside where it is below 0 [mm]."""
-    moved = margin(mask, spacing, -thickness)
+    """Returns a shell inside of the mask's border, or outside where it is below 0 [mm].
+
+    It is a voxel thick at least along each axis, so that no way over faces of voxels leads through
+    it. Where the mask reaches the border of the grid the shell is open.
+    """
+    at_most = [min(side, abs(thickness)) for side in spacing]
+    moved = margin(mask, at_most, -thickness)
     return mask & ~moved if thickness >= 0.0 else moved & ~mask
 
 
@@ -134,7 +160,7 @@ def median(mask: Mask, spacing: Sequence[float], radius: float) -> Mask:
 
     That is the median of a mask. The half edge is rounded to whole voxels along each axis.
     """
-    voxels = [int(radius / edge + 0.5) for edge in spacing]
+    voxels = [nearest_voxels(radius, edge) for edge in spacing]
 
     def work(part: Mask) -> Mask:
         sitk = simpleitk()
@@ -166,6 +192,11 @@ def drop_small(mask: Mask, voxels: int) -> Mask:
     return _in_box(mask, lambda part: _islands(part, voxels)[1])
 
 
+def touches_border(mask: Mask) -> bool:
+    """Returns whether a mask has voxels at the border of its grid."""
+    return any(bool(mask.take(end, axis).any()) for axis in range(3) for end in (0, -1))
+
+
 def _islands(mask: Mask, least: int) -> tuple[NDArray[np.uint32], Mask]:
     """Numbers islands from 1, the largest first, and says where there is one.
 
@@ -177,6 +208,27 @@ def _islands(mask: Mask, least: int) -> tuple[NDArray[np.uint32], Mask]:
     there = numbers != 0
     numbers[~there] = np.iinfo(np.uint32).max
     return numbers, there
+
+
+def _reached(mask: Mask, spacing: Sequence[float], length: float) -> Mask:
+    """Returns which voxels are at most a length from those of a mask [mm].
+
+    Slabs with as much around them as that reaches are worked on side by side, in the memory that
+    they take.
+    """
+    around = whole_voxels(length, spacing[2])
+    thick = max(SLAB, 2 * around)
+    reached = np.empty_like(mask)
+
+    def work(first: int) -> None:
+        low = max(0, first - around)
+        slab = mask[low : first + thick + around]
+        near = within(squared_distance_to(slab, spacing), length)
+        reached[first : first + thick] = near[first - low :][:thick]
+
+    with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+        list(pool.map(work, range(0, len(mask), thick)))
+    return reached
 
 
 def _in_box(

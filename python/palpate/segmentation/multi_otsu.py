@@ -75,12 +75,23 @@ def _kept_classes(volume: Volume, classes: int) -> list[tuple[float, float]]:
     values = volume.values()
     low, high = volume.range
     finite = values[~np.isnan(values)] if volume.missing else values.ravel()
-    found = sorted(_thresholds(finite.astype(np.float32)[None], classes))
+    scale = 1.0
+    if values.dtype == np.float64:
+        # beyond single precision, in which ITK counts
+        scale = max(abs(low), abs(high))
+        finite = finite / scale
+    found = sorted(scale * end for end in _thresholds(finite[None], classes))
     ends = [end for end in found if low <= end < high]
     if len(ends) < classes - 1:
         raise EmptySegmentError(f"{volume.name} has too few values for {classes} classes")
-    firsts = [low, *(float(np.nextafter(np.float32(end), np.float32(np.inf))) for end in ends)]
-    return list(zip(firsts, [*map(float, map(np.float32, ends)), high], strict=True))
+    # a class ends with the last value up to its threshold
+    if values.dtype.kind == "f":
+        lasts = [values.dtype.type(end) for end in ends]
+        nexts = [np.nextafter(last, values.dtype.type(np.inf)) for last in lasts]
+    else:
+        lasts = [math.floor(end) for end in ends]
+        nexts = [last + 1 for last in lasts]
+    return list(zip([low, *map(float, nexts)], [*map(float, lasts), high], strict=True))
 
 
 def _thresholds(values: NDArray[Any], classes: int) -> Sequence[float]:

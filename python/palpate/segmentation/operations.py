@@ -14,10 +14,12 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.segmentation import mask_shape
 from palpate.segmentation.joint_smoothing import smooth_together
+from palpate.segmentation.lengths_in_voxels import least_voxels, whole_voxels
 from palpate.segmentation.mask_shape import Mask
 from palpate.segmentation.multi_otsu import otsu
 from palpate.segmentation.region_growing import Growing, grow
 from palpate.segmentation.slice_interpolation import between_slices
+from palpate.segmentation.told_of_shape import told_of_shape
 from palpate.segmentation.watershed import grown_from_seeds
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
@@ -96,6 +98,9 @@ def changed_shape(
 ) -> Segment:
     """Returns a segment of another shape, on the same grid and under the same name.
 
+    Its ``warnings`` say what the grid cannot express of the change, such as a margin that is less
+    than a voxel along an axis.
+
     Args:
         segment: What is changed.
         kind: How.
@@ -113,6 +118,8 @@ def changed_shape(
         changed = LOGIC[kind](mask, _mask_of(other, segment))
     elif kind in LENGTHS:
         _check_length(amount)
+        if kind.startswith("hollow"):
+            _check_shell(amount, volume.spacing)
         changed = LENGTHS[kind](mask, volume.spacing, amount)
     elif kind == "joint":
         return smoothed_together([segment], deviation=amount)[0]
@@ -123,13 +130,16 @@ def changed_shape(
     elif kind == "drop-small":
         if amount < 0.0:
             raise OptionError(f"{amount:g} ml given; allowed: 0 or more")
-        changed = mask_shape.drop_small(mask, int(np.ceil(amount * 1000.0 / volume.voxel_volume)))
+        changed = mask_shape.drop_small(mask, least_voxels(amount, volume.voxel_volume))
     else:
         if not 1.0 <= amount <= 1000.0:
             raise OptionError(f"{amount:g} islands given; allowed: 1 to 1000")
         changed = mask_shape.keep_largest(mask, int(amount))
     result = volume.segment(changed, name=segment.name)
-    return result.as_object() if segment.has_own_grid else result
+    result = result.as_object() if segment.has_own_grid else result
+    told = told_of_shape(kind, amount, volume.spacing, masks=(mask, changed))
+    result.warnings = (*segment.warnings, *told)
+    return result
 
 
 def smoothed_together(segments: Sequence[Segment], *, deviation: float) -> list[Segment]:
@@ -153,12 +163,23 @@ def smoothed_together(segments: Sequence[Segment], *, deviation: float) -> list[
         )
     ]
     own = [each.as_object() for each in smoothed] if first.has_own_grid else smoothed
-    return list(own)
+    for each, segment in zip(own, segments, strict=True):
+        each.warnings = segment.warnings
+    return own
 
 
 def _check_length(amount: float) -> None:
     if not 0.0 < amount <= LONGEST:
         raise OptionError(f"{amount:g} mm given; allowed: more than 0, up to {LONGEST:g} mm")
+
+
+def _check_shell(thickness: float, spacing: Sequence[float]) -> None:
+    least = min(spacing)
+    if whole_voxels(thickness, least) < 1:
+        raise OptionError(
+            f"a shell of {thickness:g} mm given; allowed: a voxel's smallest side at least, "
+            f"{least:g} mm"
+        )
 
 
 def _mask_of(other: Segment | None, segment: Segment) -> Mask:

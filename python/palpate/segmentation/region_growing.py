@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from palpate.base.errors import EmptySegmentError, OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.mask_shape import Mask, closed, distance_to, filled, margin
+from palpate.segmentation.lengths_in_voxels import most_voxels, whole_voxels, within
+from palpate.segmentation.mask_shape import Mask, closed, filled, margin, squared_distance_to
 from palpate.volumes.volume import Volume
 
 __all__ = ["Growing", "grow"]
@@ -114,7 +115,7 @@ def grow(
     region = _follow(in_range, inside, volume=volume, how=how, progress=progress)
     progress("finding the border", None)
     ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=how.spread)
-    region = _to_border(region, raw, ends, volume=volume, fill=how.fill)
+    region = _to_border(region, volume.between(*ends, box), volume.spacing, fill=how.fill)
     mask = np.zeros(volume.shape, bool)
     mask[box] = region
     if not region.any():
@@ -204,7 +205,7 @@ def _ball(
     values: NDArray[np.float32], seed: tuple[int, ...], spacing: Sequence[float]
 ) -> NDArray[np.float32]:
     """Returns the values around a seed."""
-    sides = [int(NEIGHBOURHOOD / edge) for edge in reversed(spacing)]
+    sides = [whole_voxels(NEIGHBOURHOOD, edge) for edge in reversed(spacing)]
     box = tuple(
         slice(max(0, place - side), min(length, place + side + 1))
         for place, side, length in zip(seed, sides, values.shape, strict=True)
@@ -214,7 +215,7 @@ def _ball(
         ((axis - place) * edge) ** 2
         for axis, place, edge in zip(axes, seed, reversed(spacing), strict=True)
     )
-    found: NDArray[np.float32] = values[box][off <= NEIGHBOURHOOD**2]
+    found: NDArray[np.float32] = values[box][within(np.asarray(off), NEIGHBOURHOOD)]
     return found
 
 
@@ -229,14 +230,14 @@ def _follow(
     """Returns the part of what is in range that belongs to the seeds."""
     progress("finding narrow passages", None)
     spacing = volume.spacing
-    room = distance_to(~in_range, spacing)
+    room = squared_distance_to(~in_range, spacing)
     starts = [_deepest(room, seed, spacing) for seed in seeds]
-    widest = max(float(room[start]) for start in starts)
+    widest = float(np.sqrt(max(room[start] for start in starts)))
     if widest == 0.0:
         return np.zeros_like(in_range)
     # in a thin structure the ball must fit where the seed is
     radius = min(0.5 * how.passage, 0.7 * widest)
-    most = how.most_ml * 1000.0 / volume.voxel_volume
+    most = most_voxels(how.most_ml, volume.voxel_volume)
     while True:
         progress("following values from the seed", None)
         core = _connected(room, starts, radius)
@@ -253,18 +254,9 @@ def _follow(
     return region
 
 
-def _to_border(
-    region: Mask,
-    raw: NDArray[np.float32],
-    ends: tuple[float, float],
-    *,
-    volume: Volume,
-    fill: bool,
-) -> Mask:
+def _to_border(region: Mask, in_range: Mask, spacing: Sequence[float], *, fill: bool) -> Mask:
     """Adds what smoothing took from the border: unsmoothed values in range beside the region."""
-    spacing = volume.spacing
-    low, high = ends
-    grown = region | (margin(region, spacing, BORDER) & (raw >= low) & (raw <= high))
+    grown = region | (margin(region, spacing, BORDER) & in_range)
     return filled(closed(grown, spacing, max(spacing))) if fill else grown
 
 
@@ -272,7 +264,7 @@ def _deepest(
     room: NDArray[np.float32], seed: tuple[int, ...], spacing: Sequence[float]
 ) -> tuple[int, ...]:
     """Returns the voxel near a seed that is deepest in range: a seed may lie at a border."""
-    sides = [int(0.5 * NEIGHBOURHOOD / edge) for edge in reversed(spacing)]
+    sides = [whole_voxels(0.5 * NEIGHBOURHOOD, edge) for edge in reversed(spacing)]
     low = [max(0, place - side) for place, side in zip(seed, sides, strict=True)]
     box = tuple(
         slice(begin, place + side + 1) for begin, place, side in zip(low, seed, sides, strict=True)
@@ -283,11 +275,12 @@ def _deepest(
 
 
 def _connected(room: NDArray[np.float32], starts: list[tuple[int, ...]], radius: float) -> Mask:
-    """Returns what hangs together with the seeds where a ball fits."""
+    """Returns what hangs together with the seeds where a ball fits; ``room`` is squared [mm²]."""
     sitk = simpleitk()
+    fits = ~within(room, radius)
     there = sitk.ConnectedThreshold(
-        sitk.GetImageFromArray((room > radius).astype(np.uint8)),
-        seedList=[[int(c) for c in reversed(start)] for start in starts if room[start] > radius],
+        sitk.GetImageFromArray(fits.astype(np.uint8)),
+        seedList=[[int(c) for c in reversed(start)] for start in starts if fits[start]],
         lower=1,
         upper=1,
     )

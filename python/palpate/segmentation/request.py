@@ -7,64 +7,132 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import msgspec
-import numpy as np
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
+from palpate.base.request import Request, words
 from palpate.base.typed_numbers import parse_point, parse_threshold
-from palpate.segmentation.operations import (
-    Growing,
-    ShapeKind,
-    changed_shape,
-    grown,
-    grown_from_seeds,
-    otsu,
-    smoothed_together,
-)
 from palpate.segmentation.threshold_presets import PRESETS, preset_range
-from palpate.volumes.segment import Segment
-from palpate.volumes.volume import Volume
+
+if TYPE_CHECKING:
+    from palpate.labels.labels import Labels
+    from palpate.segmentation.operations import ShapeKind
+    from palpate.segmentation.region_growing import Growing
+    from palpate.volumes.segment import Segment
+    from palpate.volumes.volume import Volume
 
 __all__ = ["Made", "SegmentRequest"]
 
-Made = tuple[list[Segment], tuple[str, ...]]
+Made: TypeAlias = "tuple[list[Segment], tuple[str, ...]]"
 """Segments, and what a person should know of them."""
 
 SIGNED = ("grow", "shrink", "hollow-inside", "hollow-outside")
 """Changes whose side is told by the sign."""
 
 
-class SegmentRequest(
-    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"
-):
-    """The options of ``palpate segment``, under their names there."""
+class SegmentRequest(Request, frozen=True, kw_only=True):
+    """The options of ``palpate segment``."""
 
-    threshold: str | float | None = None
-    otsu: int | None = None
-    grow: list[str] = []
-    seeds: Path | None = None
-    auto: bool = False
-    fast: bool = False
-    spread: float | None = None
-    passage: float | None = None
-    most: float | None = None
-    keep_largest: bool = False
-    drop_below: float | None = None
-    fill: bool = False
-    between_slices: bool = False
-    smooth: float | None = None
-    median: float | None = None
-    joint: float | None = None
-    opening: float | None = None
-    closing: float | None = None
-    margin: float | None = None
-    hollow: float | None = None
-    unite: Path | None = None
-    subtract: Path | None = None
-    intersect: Path | None = None
-    name: str | None = None
+    threshold: Annotated[
+        str | float | None,
+        words(
+            "Values from LOW to HIGH, or for CT a tissue: bone, compact bone, spongy "
+            "bone, soft tissue, muscle, fat, skin, lung.",
+            form="LOW[,HIGH]",
+        ),
+    ] = None
+    otsu: Annotated[
+        int | None,
+        words("Otsu's thresholds with this number of classes.", form="2..4"),
+    ] = None
+    grow: Annotated[
+        list[str],
+        words(
+            "Grow a region from a point in LPS, in mm; repeatable.",
+            form="X,Y,Z",
+        ),
+    ] = msgspec.field(default_factory=list)
+    seeds: Annotated[
+        Path | None,
+        words(
+            "Grow the segments of a file until they meet (watershed); one of them "
+            "marks the background.",
+            reads=True,
+        ),
+    ] = None
+    auto: Annotated[bool, words("Use TotalSegmentator, which must be installed.")] = False
+    fast: Annotated[bool, words("With `auto=True`: work at 3 mm, which takes minutes.")] = False
+    spread: Annotated[
+        float | None,
+        words("Range of values for `grow=POINT`, in standard deviations around the point."),
+    ] = None
+    passage: Annotated[
+        float | None,
+        words("For `grow=POINT`: do not grow through passages narrower than this, in mm."),
+    ] = None
+    most: Annotated[
+        float | None, words("For `grow=POINT`: maximum volume of the segment in ml.")
+    ] = None
+    keep_largest: Annotated[bool, words("Keep only the largest connected component.")] = False
+    drop_below: Annotated[
+        float | None, words("Remove connected components smaller than this, in ml.")
+    ] = None
+    fill: Annotated[bool, words("Fill holes.")] = False
+    between_slices: Annotated[bool, words("Interpolate between painted slices.")] = False
+    smooth: Annotated[
+        float | None,
+        words("Smooth the mask with a Gaussian of this standard deviation in mm."),
+    ] = None
+    median: Annotated[
+        float | None,
+        words("Smooth the mask with a median filter of this radius in mm."),
+    ] = None
+    joint: Annotated[
+        float | None,
+        words(
+            "Smooth all segments jointly with a Gaussian of this standard deviation "
+            "in mm; no gaps appear."
+        ),
+    ] = None
+    opening: Annotated[
+        float | None,
+        words("Morphological opening with a ball of this radius in mm: removes thin bridges."),
+    ] = None
+    closing: Annotated[
+        float | None,
+        words("Morphological closing with a ball of this radius in mm: closes narrow gaps."),
+    ] = None
+    margin: Annotated[
+        float | None,
+        words("Grow the segment by this margin in mm, or shrink it if negative."),
+    ] = None
+    hollow: Annotated[
+        float | None,
+        words("Keep a shell of this thickness in mm inside the border, or outside if negative."),
+    ] = None
+    unite: Annotated[
+        Path | None, words("Union with the segments of a file.", form="FILE", reads=True)
+    ] = None
+    subtract: Annotated[
+        Path | None, words("Subtract the segments of a file.", form="FILE", reads=True)
+    ] = None
+    intersect: Annotated[
+        Path | None, words("Intersect with the segments of a file.", form="FILE", reads=True)
+    ] = None
+    resample: Annotated[
+        bool,
+        words(
+            "Resample segments of files from another grid to that of the scan (nearest neighbour)."
+        ),
+    ] = False
+    another_patient: Annotated[
+        bool,
+        words("Take DICOM segments of another patient, study or frame of reference as they are."),
+    ] = False
+    name: Annotated[str | None, words("Name of the segment.")] = None
 
     def check(self) -> None:
         """Refuses what cannot be done whatever the scan is.
@@ -76,22 +144,41 @@ class SegmentRequest(
         ways = sum(way is not None for way in given)
         if ways != 1:
             raise OptionError(
-                f"{ways} ways to make a segment given; allowed: one of --threshold, --otsu, "
-                "--grow, --seeds, --auto"
+                f"{ways} ways to make a segment given; allowed: one of `threshold=LOW,HIGH`, "
+                "`otsu=CLASSES`, `grow=X,Y,Z`, `seeds=FILE`, `auto=True`"
             )
         if self.fast and not self.auto:
-            raise OptionError("--fast given; allowed: with --auto only")
+            raise OptionError("`fast=True` given; allowed: with `auto=True` only")
         if not self.grow and not self.spread is self.passage is self.most is None:
-            raise OptionError("options of growing given; allowed: with --grow only")
-        if self.seeds is not None and not self.seeds.exists():
-            raise FileNotFoundError(f"{self.seeds} does not exist; allowed: a file with segments")
-        self._growing.check()
+            raise OptionError("options of growing given; allowed: with `grow=X,Y,Z` only")
+        if self.grow:
+            self._growing.check()
         for point in self.grow:
             parse_point(point)
-        for _, file in self._others():
-            if not file.exists():
-                raise FileNotFoundError(f"{file} does not exist; allowed: a file with segments")
         self._check_threshold()
+
+    def check_on(self, volume: Volume, *, progress: Progress = silent) -> None:
+        """Refuses what cannot be done with a scan, before any segment is made.
+
+        Raises:
+            PalpateError: A tissue is given for values that are not HU, or a file of segments cannot
+                be read or does not fit the scan.
+        """
+        self._bounds(volume)
+        for file in (self.seeds, *(other for _, other in self._others())):
+            # what another step writes is not there yet
+            if file is not None and file.exists():
+                self._read(file, volume, progress)
+
+    @property
+    def names(self) -> tuple[str, ...] | None:
+        """Names of the segments that it makes; None where files or programs know them."""
+        if self.auto or self.seeds is not None:
+            return None
+        if self.otsu is not None:
+            parts = [f"Otsu {number} of {self.otsu}" for number in range(1, self.otsu + 1)]
+            return tuple(part if self.name is None else f"{self.name}, {part}" for part in parts)
+        return (self.name or ("region" if self.grow else "threshold"),)
 
     def make(self, volume: Volume, *, progress: Progress = silent) -> Made:
         """Makes what is asked for out of a scan.
@@ -99,6 +186,8 @@ class SegmentRequest(
         Raises:
             OptionError: It cannot be, or nothing is left of it.
         """
+        from palpate.segmentation.operations import changed_shape, smoothed_together
+
         made, warnings = self._found(volume, progress)
         for kind, amount in self._changes():
             progress(kind.replace("-", " "), None)
@@ -125,10 +214,13 @@ class SegmentRequest(
             raise OptionError(
                 "nothing is left of the segment; allowed: values or masks that leave some"
             )
-        return made, warnings
+        of_shapes = dict.fromkeys(sentence for one in made for sentence in one.warnings)
+        return made, (*warnings, *of_shapes)
 
     @property
     def _growing(self) -> Growing:
+        from palpate.segmentation.region_growing import Growing
+
         usual = Growing()
         return Growing(
             spread=usual.spread if self.spread is None else self.spread,
@@ -137,14 +229,15 @@ class SegmentRequest(
         )
 
     def _found(self, volume: Volume, progress: Progress) -> Made:
-        from palpate.labels.labels import read_labels
-        from palpate.segmentation.automatic import found_automatically
+        from palpate.segmentation.operations import grown, grown_from_seeds, otsu
 
         if self.auto:
+            from palpate.segmentation.automatic import found_automatically
+
             found = found_automatically(volume, fast=self.fast, progress=progress)
             return [each.segment for each in found.labels], found.warnings
         if self.seeds is not None:
-            read = read_labels(self.seeds, volume, progress=progress)
+            read = self._read(self.seeds, volume, progress)
             seeds = [each.segment for each in read.labels]
             return grown_from_seeds(volume, seeds, progress=progress), read.warnings
         if self.otsu is not None:
@@ -177,12 +270,24 @@ class SegmentRequest(
         if self.intersect is not None:
             yield "intersect", self.intersect
 
-    @staticmethod
-    def _all_of(file: Path, volume: Volume, progress: Progress) -> tuple[Segment, tuple[str, ...]]:
-        """Returns all segments of a file as one."""
+    def _read(self, file: Path, volume: Volume, progress: Progress) -> Labels:
         from palpate.labels.labels import read_labels
 
-        read = read_labels(file, volume, progress=progress)
+        return read_labels(
+            file,
+            volume,
+            resample=self.resample,
+            another_patient=self.another_patient,
+            progress=progress,
+        )
+
+    def _all_of(
+        self, file: Path, volume: Volume, progress: Progress
+    ) -> tuple[Segment, tuple[str, ...]]:
+        """Returns all segments of a file as one."""
+        import numpy as np
+
+        read = self._read(file, volume, progress)
         masks = [each.segment.mask() != 0 for each in read.labels]
         union = np.logical_or.reduce(masks) if masks else np.zeros(volume.shape, bool)
         return volume.segment(union, name=file.name), read.warnings

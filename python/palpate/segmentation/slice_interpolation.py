@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.segmentation.lengths_in_voxels import SAME
 from palpate.segmentation.mask_shape import Mask, box_of, distance_to
 
 __all__ = ["between_slices"]
@@ -37,10 +38,12 @@ def between_slices(mask: Mask, spacing: Sequence[float]) -> Mask:
     slices = np.moveaxis(part, axis, 0)
     painted = _painted(part, axis)
     distances = {k: _signed(slices[k], edges) for k in painted}
+    smallest = min(edges)
     for low, high in pairwise(painted):
         for k in range(low + 1, high):
-            share = (k - low) / (high - low)
-            slices[k] = (1.0 - share) * distances[low] + share * distances[high] < 0.0
+            # whole shares of double precision: both sides of a middle slice are treated alike
+            weighed = (high - k) * distances[low] + (k - low) * distances[high]
+            slices[k] = weighed < -SAME * (high - low) * smallest
     return filled
 
 
@@ -56,7 +59,7 @@ def _gaps(part: Mask, axis: int) -> set[int]:
     return set(range(painted[0], painted[-1])) - set(painted)
 
 
-def _signed(drawn: Mask, edges: Sequence[float]) -> NDArray[np.float32]:
+def _signed(drawn: Mask, edges: Sequence[float]) -> NDArray[np.float64]:
     """Returns the distance of each voxel of a slice to the border, below 0 inside [mm].
 
     ``edges`` are its voxels' sides along its rows and columns.
@@ -64,5 +67,6 @@ def _signed(drawn: Mask, edges: Sequence[float]) -> NDArray[np.float32]:
     # what lies beyond the part is free, so that there is a border in any case
     layer = np.pad(drawn, 1)[None]
     spacing = (edges[1], edges[0], 1.0)
-    signed: NDArray[np.float32] = distance_to(layer, spacing) - distance_to(~layer, spacing)
+    outside, inside = (distance_to(one, spacing) for one in (layer, ~layer))
+    signed = outside.astype(np.float64) - inside
     return signed[0, 1:-1, 1:-1]

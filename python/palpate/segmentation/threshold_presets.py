@@ -7,6 +7,7 @@ begin, not what is found. They are the customary ones for adults, of no single s
 from __future__ import annotations
 
 from palpate.base.errors import OptionError
+from palpate.base.nearest import perhaps
 
 __all__ = ["PRESETS", "preset_range"]
 
@@ -31,11 +32,12 @@ def preset_range(name: str, *, unit: str) -> tuple[float, float | None]:
     """
     if name not in PRESETS:
         raise OptionError(
-            f"threshold {name!r} given; allowed: LOW or LOW,HIGH, or one of {', '.join(PRESETS)}"
+            f"threshold {name!r} given{perhaps(name, PRESETS)}; allowed: LOW or LOW,HIGH, or one "
+            f"of {', '.join(PRESETS)}"
         )
     if unit != "HU":
         raise OptionError(
             f"threshold {name!r} given for a scan whose values are not known to be HU; allowed: "
-            "LOW or LOW,HIGH, --otsu, or --unit HU where they are HU"
+            "LOW or LOW,HIGH, `otsu=CLASSES`, or `unit=HU` where they are HU"
         )
     return PRESETS[name]

@@ -11,6 +11,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp
 
 from palpate.base.errors import OptionError, PalpateError
+from palpate.server.page_words import page_words
 
 __all__ = ["errors_as_text", "json_body", "json_response"]
 
@@ -49,7 +50,7 @@ def errors_as_text(handle: Callable[[Request], Any]) -> Callable[[Request], Any]
         try:
             answer: ASGIApp = await handle(request)
         except (PalpateError, OSError) as error:
-            return PlainTextResponse(str(error), status_code=400)
+            return PlainTextResponse(page_words(str(error)), status_code=400)
         return answer
 
     return wrapped

@@ -14,6 +14,7 @@ from starlette.background import BackgroundTask
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from palpate.base.errors import PalpateError
+from palpate.server.page_words import page_words
 
 __all__ = ["file_name", "file_response", "refusal"]
 
@@ -56,7 +57,7 @@ def file_response(
         path, notes = write(wanted, Path(folder.name))
     except (PalpateError, OSError, RuntimeError, MemoryError) as error:
         folder.cleanup()
-        return refusal(str(error) or "not enough memory")
+        return refusal(page_words(str(error)) or "not enough memory")
     except BaseException:
         folder.cleanup()
         raise

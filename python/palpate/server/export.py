@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from starlette.responses import Response
 
-from palpate.export.export import Kind, export_scene
+from palpate.export.export import export_scene
+from palpate.export.kinds import Kind
 from palpate.server.download import file_name, file_response
 from palpate.server.messages.segment_list import SegmentList
 

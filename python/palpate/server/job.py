@@ -17,6 +17,7 @@ from starlette.types import Receive, Scope, Send
 
 from palpate.base.errors import PalpateError
 from palpate.base.progress import Progress
+from palpate.server.page_words import page_words
 
 __all__ = ["CancelledWorkError", "Emit", "Job"]
 
@@ -100,4 +101,4 @@ class Job:
 def _said(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror is not None:
         return f"{error.filename or 'the system'}: {error.strerror}"
-    return str(error)
+    return page_words(str(error))

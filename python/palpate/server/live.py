@@ -34,6 +34,7 @@ from palpate.server.messages.session import Recovery, SessionMessages
 from palpate.server.messages.soft_tissue import ModelParts, SoftTissueMessages
 from palpate.server.messages.table import MessageTable
 from palpate.server.messages.touch import PublishedNeedle, TouchMessages
+from palpate.server.page_words import page_words
 from palpate.server.recording import Recorder
 from palpate.server.second_scan import second_message
 from palpate.session.session import Session
@@ -298,13 +299,13 @@ class Live:
         except msgspec.DecodeError as error:
             outbox.put(protocol.Notice(level="error", text=f"message not understood: {error}"))
         except (PalpateError, OSError, RuntimeError) as error:
-            outbox.put(protocol.Notice(level="error", text=str(error)))
+            outbox.put(protocol.Notice(level="error", text=page_words(str(error))))
 
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:
             self.segments.threshold(wanted)
         except (PalpateError, RuntimeError) as error:
-            self._from_threads.put(protocol.Notice(level="error", text=str(error)))
+            self._from_threads.put(protocol.Notice(level="error", text=page_words(str(error))))
 
 
 async def _receive(websocket: WebSocket) -> bytes:

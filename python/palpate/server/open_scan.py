@@ -9,6 +9,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Self
@@ -24,6 +25,7 @@ from starlette.websockets import WebSocket
 from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
 from palpate.saved.scene_file import SavedScene
+from palpate.server.added_labels import add_labels
 from palpate.server.export import export_response
 from palpate.server.job import Job
 from palpate.server.live import Live
@@ -32,6 +34,7 @@ from palpate.server.recording import Recorder
 from palpate.server.scene import scene_response, view_response
 from palpate.server.second_scan import second_routes
 from palpate.server.segment_statistics import statistics_job
+from palpate.server.surface_export import surface_response
 from palpate.server.voxel_data import parse_step, voxels_response
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
@@ -228,15 +231,24 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/volume", volume),
         Route("/labels", labels),
         Route("/second", second, methods=["GET"]),
-        *second_routes(live.session.scene, live.show_second),
+        *second_routes(live.session.scene, live.show_second, partial(add_labels, live)),
         Route("/registration", _registration_of(live), methods=["POST"]),
         Route("/recording", recording),
         Route("/scenario", scenario),
         Route("/scene", scene, methods=["POST"]),
         Route("/export", export, methods=["POST"]),
         Route("/statistics", _statistics_of(live), methods=["POST"]),
+        Route("/surface", _surface_of(live), methods=["POST"]),
         Route("/view", view),
     ]
+
+
+def _surface_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
+    async def surface(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(surface_response, live.segments, live.picture.values, body)
+
+    return surface
 
 
 def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:

@@ -10,7 +10,8 @@ import msgspec
 from starlette.responses import Response
 
 from palpate.saved.autosave import note_scene
-from palpate.saved.scene_file import ENDING, save_scene
+from palpate.saved.ending import ENDING
+from palpate.saved.scene_file import save_scene
 from palpate.server.download import file_name, file_response
 from palpate.server.messages.segment_list import SegmentList
 from palpate.session.session import Session

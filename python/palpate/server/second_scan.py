@@ -1,4 +1,4 @@
-"""The second scan for pages: its message, and routes that move it or take it away."""
+"""The second scan for pages: its message, and routes that move it or bring its segments."""
 
 from __future__ import annotations
 
@@ -15,18 +15,23 @@ from starlette.routing import Route
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
 from palpate.base.simpleitk import Transform
+from palpate.labels.labels import Label, Labels, read_labels
+from palpate.registration.carry import Carrier
 from palpate.server.messages.hello import scan_of
+from palpate.server.page_words import page_words
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan, doubts_of, placed, read_transform
 from palpate.volumes.volume import Volume
 
 __all__ = ["second_message", "second_routes"]
 
-MOST_TRANSFORM_BYTES = 1 << 28
-"""Bytes of a transform's file; a field of displacements takes most."""
+MOST_BYTES = 1 << 28
+"""Bytes of a file; of transforms a field of displacements takes most."""
 TRANSFORM_ENDINGS = (".tfm", ".txt", ".h5", ".hdf5")
 
 Show = Callable[[SecondScan | None], None]
+Add = Callable[[Labels], None]
+"""Takes segments on the grid of the first scan."""
 
 
 def second_message(
@@ -44,8 +49,8 @@ def second_message(
     )
 
 
-def second_routes(scene: Scene, show: Show) -> list[Route]:
-    """Returns what pages ask for: a transform's file, none any more, or no second scan."""
+def second_routes(scene: Scene, show: Show, add: Add) -> list[Route]:
+    """Returns what pages ask for: a transform's file or none, no second scan, its segments."""
 
     async def lay(request: Request) -> Response:
         try:
@@ -56,6 +61,15 @@ def second_routes(scene: Scene, show: Show) -> list[Route]:
                 transform = await run_in_threadpool(_transform_of, name, body)
             await run_in_threadpool(_lay, scene, show, transform)
         except (PalpateError, OSError) as error:
+            return PlainTextResponse(page_words(str(error)), status_code=400)
+        return Response(status_code=204)
+
+    async def bring(request: Request) -> Response:
+        try:
+            body = await _body(request)
+            name = request.query_params.get("name", "")
+            add(await run_in_threadpool(_carried, scene, name, body))
+        except (PalpateError, OSError) as error:
             return PlainTextResponse(str(error), status_code=400)
         return Response(status_code=204)
 
@@ -65,15 +79,36 @@ def second_routes(scene: Scene, show: Show) -> list[Route]:
 
     return [
         Route("/second/transform", lay, methods=["PUT", "DELETE"]),
+        Route("/second/segments", bring, methods=["PUT"]),
         Route("/second", remove, methods=["DELETE"]),
     ]
 
 
 def _lay(scene: Scene, show: Show, transform: Transform | None) -> None:
-    second = scene.second
-    if second is None:
+    show(placed(scene.volume, _second_of(scene).as_read, transform))
+
+
+def _second_of(scene: Scene) -> SecondScan:
+    if scene.second is None:
         raise OptionError("there is no second scan; allowed: add one first")
-    show(placed(scene.volume, second.as_read, transform))
+    return scene.second
+
+
+def _carried(scene: Scene, name: str, content: bytes) -> Labels:
+    """Returns the second scan's segments in a file, where it lies in the first scan now."""
+    second = _second_of(scene)
+    with TemporaryDirectory(prefix="palpate-") as folder:
+        path = Path(folder) / (Path(name).name or "segments")
+        path.write_bytes(content)
+        found = read_labels(path, second.as_read)
+    carrier = Carrier(second.transform, grid=scene.volume)
+    segments, told = carrier.segments([one.segment for one in found.labels])
+    labels = tuple(
+        Label(segment, one.colour)
+        for one, segment in zip(found.labels, segments, strict=True)
+        if segment is not None
+    )
+    return Labels(labels, (*found.warnings, *told))
 
 
 def _transform_of(name: str, content: bytes) -> Transform:
@@ -91,6 +126,6 @@ async def _body(request: Request) -> bytes:
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
-        if len(body) > MOST_TRANSFORM_BYTES:
-            raise OptionError(f"more than {MOST_TRANSFORM_BYTES} bytes given; allowed: fewer")
+        if len(body) > MOST_BYTES:
+            raise OptionError(f"more than {MOST_BYTES} bytes given; allowed: fewer")
     return bytes(body)

@@ -150,6 +150,7 @@ def scene_with_appearances(
         if wanted.name != one.name:
             # a segment that was renamed is something else, or never had terms of its own
             one.segment.terminology = None
+            one.segment.name = wanted.name
         one.appearance = msgspec.structs.replace(
             one.appearance, name=wanted.name, colour=wanted.colour
         )

@@ -26,6 +26,12 @@ class SessionSegments:
         self._volume = scene.volume
         self._first = dict(enumerate(scene, start=1))
         self._regions = regions
+        self.numbers = {
+            segment_id: one.segment.number
+            for segment_id, one in self._first.items()
+            if one.segment.number is not None
+        }
+        """Labels of segments in the files that they were read from, by the segments' ids."""
 
     def add_segment(self, segment: Segment, *, touchable: bool = True) -> int:
         """Adds a segment.
@@ -42,9 +48,15 @@ class SessionSegments:
         """
         with option_errors():
             voxels = segment._internal  # noqa: SLF001
-            return self._regions.clear_for_new(
-                self._engine.add_segment(voxels, touchable, segment.range)
-            )
+            added = self._new(self._engine.add_segment(voxels, touchable, segment.range))
+        if segment.number is not None:
+            self.numbers[added] = segment.number
+        return added
+
+    def _new(self, segment_id: int) -> int:
+        """Forgets what an earlier segment of this id had; returns the id."""
+        self.numbers.pop(segment_id, None)
+        return self._regions.clear_for_new(segment_id)
 
     def replace_segment(self, segment_id: int, segment: Segment) -> None:
         """Replaces the voxels of a segment.
@@ -149,7 +161,7 @@ class SessionSegments:
             OptionError: The whole segment lies on one side of the plane.
         """
         with option_errors():
-            return self._regions.clear_for_new(
+            return self._new(
                 self._engine.cut(segment_id, triple("point", point), triple("normal", normal))
             )
 
@@ -165,7 +177,7 @@ class SessionSegments:
             OptionError: The line is not valid, or the whole segment lies on one side of it.
         """
         with option_errors():
-            return self._regions.clear_for_new(self._engine.cut_along(segment_id, cut.given()))
+            return self._new(self._engine.cut_along(segment_id, cut.given()))
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
         """Returns the volumes of the parts that ``cut_along`` would make.
@@ -245,6 +257,7 @@ class SessionSegments:
             name = f"segment {state['id']}" if shown is None else shown.name
             segment = self.segment(state["id"], name=name)
             segment.terminology = None if shown is None else shown.segment.terminology
+            segment.number = self.numbers.get(state["id"])
             now.add(
                 segment,
                 colour=None if shown is None else shown.colour,

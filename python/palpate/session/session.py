@@ -164,9 +164,15 @@ class Session:
     settings = PartMethod("_probe", SessionProbe.settings)
     clutch = PartMethod("_probe", SessionProbe.clutch)
 
+    @property
+    def label_numbers(self) -> dict[int, int]:
+        """Labels of segments in the files that they were read from, by the segments' ids."""
+        return self._segments.numbers
+
     # --- segments -------------------------------------------------------------------------
 
     add_segment = PartMethod("_segments", SessionSegments.add_segment)
+
     replace_segment = PartMethod("_segments", SessionSegments.replace_segment)
     remove_segment = PartMethod("_segments", SessionSegments.remove_segment)
     segment = PartMethod("_segments", SessionSegments.segment)

@@ -100,7 +100,7 @@ def require_hounsfield(material: Material | LinearMaterial | str | None, *, unit
     raise OptionError(
         f"material {name}, which follows HU, given for a scan whose values are not known to be HU; "
         f"allowed: a Material, or one of {', '.join(constant)}; where they are HU, read the scan "
-        'with unit="HU" (--unit HU)'
+        "with `unit=HU`"
     )
 
 

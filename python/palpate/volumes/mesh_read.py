@@ -37,6 +37,7 @@ __all__ = [
     "read_mesh",
     "segment_of_mesh",
     "suitable_spacing",
+    "with_vertices",
 ]
 
 Frame = Literal["LPS", "RAS"]
@@ -123,6 +124,19 @@ def closed(file: MeshFile) -> MeshFile:
     return MeshFile(mesh, file.name, hole_count(triangles), (*file.notes, note))
 
 
+def with_vertices(
+    file: MeshFile, vertices: NDArray[np.float64], *, mirrored: bool = False
+) -> MeshFile:
+    """Returns the same triangles between vertices that stand elsewhere, shape [count, 3] [mm].
+
+    Triangles turn about where space is ``mirrored``, so that their outside stays outside.
+    """
+    triangles = file.mesh.triangles[:, ::-1] if mirrored else file.mesh.triangles
+    normals = _normals(vertices, triangles.astype(np.int64))
+    mesh = Mesh(vertices, normals, np.ascontiguousarray(triangles))
+    return MeshFile(mesh, file.name, file.holes, file.notes)
+
+
 def grid_around(meshes: Iterable[Mesh], spacing: float, *, name: str = "mesh") -> Volume:
     """Returns an empty scan around meshes, with cubic voxels [mm].
 
@@ -185,7 +199,8 @@ def segment_of_mesh(file: MeshFile, volume: Volume, *, as_shell: bool = False) -
     if file.holes and not as_shell:
         raise MeshFormatError(
             f"{file.name!r} has {file.holes} hole{'s' if file.holes > 1 else ''}, so no inside; "
-            "allowed: a closed mesh, --close to close them, or --shell for its surface alone"
+            "allowed: a closed mesh, `close=True` to close them, or `as_shell=True` for its "
+            "surface alone"
         )
     return voxelise(file.mesh, volume, name=Path(file.name).stem, as_shell=as_shell)
 
@@ -241,7 +256,7 @@ def _frame_of(path: Path, stated: str | None, given: Frame | None) -> str:
     frame = stated or given
     if frame is None:
         raise OptionError(
-            f"{path.name!r} does not say in which frame it is; allowed: --frame LPS or --frame RAS"
+            f"{path.name!r} does not say in which frame it is; allowed: `frame=LPS` or `frame=RAS`"
         )
     return frame
 
@@ -256,8 +271,8 @@ def _unit_of(path: Path, stated: str | None, given: tuple[Unit | None, NDArray[n
         extent = float(np.ptp(vertices, axis=0).max())
         if extent < SMALLEST_MM:
             raise OptionError(
-                f"{path.name!r} is {extent:.3g} long, which is little for mm; allowed: --unit m or "
-                "--unit mm"
+                f"{path.name!r} is {extent:.3g} long, which is little for mm; allowed: `unit=m` "
+                "or `unit=mm`"
             )
     return stated or unit or "mm"
 

@@ -16,6 +16,7 @@ from palpate.volumes.appearance import (
     SegmentAppearance,
     ShownAs,
 )
+from palpate.volumes.same_grid import distance_of_grids, lie_together
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
@@ -142,7 +143,7 @@ class Scene:
             shown_as: How it is drawn: from its voxels, as a surface, or both.
 
         Raises:
-            OptionError: It has another size than the scan, or there are too many segments.
+            OptionError: It lies on another grid than the scan, or there are too many segments.
         """
         if not isinstance(segment, Segment):
             raise OptionError(
@@ -155,6 +156,12 @@ class Scene:
             raise OptionError(
                 f"segment {segment.name!r} is of a scan of {segment.volume.dimensions} voxels; "
                 f"allowed: {self.volume.dimensions}"
+            )
+        elif not lie_together(segment.volume, self.volume):
+            apart = distance_of_grids(segment.volume, self.volume)
+            raise OptionError(
+                f"segment {segment.name!r} lies {apart:.2g} mm off the voxels of the scan; "
+                "allowed: a segment of this scan, or one as an object (as_object)"
             )
         if len(self._segments) == MOST_SEGMENTS:
             raise OptionError(
@@ -183,15 +190,28 @@ def require_scene(scene: object) -> None:
 
 
 def choose_segment(scene: Scene, name: str | None) -> Segment:
-    """Returns the segment of a name; without a name, the only one there is.
+    """Returns the segment of a name or, where none has this name, of a number from 1 on.
+
+    Without a name, the only one there is.
 
     Raises:
-        OptionError: There is none, or it is ambiguous.
+        OptionError: There is none, or there are several; names and numbers are told.
     """
-    segments = {one.name: one.segment for one in scene}
+    segments = [one.segment for one in scene]
+    names = [one.name for one in scene]
     if name is None and len(segments) == 1:
-        return next(iter(segments.values()))
-    if name is None or name not in segments:
-        given = "no segment" if name is None else f"segment {name!r}"
-        raise OptionError(f"{given} given; allowed: {', '.join(segments) or 'none in this scan'}")
-    return segments[name]
+        return segments[0]
+    if name is not None and names.count(name) == 1:
+        return segments[names.index(name)]
+    if name is not None and names.count(name) > 1:
+        numbers = [str(number) for number, other in enumerate(names, start=1) if other == name]
+        raise OptionError(
+            f"{len(numbers)} segments are called {name!r}; allowed: a number, "
+            f"{', '.join(numbers[:-1])} or {numbers[-1]}"
+        )
+    if name is not None and name.isdecimal() and 1 <= int(name) <= len(segments):
+        return segments[int(name) - 1]
+    given = "no segment" if name is None else f"segment {name!r}"
+    numbered = [f"{number} {other}" for number, other in enumerate(names, start=1)]
+    allowed = f"a name or a number of {', '.join(numbered)}" if names else "none in this scan"
+    raise OptionError(f"{given} given; allowed: {allowed}")

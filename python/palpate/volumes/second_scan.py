@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.given import path_of
 from palpate.base.reader_process import apart
 from palpate.base.simpleitk import Transform, reason_of, simpleitk
 from palpate.volumes.resampled import resampled
@@ -33,6 +34,19 @@ class SecondScan:
     second_from_first: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
     before_resampling: Volume | None = None
     """The scan before it was resampled by a deformable transform; None where it was not."""
+    deformable: Transform | None = field(default=None, repr=False, compare=False)
+    """That transform, from points of the first scan to those of the second as it was read."""
+
+    @property
+    def transform(self) -> Transform:
+        """From points of the first scan to those of the second as it was read, SimpleITK's."""
+        if self.deformable is not None:
+            return self.deformable
+        affine: Transform = simpleitk().AffineTransform(
+            self.second_from_first[:3, :3].ravel().tolist(),
+            self.second_from_first[:3, 3].tolist(),
+        )
+        return affine
 
     @property
     def as_read(self) -> Volume:
@@ -51,7 +65,8 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
     """Returns a scan placed relative to the first one.
 
     For a rigid or affine transform, or none, the values stay as they are and a matrix places them;
-    for a deformable one they are resampled on the first scan's grid, with linear interpolation.
+    for a deformable one they are resampled on the first scan's grid, linear between voxels, and by
+    the nearest voxel where they are labels.
 
     Args:
         first: The fixed scan.
@@ -68,7 +83,8 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
         raise OptionError(f"a transform of {dimension} dimensions given; allowed: of 3")
     if transform.IsLinear():
         return SecondScan(second, _matrix_of(transform))
-    return SecondScan(resampled(second, first, transform), before_resampling=second)
+    there = resampled(second, first, transform)
+    return SecondScan(there, before_resampling=second, deformable=transform)
 
 
 def doubts_of(first: Volume, second: SecondScan) -> tuple[str, ...]:
@@ -105,7 +121,7 @@ def read_transform(path: str | PathLike[str], *, called: str | None = None) -> T
         FileNotFoundError: There is no such file.
         VolumeFormatError: It is not a transform.
     """
-    file = Path(path)
+    file = path_of(path)
     if not file.is_file():
         raise FileNotFoundError(f"no transform at {file}")
     return apart(_read_here, file, called or str(file), path=file)

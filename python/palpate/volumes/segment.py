@@ -48,6 +48,10 @@ class Segment:
         self.made_by = made_by or range
         self.terminology: Terminology | None = None
         """What it is, in standard codes; None where no file states it."""
+        self.warnings: tuple[str, ...] = ()
+        """Sentences on what its grid could not express of how it was made."""
+        self.number: int | None = None
+        """Its label in the file that it was read from, which export keeps; None without one."""
 
     def __repr__(self) -> str:
         return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_text}>"

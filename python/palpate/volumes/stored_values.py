@@ -14,7 +14,7 @@ result.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,14 @@ FLOAT_ERROR = 4.0 * float(np.finfo(np.float32).eps)
 """Error of ``slope * stored + intercept`` as float32, relative to its parts."""
 WHOLE_FLOAT32 = 2.0**24
 """Up to which float32 holds every whole number."""
+WHOLE_FLOAT64 = 2.0**53
+"""Up to which float64 does."""
+SINGLE_BYTES = 4
+"""Of a float32."""
+SINGLE_ROUNDING = 2.0**-24
+"""By how much float32 rounds, relative to the value."""
+LEAST_SINGLE_STEPS = 2.0**16
+"""Steps of float32 over the range of values that it is to keep."""
 
 LEAST_STEPS = 256
 """Steps over most values, outliers apart, that touch and the picture need."""
@@ -68,6 +76,8 @@ class Stored:
     """Number of voxels without a value."""
     filled: int
     """Number of NaN or infinite values that were replaced."""
+    off: float = 0.0
+    """Largest difference to values given in 64 bits, where that shows in their range."""
 
 
 @dataclass(frozen=True)
@@ -107,18 +117,44 @@ def to_stored(
             "their place (fill)"
         )
     filled = survey.not_finite - missing
+    made = _stored(values, survey, file_scale, fill=fill)
+    return replace(made, missing=missing, filled=filled, off=_off(values, made, survey))
+
+
+def _stored(
+    values: NDArray[Any], survey: _Survey, file_scale: Scale | None, *, fill: float | None
+) -> Stored:
+    missing = survey.not_finite > 0 and fill is None
     for scale in _exact_scales(survey, file_scale, spare=1 if missing else 0):
         stored, same = _convert(values, survey, scale, fill=fill, exactly=True)
         if same:
             exact = _kept(values, survey, fill) if missing else None
-            return Stored(stored, scale, exact, missing, filled)
+            return Stored(stored, scale, exact, 0, 0)
     scale = _rounding_scale(values, survey)
     stored, _ = _convert(values, survey, scale, fill=fill, exactly=False)
-    return Stored(stored, scale, _kept(values, survey, fill), missing, filled)
+    return Stored(stored, scale, _kept(values, survey, fill), 0, 0)
+
+
+def _off(values: NDArray[Any], made: Stored, survey: _Survey) -> float:
+    """Returns the largest difference to values in 64 bits; 0 where their range does not show it."""
+    if values.dtype.kind != "f" or values.itemsize <= SINGLE_BYTES:
+        return 0.0
+    largest = 0.0
+    for given, stored, exact in zip(
+        values, made.values, made.values if made.exact is None else made.exact, strict=True
+    ):
+        kept = made.scale.slope * stored + made.scale.intercept if made.exact is None else exact
+        with np.errstate(invalid="ignore"):
+            off = np.abs(kept.astype(np.float32 if made.exact is None else kept.dtype) - given)
+        largest = max(largest, float(off.max(initial=0.0, where=np.isfinite(off))))
+    return largest if largest > SINGLE_ROUNDING * (survey.high - survey.low) else 0.0
 
 
 def _exact_scales(survey: _Survey, file_scale: Scale | None, *, spare: int) -> Iterator[Scale]:
     """Yields the scales that may represent all values exactly, in the order to try them."""
+    if survey.whole and max(abs(survey.low), abs(survey.high)) > WHOLE_FLOAT64:
+        # a scale in floats would round them
+        return
     if survey.whole:
         yield from _steps(survey, Scale(1.0, 0.0), spare=spare)
     if file_scale is not None and file_scale.slope != 0.0:
@@ -146,7 +182,8 @@ def _rounding_scale(values: NDArray[Any], survey: _Survey) -> Scale:
     if high - low > room > 0.0:
         low = max(low, ends[0] - 0.5 * room)
         high = min(high, ends[1] + 0.5 * room)
-    slope = (high - low) / STEPS
+    # integers that are one in floats are kept apart beside it
+    slope = (high - low) / STEPS or 1.0
     if survey.not_finite:
         # the lowest number is that of no value
         slope = (high - low) / (STEPS - 1)
@@ -223,8 +260,10 @@ def _kept(values: NDArray[Any], survey: _Survey, fill: float | None) -> NDArray[
     largest = max(abs(survey.low), abs(survey.high))
     single = np.finfo(np.float32)
     fits = largest <= (WHOLE_FLOAT32 if survey.whole else single.max)
-    if fits and values.itemsize > single.bits // 8:
+    if fits and values.itemsize > SINGLE_BYTES:
         fits = not ((np.abs(values) < single.tiny) & (values != 0.0)).any()
+        # small differences of large values
+        fits &= largest * float(single.eps) <= (survey.high - survey.low) / LEAST_SINGLE_STEPS
     kind = np.float32 if fits or values.itemsize <= 4 else np.float64
     kept = np.array(values, kind, order="C", copy=True if survey.not_finite else None)
     if survey.not_finite:

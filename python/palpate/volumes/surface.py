@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.base.errors import EmptySegmentError, MeshFormatError, OptionError
 from palpate.volumes.appearance import SurfaceSource as Source
+from palpate.volumes.surface_report import SurfaceReport, thin_summary
 
 if TYPE_CHECKING:
     from palpate.volumes.segment import Segment
@@ -42,28 +43,32 @@ class Surface:
         step: int | None = None,
         smoothing: int | None = None,
         mode: Literal["global", "local"] = "global",
-        source: Source = "intensities",
+        source: Source | None = None,
     ) -> None:
         """Extracts the whole surface.
 
         Args:
             segment: The segment.
             step: Edge of a cell [voxels]: 1, 2 or 4.
-            smoothing: Degree of smoothing, 0 to 12; 0 shows the voxels as they are.
+            smoothing: Degree of smoothing, 0 to 12; 0 from bits is the voxels as they are, face by
+                face.
             mode: "global" smooths across patches, "local" each patch on its own.
             source: "intensities" takes the scan's values where a threshold made the segment, else
                 its voxels; "bits" takes its voxels only. Where voxels were edited, both are the
-                same.
+                same. By default intensities, and bits where the smoothing is 0.
 
         Raises:
             OptionError: A setting is not allowed.
         """
         volume = segment.volume
-        if source not in get_args(Source):
+        if source is not None and source not in get_args(Source):
             allowed = ", ".join(get_args(Source))
             raise OptionError(f"source {source!r} given; allowed: {allowed}")
+        if source is None:
+            source = "bits" if smoothing == 0 else "intensities"
+        self._segment = segment
         try:
-            self._internal = _core.Surface(
+            self._internal = _core.KeptSurface(
                 segment._internal,  # noqa: SLF001
                 volume.spacing,
                 volume.origin,
@@ -80,12 +85,21 @@ class Surface:
         """Returns the whole surface as one mesh.
 
         Raises:
-            EmptySegmentError: The segment has no surface.
+            EmptySegmentError: The segment has no voxels, or none fill a cell of the step by half.
         """
         vertices, normals, triangles = self._internal.mesh()
         if len(triangles) == 0:
-            raise EmptySegmentError("the segment has no surface; allowed: one with voxels")
+            raise EmptySegmentError(self._why_empty())
         return Mesh(vertices, normals, triangles)
+
+    def _why_empty(self) -> str:
+        name, count = self._segment.name, self._segment.voxel_count
+        if count == 0:
+            return f"segment {name!r} has no voxels, so no surface; allowed: a segment with voxels"
+        return (
+            f"segment {name!r} is too thin for this step: none of its {count} voxels are left; "
+            "allowed: step 1"
+        )
 
     @property
     def triangle_count(self) -> int:
@@ -101,6 +115,28 @@ class Surface:
     def volume(self) -> float:
         """Enclosed volume [mm³]."""
         return self._internal.volume()
+
+    @property
+    def body_count(self) -> int:
+        """Number of parts that hang together; cavities are none."""
+        return self._internal.bodies
+
+    def report(self) -> SurfaceReport:
+        """Returns what the surface keeps of the segment's voxels."""
+        internal = self._internal
+        return SurfaceReport(
+            segment=self._segment.name,
+            triangles=self.triangle_count,
+            area=self.area,
+            volume=self.volume,
+            bodies=internal.bodies,
+            voxel_volume=internal.voxel_volume,
+            expected_volume=internal.expected_volume(),
+            halfway=internal.is_halfway,
+            thin=thin_summary(*internal.thin_parts()),
+            voxel_bodies=internal.voxel_bodies,
+            touching_edges=internal.touching_edges,
+        )
 
 
 def _values_of(segment: Segment) -> tuple[_core.Volume, tuple[float, float]] | None:

@@ -16,10 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from palpate import _core
+from palpate.base.counted import counted
 from palpate.base.errors import EmptySegmentError, OptionError, VolumeFormatError
+from palpate.base.given import given_text, number
+from palpate.volumes.closed_limits import as_stored, between, limits_on_stored
 from palpate.volumes.histogram import Anchors, Histogram, anchors
 from palpate.volumes.orientation import letters_of
 from palpate.volumes.segment import Segment
+from palpate.volumes.siblings import Siblings
 from palpate.volumes.stored_values import Scale, to_stored
 
 __all__ = ["Source", "Volume", "VolumeTraits"]
@@ -29,8 +33,8 @@ HISTOGRAM_BINS = 512
 Region = Any
 """Part of an array [z, y, x] as NumPy's indices take it, such as a tuple of slices."""
 UNKNOWN_SIDES = (
-    "nothing tells the orientation, so left and right may be swapped; give it with --orientation, "
-    "such as LPS"
+    "nothing tells the orientation, so left and right may be swapped; give it, such "
+    "as `orientation=LPS`"
 )
 
 
@@ -58,6 +62,8 @@ class VolumeTraits:
     """Of DICOM; only compared, and neither shown nor saved."""
     patient_name: str = field(default="", repr=False)
     """Of DICOM; only compared, and neither shown nor saved."""
+    siblings: Siblings | None = field(default=None, repr=False)
+    """Volumes of its file or series, such as times; None where it is alone."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""
@@ -117,6 +123,7 @@ class Volume:
         self.origin = _triple("origin", origin)
         self.direction = _matrix(direction)
         array = _checked(values)
+        slope, intercept = number("slope", slope), number("intercept", intercept)
         if array.dtype != np.int16:
             scaled = _scaled(array, slope, intercept)
             stored = to_stored(scaled, file_scale=Scale(slope, intercept))
@@ -127,6 +134,10 @@ class Volume:
                 exact = exact.copy()
         self.slope = float(slope)
         self.intercept = float(intercept)
+        if exact is not None and not isinstance(exact, np.ndarray):
+            raise VolumeFormatError(
+                f"exact {given_text(exact)} given; allowed: an array, shaped as the values"
+            )
         self._exact = None if exact is None else exact.view()
         if self._exact is not None:
             self._exact.flags.writeable = False
@@ -178,8 +189,9 @@ class Volume:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what was assumed or lost in reading, on missing values and unknown sides."""
+        some = counted(self.missing, "values is", "values are", of=self.array.size)
         missing = (
-            f"{self.missing} of {self.array.size} values are NaN or infinite: taken as no value "
+            f"{some} NaN or infinite: taken as no value "
             "(transparent, not touched, left out of thresholds and statistics)"
         )
         sides = () if self.traits.orientation_known else (UNKNOWN_SIDES,)
@@ -334,49 +346,48 @@ class Volume:
             name: Name of the segment.
 
         Raises:
-            OptionError: The values are not finite, or not in order.
+            OptionError: The values are no finite numbers, or not in order.
             EmptySegmentError: No voxel has such a value.
         """
-        upper = max(self.range[1], low) if high is None else high
+        low = number("low of a threshold", low)
+        upper = max(self.range[1], low) if high is None else number("high of a threshold", high)
         unit = f" {self.unit}" if self.unit else ""
         if not (np.isfinite(low) and np.isfinite(upper) and low <= upper):
             raise OptionError(
                 f"threshold {low:g} to {upper:g}{unit} is no range; allowed: two finite values, "
                 "the lower first"
             )
-        internal = self._between(float(low), float(upper))
+        internal = self._between(low, upper)
         if internal.voxel_count == 0:
+            asked = f"from {low:g}" if high is None else f"{low:g} to {upper:g}"
             raise EmptySegmentError(
-                f"threshold {low:g} to {upper:g}{unit} selects no voxel; allowed: a range within "
+                f"threshold {asked}{unit} selects no voxel; allowed: a range within "
                 f"{self.range[0]:g} to {self.range[1]:g}{unit}"
             )
-        return Segment(
-            internal, name=name, volume=self, range=self._limits(float(low), float(upper))
-        )
+        limits = limits_on_stored(self, float(low), float(upper))
+        return Segment(internal, name=name, volume=self, range=limits)
 
-    def _limits(self, low: float, high: float) -> tuple[float, float]:
-        """Returns a range whose ends that no value is beyond are beyond all stored values too."""
-        if self._exact is None:
-            return low, high
-        first, last = sorted(self.value_of(stored) for stored in self._internal.stored_range())
-        return (
-            min(low, first) if low <= self.range[0] else low,
-            max(high, last) if high >= self.range[1] else high,
-        )
+    def between(self, low: float, high: float, region: Region = ...) -> NDArray[np.bool_]:
+        """Returns which voxels have low <= value <= high, in the values that the file holds.
+
+        A limit is a value where it is that but for rounding: 0.3 is 3 steps of 0.1, and what 0.3
+        is in single precision. Voxels without a value are never among them.
+
+        Args:
+            low: Lowest value [unit of the scan].
+            high: Highest value [unit of the scan].
+            region: Part of the array [z, y, x], as NumPy's indices; the default is all of it.
+        """
+        return between(self, low, high, region=region)
 
     def _between(self, low: float, high: float) -> _core.Segment:
-        """Returns the voxels with low <= value <= high, as the values were read."""
+        """Returns the voxels that ``between`` tells."""
         if self._exact is None:
-            return self._internal.threshold(self._nearby(low), self._nearby(high))
+            return self._internal.threshold(as_stored(self, low), as_stored(self, high))
         mask = np.empty(self.shape, np.uint8)
-        for values, inside in zip(self._exact, mask, strict=True):
-            inside[...] = (values >= low) & (values <= high)
+        for index, inside in enumerate(mask):
+            inside[...] = between(self, low, high, region=index)
         return _core.Segment.from_mask(mask)
-
-    def _nearby(self, limit: float) -> float:
-        """Returns the value of a stored number where a limit is that but for rounding."""
-        value = self.value_of(round((limit - self.intercept) / self.slope))
-        return value if abs(value - limit) <= self.scale.rounding(limit) else limit
 
     def offered_bone(self) -> Segment:
         """Returns bone by a default threshold: 250 HU, or one estimated from the histogram."""
@@ -393,6 +404,11 @@ class Volume:
             OptionError: The mask has another shape, or NaN, or other things than numbers.
         """
         array = np.asarray(mask)
+        if not array.ndim:
+            raise OptionError(
+                f"mask of {name!r} is {given_text(mask)}; allowed: an array of shape "
+                f"{list(self.shape)}"
+            )
         if array.shape != self.shape:
             raise OptionError(
                 f"mask of {name!r} has shape {list(array.shape)}; allowed: {list(self.shape)}"
@@ -412,16 +428,22 @@ class Volume:
 
 def _triple(name: str, numbers: Sequence[float]) -> tuple[float, float, float]:
     try:
-        x, y, z = (float(number) for number in numbers)
+        x, y, z = (float(length) for length in numbers)
     except (TypeError, ValueError):
         raise VolumeFormatError(
-            f"{name} {numbers!r} given; allowed: three numbers, along x, y, z"
+            f"{name} {given_text(numbers)} given; allowed: three numbers, along x, y, z"
         ) from None
     return x, y, z
 
 
 def _matrix(direction: ArrayLike) -> NDArray[np.float64]:
-    matrix = np.array(direction, dtype=np.float64)
+    try:
+        matrix = np.array(direction, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise VolumeFormatError(
+            f"direction {given_text(direction)} given; allowed: numbers of shape [3, 3], axes as "
+            "columns"
+        ) from None
     if matrix.shape != (3, 3):
         raise VolumeFormatError(
             f"direction of shape {list(matrix.shape)} given; allowed: [3, 3], axes as columns"
@@ -444,6 +466,10 @@ def _scaled(array: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]
 def _checked(values: ArrayLike) -> NDArray[Any]:
     """Returns values as an array of numbers with three axes; masked ones are NaN."""
     array = np.asarray(values)
+    if not array.ndim:
+        raise VolumeFormatError(
+            f"values {given_text(values)} given; allowed: an array [depth, height, width]"
+        )
     if isinstance(values, np.ma.MaskedArray) and values.mask.any():
         array = np.where(values.mask, np.nan, array)
     if array.ndim != AXES or not array.size:

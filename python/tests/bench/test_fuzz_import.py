@@ -53,11 +53,10 @@ class Ends:
 @pytest.mark.parametrize(
     ("scan", "limits", "outcome"),
     [
-        (7, Limits(), "uncaught: Traceback"),
         (Ends(at_once=True), Limits(), "crash: the process ended with code 3"),
         (Ends(at_once=False), Limits(wall=0.0), "hang: more than 30 s of work"),
     ],
-    ids=["uncaught", "crash", "hang"],
+    ids=["crash", "hang"],
 )
 def test_what_is_no_sentence_is_a_violation(
     tmp_path: Path, scan: Any, limits: Limits, outcome: str
@@ -67,6 +66,21 @@ def test_what_is_no_sentence_is_a_violation(
     context = multiprocessing.get_context("forkserver")
     sample = Sample(path, "labels", scan)
     assert tried(sample, 1, limits=limits, context=context).startswith(outcome)
+
+
+def test_a_reader_that_fails_is_a_violation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: Any) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("palpate.bench.fuzz_import._read", fail)
+    path = tmp_path / "some.nii"
+    path.write_bytes(bytes(400))
+    # a forked child has the failing reader too
+    context: Any = multiprocessing.get_context("fork")
+    found = tried(Sample(path, "scan", None), 1, limits=Limits(), context=context)
+    assert found.startswith("uncaught: Traceback")
 
 
 @pytest.mark.data

@@ -106,7 +106,7 @@ class TestWhatCannotBeReadIsOneLine:
         values = np.zeros((3, 4, 5), np.float32)
         values[0, 0, 0] = bad
         line = fails(command, write_image(values), "--strict")
-        assert "1 of 60 values are NaN or infinite; allowed: finite values" in line
+        assert "1 of 60 values is NaN or infinite; allowed: finite values" in line
 
     def test_more_voxels_than_allowed(self, command: str, scan: Path) -> None:
         line = fails(command, scan, "--max-voxels", "2183")
@@ -155,8 +155,9 @@ def test_another_rate_is_refused(scan: Path) -> None:
 
 def test_an_unknown_command_is_refused_with_the_known_ones() -> None:
     assert (
-        "allowed: open, demo, info, record, replay, export, import, reconstruct, register, series, "
-        "segment, statistics, run, surface, scenario, bench" in fails("frobnicate")
+        "allowed: open, demo, info, record, replay, export, import, reconstruct, register, "
+        "transform, series, segment, statistics, run, surface, scenario, bench"
+        in fails("frobnicate")
     )
 
 
@@ -216,7 +217,7 @@ def test_the_version_is_printed() -> None:
 
 
 def test_help_imports_nothing_heavy_and_so_is_quick() -> None:
-    heavy = "import sys, palpate.cli; print([m for m in sys.modules if m in "
+    heavy = "import sys, palpate.cli.commands; print([m for m in sys.modules if m in "
     done = subprocess.run(
         [sys.executable, "-c", heavy + "('numpy', 'SimpleITK', 'starlette', 'palpate._core')])"],
         capture_output=True,
@@ -342,3 +343,31 @@ def test_the_series_of_a_folder_are_listed(write_series: Any) -> None:
     ]
     assert "4 x 3 x 4" in run("series", folder).stdout
     assert "2-D image of 4 x 3 x 1 voxels" in fails("series", folder / "a000")
+
+
+def test_a_command_imports_only_what_it_needs(tmp_path: Path, write_image: Any) -> None:
+    scan = write_image(np.full((5, 6, 7), 40, np.int16), "scan.nii.gz", spacing=(1.0, 1.0, 1.0))
+    code = (
+        "import sys; from palpate.cli.commands import run; run(sys.argv[1:]); "
+        "print('imported', [m for m in ('pydicom', 'nibabel', 'palpate.session.session', "
+        "'palpate.io.scan_at', 'palpate.labels.labels', 'trimesh') if m in sys.modules])"
+    )
+    for given in (["info"], ["segment", "--threshold", "0", "-o", str(tmp_path / "out.nii.gz")]):
+        command = [sys.executable, "-c", code, given[0], str(scan), *given[1:]]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        assert done.stdout.splitlines()[-1] == "imported []", done.stderr
+
+
+def test_a_worker_reads_nifti_without_pydicom_and_leaves_it_importable() -> None:
+    code = (
+        "import sys; from palpate.base.reader_process.limits import in_this_process; "
+        "from palpate.base.nibabel import nibabel; {}"
+        "nibabel(); before = 'pydicom' in sys.modules; import pydicom; "
+        "print(before, pydicom.__name__)"
+    )
+    for worker, said in (("limits.inside = lambda: True; ", "False pydicom"), ("", "True pydicom")):
+        asked = code.format("from palpate.base.reader_process import limits; " + worker)
+        done = subprocess.run(
+            [sys.executable, "-c", asked], capture_output=True, text=True, check=True
+        )
+        assert done.stdout.strip() == said

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
+import trimesh
 from made_scans import series_writer
 from numpy.typing import NDArray
 from palpate.cli.commands import app, run
@@ -108,8 +109,22 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     volume = read(place / "ct.mha", unit="HU")
     scene = Scene(volume, [volume.threshold(250.0, name="bone")])
     with Session(scene, options=SessionOptions(real_time=False)) as session:
-        save_scene(place / "work.palpate", session, copy=True)
+        for name in ("work.palpate", "mr.palpate"):
+            save_scene(place / name, session, copy=True)
+    write_carried(place, parts)
     return place
+
+
+def write_carried(place: Path, parts: NDArray[np.uint8]) -> None:
+    """Writes a transform, and what is carried through it."""
+    shift = SimpleITK.TranslationTransform(3, (SPACING, 0.0, 0.0))
+    SimpleITK.WriteTransform(shift, str(place / "T.tfm"))
+    for name in ("mr.seg.nrrd", "mr-labels.nii.gz"):
+        write(place / name, parts)
+    (place / "marks.csv").write_text("tip,-83,278,1170\n")
+    ball = trimesh.creation.icosphere(radius=9.0).apply_translation((-83.0, 278.0, 1170.0))
+    text = ball.export(file_type="obj")
+    (place / "a.obj").write_text(f"# SPACE=LPS UNIT=mm\n{text}")
 
 
 @pytest.fixture
@@ -170,6 +185,7 @@ def understand(given: list[str]) -> None:
 def test_nothing_of_a_help_is_taken_for_a_style() -> None:
     # what stands in brackets would not be printed
     helps = [(option.name, option.help) for each in commands() for option in each.params]
+    helps += [(each.name, text) for each in commands() for text in (each.help, each.epilog)]
     lost = [(name, text) for name, text in helps if re.search(r"\[[a-z/#@]", text or "")]
     assert lost == []
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
+from palpate.base.request import options_of
 from palpate.cli.commands import app, run
-from palpate.cli.reading_options import Reading
+from palpate.io.request import ReadRequest
 from typer.main import get_command
 
 COMMANDS = ("open", "info", "record", "export", "import", "segment", "surface export")
@@ -40,12 +40,12 @@ def options(command: str) -> dict[str, tuple[str, str, object]]:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_that_read_a_scan_have_the_same_options(command: str) -> None:
     one, usual = options(command), options("info")
-    for field in fields(Reading):
-        if (command, field.name) == ("segment", "fill"):
+    for option in options_of(ReadRequest):
+        if (command, option.field) == ("segment", "fill"):
             # holes are filled there
             continue
-        assert one[field.name] == usual[field.name]
-        assert usual[field.name][0] == f"--{field.name.replace('_', '-')}"
+        assert one[option.field] == usual[option.field]
+        assert usual[option.field][0] == f"--{option.field.replace('_', '-')}"
 
 
 def test_each_command_that_reads_a_scan_reads_bare_voxels(
@@ -79,7 +79,7 @@ def test_a_voxel_size_that_is_none_is_refused_before_anything_is_read(
     }.get(command, [] if command in {"info", "open"} else ["-o", str(tmp_path / "a.nrrd")])
     given = [*command.split(), str(tmp_path / "missing.raw"), *out, "--voxel-size", "1,2"]
     assert run(given) == 2
-    assert "voxel size '1,2' given; allowed: X,Y,Z [mm]" in capsys.readouterr().err
+    assert "voxel-size '1,2' given; allowed: 3 numbers, X,Y,Z" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("option", [("--max-voxels", "5"), ("--fill", "0"), ("--series", "2")])

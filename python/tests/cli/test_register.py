@@ -83,6 +83,40 @@ def test_all_that_it_writes_says_the_same(
     assert "landmarks 15.37 → 0." in capsys.readouterr().out
 
 
+def test_a_label_map_is_resampled_to_its_own_labels(
+    scans: tuple[Path, Path], write_image: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, moving = scans
+    grey = palpate.read(moving).array
+    numbers = np.where(grey > 1000, 5, np.where(grey > 0, 2, 0)).astype(np.uint8)
+    labels = write_image(numbers, "labels.mha", spacing=SPACING)
+    fixed = write_image(np.roll(numbers, (1, -1, 2), axis=(0, 1, 2)), "f.mha", spacing=(3, 2.6, 3))
+    out, few = tmp_path / "R.nii.gz", ("--samples", "2000", "--iterations", "20")
+    assert register(fixed, labels, *few, "--resampled", out) == 0
+    assert set(np.unique(palpate.read(out).values())) == {0, 2, 5}
+    assert "resampled by the nearest voxel" in capsys.readouterr().out
+    words = ("--resampled", out, "--interpolation", "linear", "--json")
+    assert register(fixed, labels, *few, *words) == 0
+    assert {1, 3, 4} & set(np.unique(palpate.read(out).values()).tolist())
+    assert json.loads(capsys.readouterr().out)["interpolation"] == "linear"
+
+
+@pytest.mark.parametrize("kind", ["rigid", "bspline"])
+def test_the_inverse_leads_back(
+    scans: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
+) -> None:
+    there, back = tmp_path / "T.tfm", tmp_path / "I.tfm"
+    few = ("--samples", "3000", "--iterations", "40", "--kind", kind, "--metric", "correlation")
+    assert register(*scans, *few, "-o", there, "--write-inverse", back, "--json") == 0
+    told = json.loads(capsys.readouterr().out)["inverse"]
+    assert told["exact"] == (kind == "rigid")
+    both = [SimpleITK.ReadTransform(str(path)) for path in (there, back)]
+    for point in np.random.default_rng(0).uniform(20.0, 50.0, (50, 3)):
+        again = both[1].TransformPoint(both[0].TransformPoint(point.tolist()))
+        off = float(np.linalg.norm(again - point))
+        assert off <= max(1e-6, 3.0 * told["error_of_99_in_100_mm"])
+
+
 def test_the_report_is_printed(
     scans: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -100,6 +134,7 @@ def test_the_report_is_printed(
         ([], "nothing to write given; allowed: --output"),
         (["-o", "T.txt"], "'T.txt' given; allowed: a name with .tfm"),
         (["-o", "T.tfm", "--kind", "bent"], "kind 'bent' given; allowed: rigid, affine, bspline"),
+        (["--resampled", "R.mha", "--interpolation", "cubic"], "interpolation 'cubic' given; allo"),
         (["-o", "T.tfm", "--knots", "0.1"], "knots 0.1 given; allowed: 1 to 1000"),
         (["-o", "T.tfm", "--landmarks", "wrong.csv"], "wrong.csv, line 2: '1,2' given; allowed"),
         (["-o", "T.tfm", "--landmarks", "none.csv"], "no pairs of points in none.csv; allowed"),

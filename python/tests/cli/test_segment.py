@@ -137,7 +137,27 @@ def test_the_sign_of_a_shell_tells_its_side_and_smoothing_takes_specks(
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ([], "allowed: one of --threshold, --otsu, --grow, --seeds, --auto"),
+        (["--margin", "1"], "grow by 1 mm changes nothing along y (voxels of 1.5 mm) and z"),
+        (["--opening", "1.5"], "open by 1.5 mm changes nothing along z (voxels of 2 mm)"),
+        (["--hollow", "1.5"], "a shell of 1.5 mm is one voxel thick, so that it encloses, along z"),
+        (["--margin", "2"], None),
+    ],
+)
+def test_what_voxels_cannot_express_is_told_and_done(
+    scan: Path, tmp_path: Path, capsys: Any, options: list[str], said: str | None
+) -> None:
+    assert segment(scan, "--threshold", "500", *options, "-o", tmp_path / "out.mha") == 0
+    told = capsys.readouterr().err
+    assert said in told if said else "voxel" not in told
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            [],
+            "one of --threshold LOW,HIGH, --otsu CLASSES, --grow X,Y,Z, --seeds FILE, --auto",
+        ),
         (["--threshold", "1", "--fast"], "--fast given; allowed: with --auto only"),
         (["--threshold", "1", "--otsu", "2"], "2 ways to make a segment given"),
         (["--grow", "1,2"], "point '1,2' given; allowed: X,Y,Z [mm]"),
@@ -146,7 +166,7 @@ def test_the_sign_of_a_shell_tells_its_side_and_smoothing_takes_specks(
         (["--threshold", "200", "--margin", "-90"], "after shrink 90; allowed: smaller changes"),
         (
             ["--threshold", "200", "--hollow", "0.01"],
-            "after hollow inside 0.01; allowed: thicker walls",
+            "shell of 0.01 mm given; allowed: a voxel's smallest side at least, 1 mm",
         ),
         (["--threshold", "5000"], "selects no voxel"),
     ],

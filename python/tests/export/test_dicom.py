@@ -17,7 +17,8 @@ from palpate.base.errors import OptionError
 from palpate.cli.commands import run
 from palpate.export.deidentify import StillIdentifiedError
 from palpate.export.dicom_contours import outlines
-from palpate.export.export import Kind, export_scene
+from palpate.export.export import export_scene
+from palpate.export.kinds import Kind
 from palpate.io.reading import read
 from palpate.volumes.polygon_fill import fill_polygons
 from palpate.volumes.scene import Scene
@@ -159,6 +160,27 @@ def test_frames_refer_to_the_slice_that_they_lie_on(folder: Path, tmp_path: Path
             off = (points - np.float64(image.ImagePositionPatient)) @ normal
             # written to 0.1 µm
             np.testing.assert_allclose(off, 0.0, atol=2e-4)
+
+
+def test_names_and_numbers_that_change_in_dicom_are_told(folder: Path, tmp_path: Path) -> None:
+    scene, long = two_parts(folder), "x" * 80
+    for one, number in zip(scene, (40, 6), strict=True):
+        one.name, one.segment.number = f"{long}{number}", number
+    told, held = {}, {}
+    for kind in ("dicom-seg", "dicom-labelmap", "rtstruct"):
+        path = tmp_path / f"{kind}.dcm"
+        told[kind] = export_scene(scene, path, kind=kind, keep_identity=True)
+        held[kind] = palpate.read_labels(path, scene.volume).labels
+        names = {label.segment.name for label in held[kind]}
+        assert names == {"x" * 64, "x" * 60 + " (2)"}
+        assert "names are made different within 64 characters" in told[kind][-1]
+    # only binary segments have to be numbered from 1
+    assert "label numbers change: " in told["dicom-seg"][0]
+    for kind in ("dicom-labelmap", "rtstruct"):
+        assert len(told[kind]) == 1
+        for one in scene:
+            mine = next(each for each in held[kind] if each.segment.number == one.segment.number)
+            np.testing.assert_array_equal(mine.segment.mask(), one.segment.mask())
 
 
 def test_segments_that_overlap_are_kept_or_refused(folder: Path, tmp_path: Path) -> None:
@@ -355,7 +377,7 @@ def test_the_command_shares_by_default(
 ) -> None:
     options = ["--threshold", "-900", "-o"]
     assert run(["export", str(folder), *options, str(tmp_path / "shared")]) == 0
-    assert "7 files, of 1 segments" in capsys.readouterr().out
+    assert "7 files, 1 of 1 segments" in capsys.readouterr().out
     assert dcmread(tmp_path / "shared" / "segments.dcm").PatientIdentityRemoved == "YES"
     assert run(["export", str(folder), *options, str(tmp_path / "shared")]) == 2
     assert "is there already" in capsys.readouterr().err

@@ -8,6 +8,7 @@ import zipfile
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import httpx
 import numpy as np
@@ -18,7 +19,8 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.whole_file import whole_file, whole_folder
 from palpate.cli.commands import run
-from palpate.export.export import KINDS, export_scene, kind_of
+from palpate.export.export import export_scene
+from palpate.export.kinds import KINDS, kind_of
 from palpate.io.reading import read
 from palpate.saved.scene_file import save_scene
 from palpate.session.session import Session, SessionOptions
@@ -203,7 +205,7 @@ def test_a_saved_scene_is_exported_with_its_edits(
         ("organs.nii", {"kind": "seg-nrrd"}, "'organs.nii' given for seg-nrrd; allowed"),
         ("none/organs.seg.nrrd", {}, "allowed: one that exists"),
         ("organs.seg.nrrd", {"only": ["spleen"]}, "allowed: liver, "),
-        ("organs.dcm", {}, "allowed: with --keep-identity for an archive"),
+        ("organs.dcm", {}, "allowed: with `keep_identity=True` for an archive"),
         ("organs.dcm", {"keep_identity": True}, "comes from no file; allowed: .seg.nrrd, NIfTI"),
         ("folder", {}, "comes from no file; allowed: .seg.nrrd, NIfTI"),
     ],
@@ -225,7 +227,7 @@ def test_a_scan_of_other_files_is_told_what_to_use(
         assert run(["export", str(path), *options]) == 2
         assert "is no DICOM series; allowed: .seg.nrrd, NIfTI or NRRD" in capsys.readouterr().err
     assert run(["export", str(path), "-o", str(tmp_path / "seg.seg.nrrd")]) == 2
-    assert "no segments to write" in capsys.readouterr().err
+    assert "no segments given; allowed: --segments FILE" in capsys.readouterr().err
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
 
@@ -242,7 +244,9 @@ def test_every_kind_has_a_name_that_asks_for_it() -> None:
 
 NARROW = """
 import resource, sys
+from palpate.base.reader_process import warm
 from palpate.cli.commands import run
+warm()  # a reader started below would keep the limit
 resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 sys.exit(run(sys.argv[1:]))
 """
@@ -266,6 +270,7 @@ def test_a_full_disk_leaves_what_was_there(tmp_path: Path, name: str) -> None:
     )
     assert ended.returncode == 2, ended.stderr
     assert "allowed" in ended.stderr
+    assert "scan.mha" not in ended.stderr  # it is the writer that fails, not the reader
     assert "Traceback" not in ended.stderr
     assert (out / name).read_text() == "what was there"
     assert [file.name for file in out.iterdir()] == [name]
@@ -292,10 +297,10 @@ def test_files_and_folders_appear_when_they_are_whole(tmp_path: Path) -> None:
 # --- the page's door ----------------------------------------------------------------------
 
 
-def asked(server: Any, **wanted: Any) -> httpx.Response:
+def asked(server: Any, door: str = "export", **wanted: Any) -> httpx.Response:
     access = server.access
     return httpx.post(
-        f"{server.base}/api/export",
+        f"{server.base}/api/{door}",
         headers={"Cookie": f"{access.cookie}={access.token}"},
         json=wanted,
         trust_env=False,
@@ -317,6 +322,21 @@ def test_a_page_gets_what_the_command_writes(shared_server: Any, tmp_path: Path)
     assert 'filename="ball.zip"' in packed.headers["content-disposition"]
     with zipfile.ZipFile(BytesIO(packed.content)) as archive:
         assert sorted(archive.namelist()) == ["labels.csv", "labels.nii.gz"]
+
+
+def test_a_page_gets_a_surface_and_what_it_keeps(shared_server: Any, tmp_path: Path) -> None:
+    answer = asked(shared_server, "surface", segment=1, format="ply")
+    assert answer.status_code == 200
+    assert 'filename="ball.ply"' in answer.headers["content-disposition"]
+    path = tmp_path / "ball.ply"
+    path.write_bytes(answer.content)
+    count = len(palpate.read_mesh(path).mesh.triangles)
+    told = unquote(answer.headers["x-palpate-notes"]).split("\n")[0]
+    assert told.startswith(f"ball.ply: segment 'ball', {count} triangles, ")
+    assert "in 1 body (voxels: " in told
+    assert told.endswith(" in 1 body), LPS")
+    refused = asked(shared_server, "surface", segment=9)
+    assert (refused.status_code, refused.text) == (400, "segment 9 given; allowed: 1")
 
 
 @pytest.mark.parametrize(

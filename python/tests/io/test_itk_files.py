@@ -126,7 +126,7 @@ def test_volumes_of_a_listed_axis_are_chosen(tmp_path: Path, kind: str, *, first
         kinds=" ".join([*domains[:place], kind, *domains[place:]]),
         values=np.ascontiguousarray(several),
     )
-    with pytest.raises(SeriesChoiceError, match="3 volumes; allowed: one of them, with --frame"):
+    with pytest.raises(SeriesChoiceError, match="3 volumes; allowed: one of them, with `frame="):
         palpate.read(path)
     for frame, expected in enumerate((VALUES, VALUES + 1, VALUES * 2), 1):
         volume = palpate.read(path, frame=frame)

@@ -74,7 +74,9 @@ def test_own_files_of_nibabel_are_right_or_refused_for_a_true_reason(name: str) 
     volume = palpate.read(path, frame=frames, fill=0.0)
     assert is_hdf or places_differ(volume, image.affine) < 1e-3
     if frames > 1:
-        with pytest.raises(SeriesChoiceError, match=f"{frames} volumes.*--frame 1 to {frames}"):
+        with pytest.raises(
+            SeriesChoiceError, match=f"{frames} volumes.*`frame=NUMBER` from 1 to {frames}"
+        ):
             palpate.read(path)
 
 

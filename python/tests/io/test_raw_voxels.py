@@ -58,7 +58,7 @@ def test_one_file_with_a_header_is_read(tmp_path: Path, kind: str) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"raw": "5x4x3,int16"}, "with --voxel-size"),
+        ({"raw": "5x4x3,int16"}, "with `voxel_size=X,Y,Z`"),
         ({"raw": "5x4x3,int16", "voxel_size": (1.0, 0.0, 1.0)}, "lengths above 0"),
         ({"raw": "5x4x3,int16", "voxel_size": (1.0, float("nan"), 1.0)}, "lengths above 0"),
         ({"raw": "5x4x2,int16", "voxel_size": SIZE}, "120 bytes; 5 x 4 x 2 int16 asks 80"),
@@ -131,7 +131,7 @@ def test_pictures_of_several_sizes_are_refused(tmp_path: Path) -> None:
     SimpleITK.WriteImage(odd, str(folder / "s3.png"))
     with pytest.raises(VolumeFormatError, match=r"s3\.png has 6 x 4 pixels, s1\.png has 5 x 4"):
         palpate.read(folder, voxel_size=SIZE)
-    with pytest.raises(OptionError, match="--voxel-size"):
+    with pytest.raises(OptionError, match="`voxel_size=X,Y,Z`"):
         palpate.read(folder)
 
 

@@ -58,7 +58,7 @@ def test_whole_values_of_any_type_arrive_exactly(write_image: Any, kind: str) ->
 
 def test_an_unknown_unit_is_said_with_what_to_do(write_image: Any) -> None:
     path = write_image(np.arange(60, dtype=np.int16).reshape(3, 4, 5))
-    assert any("give --unit HU" in warning for warning in palpate.read(path).warnings)
+    assert any("give `unit=HU`" in warning for warning in palpate.read(path).warnings)
 
 
 def test_real_values_are_kept_beside_rounded_ones(write_image: Any) -> None:
@@ -107,7 +107,7 @@ def test_an_orientation_that_nobody_told_is_unknown(
 ) -> None:
     volume = palpate.read(nifti_without_forms(tmp_path, small_values))
     assert volume.orientation == "unknown"
-    assert "--orientation" in volume.warnings[-1]
+    assert "`orientation=LPS`" in volume.warnings[-1]
 
 
 def test_nrrd_and_metaimage_without_axes_are_unknown_too(tmp_path: Path) -> None:

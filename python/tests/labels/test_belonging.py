@@ -19,7 +19,9 @@ def test_segments_of_another_patient_are_refused(data_folder: Path) -> None:
     name = "seg.dcm"
     folder = case(data_folder, 12)
     volume = palpate.read(folder / "ct")
-    with pytest.raises(OptionError, match=r"\(other .*\); allowed: .*--another-patient") as told:
+    with pytest.raises(
+        OptionError, match=r"\(other .*\); allowed: .*`another_patient=True`"
+    ) as told:
         palpate.read_labels(folder / name, volume)
     assert volume.traits.patient_id not in str(told.value).replace(str(folder), "")
     # that the grid may be another does not mean that the patient may

@@ -111,7 +111,7 @@ def volume_of(polygons: list[Corners], slice_step: float, *, free: bool = False)
     scan = Volume(
         np.zeros((int(60 / slice_step), 60, 60), np.int16), spacing=(1.0, 1.0, slice_step)
     )
-    return float(filled("a", polygons, scan, free=free).sum()) * slice_step
+    return float(filled("a", polygons, scan, free=free).mask.sum()) * slice_step
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.13, 0.5, 0.77])

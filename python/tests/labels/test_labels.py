@@ -86,6 +86,41 @@ def test_a_cropped_map_that_runs_the_other_way_lies_in_its_place(
 
 
 @pytest.mark.parametrize(
+    ("shift", "said"),
+    [
+        ((0.0, 0.0, 0.0), None),
+        # headers are rounded
+        ((0.003, 0.0, 0.01), None),
+        ((0.1, 0.0, 0.0), "up to 0.1 mm off"),
+        ((0.0, 0.12, 0.4), "up to 0.42 mm off"),
+    ],
+)
+@pytest.mark.parametrize("name", ["map.nrrd", "map.seg.nrrd"])
+def test_a_map_that_lies_a_little_off_is_moved_onto_the_scan_and_that_is_told(
+    scan: Volume,
+    tmp_path: Path,
+    name: str,
+    shift: tuple[float, float, float],
+    said: str | None,
+) -> None:
+    image = image_of(some_labels())
+    image.SetOrigin(np.add(ORIGIN, shift).tolist())
+    if "seg" in name:
+        image.SetMetaData("Segment0_Name", "one")
+        image.SetMetaData("Segment0_LabelValue", "1")
+        image.SetMetaData("Segment0_Layer", "0")
+    SimpleITK.WriteImage(image, str(tmp_path / name))
+    for resample in (False, True):
+        found = palpate.read_labels(tmp_path / name, scan, resample=resample)
+        np.testing.assert_array_equal(found.labels[0].segment.mask(), some_labels() == 1)
+        if said is None:
+            assert found.warnings == ()
+        else:
+            (told,) = found.warnings
+            assert said in told
+
+
+@pytest.mark.parametrize(
     "change", [{"SetSpacing": (0.5, 0.75, 2.2)}, {"SetOrigin": (10.25, -20.0, 30.0)},
                {"SetDirection": (0.98, -0.199, 0, 0.199, 0.98, 0, 0, 0, 1)}]
 )  # fmt: skip
@@ -123,7 +158,7 @@ def test_a_map_on_another_grid_is_resampled_where_that_is_asked_for(
             for name, value in (("Name", "ball"), ("LabelValue", "3"), ("Layer", "0")):
                 image.SetMetaData(f"Segment0_{name}", value)
         SimpleITK.WriteImage(image, str(path))
-    with pytest.raises(OptionError, match="asked to be resampled"):
+    with pytest.raises(OptionError, match="others with `resample=True`"):
         palpate.read_labels(path, scan)
     found = palpate.read_labels(path, scan, resample=True)
     assert "it lies on another grid" in found.warnings[-1]
@@ -147,7 +182,7 @@ def test_what_is_resampled_beyond_the_scan_is_counted(tmp_path: Path) -> None:
     SimpleITK.WriteImage(image, str(tmp_path / "rod.seg.nrrd"))
     found = palpate.read_labels(tmp_path / "rod.seg.nrrd", scan, resample=True)
     # centres at 0, 0.8, …, 5.6 mm; the scan ends at 3.5 mm
-    assert found.warnings[0] == "3 voxels of segments lie outside the scan"
+    assert found.warnings[0] == "3 voxels of segments lie outside the scan (38 %)"
     (label,) = found.labels
     assert label.segment.mask()[0, 0].tolist() == [1, 1, 1, 1]
 
@@ -400,7 +435,56 @@ def test_a_contour_in_another_is_a_hole(table: Volume, tmp_path: Path) -> None:
     expected[2:5, 11:21, 11:21] = False
     np.testing.assert_array_equal(label.segment.mask(), expected)
     assert (label.segment.name, label.colour) == ("wall", (1.0, 128 / 255, 0.0))
-    assert found.warnings == ("no closed contours on the scan: point",)
+    assert found.warnings == ("no closed contours: point",)
+
+
+def test_what_of_structures_is_cut_off_or_missing_is_told(table: Volume, tmp_path: Path) -> None:
+    def block(low: float, high: float, *heights: float) -> list[Any]:
+        return [square(low, high, 3.0 * height) for height in heights]
+
+    path = structures(
+        tmp_path / "rt.dcm",
+        # half of each of four planes, and one of them below the scan: 1 - 0.5 * 3 / 4
+        (
+            "edge",
+            [[(x - 10.0, y, z) for x, y, z in each] for each in block(-0.5, 19.5, -1, 0, 1, 2)],
+        ),
+        ("beyond", block(100.0, 120.0, 2, 3, 4)),
+        ("speck", block(4.6, 4.7, 3)),
+        ("hole", block(4.5, 20.5, 1, 2, 3, 5, 6)),
+        ("few", block(4.5, 20.5, 1, 2, 4)),
+        ("whole", block(-0.5, 39.5, 0, 1, 2, 3)),
+        ("two", [*block(1.5, 9.5, 1, 2, 3), *block(20.5, 30.5, 5, 6, 7)]),
+    )
+    found = palpate.read_labels(path, table)
+    assert [label.segment.name for label in found.labels] == ["edge", "hole", "few", "whole", "two"]
+    assert found.warnings == (
+        "outside the scan: beyond",
+        "smaller than a voxel, so not on the scan: speck",
+        "partly outside the scan, and cut off there: edge (62 %)",
+        "planes without a contour are interpolated between their neighbours: few (1)",
+        "planes without a contour are left empty: hole (1)",
+    )
+    # and it is as told
+    counts = {label.segment.name: label.segment.mask().sum(axis=(1, 2)) for label in found.labels}
+    assert counts["few"][3] > 0
+    assert counts["hole"][4] == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (rb"nan\9.5\6", "coordinates that are no numbers"),
+        (rb"9.5\9.506", "a contour of 11 coordinates; allowed: three for each point"),
+    ],
+)
+def test_contours_that_are_none_are_named(
+    table: Volume, tmp_path: Path, given: bytes, told: str
+) -> None:
+    path = structures(tmp_path / "rt.dcm", ("fine", []), ("bad", [square(4.5, 9.5, 6.0)]))
+    path.write_bytes(path.read_bytes().replace(rb"9.5\9.5\6", given))
+    with pytest.raises(VolumeFormatError, match=rf"structure 'bad' of .*rt.dcm has .*{told}"):
+        palpate.read_labels(path, table)
 
 
 def test_slices_between_contours_take_a_shape_between(table: Volume, tmp_path: Path) -> None:
@@ -443,7 +527,7 @@ def test_contours_of_another_grid_are_taken_in_one_frame_of_reference(
 ) -> None:
     path = structures(tmp_path / "rt.dcm", ("block", turned_block()), frame="1.2.9")
     # a scan that does not say which frame it has, and one that has another
-    with pytest.raises(OptionError, match=r"across the scan's slices; allowed.*--resample"):
+    with pytest.raises(OptionError, match=r"across the scan's slices; allowed.*`resample=True`"):
         palpate.read_labels(path, table)
     table.traits = replace(table.traits, frame="1.2.8")
     with pytest.raises(OptionError, match=r"reference 1\.2\.9, the scan has 1\.2\.8: .*allowed"):
@@ -489,7 +573,7 @@ def test_real_structures_have_the_volume_of_their_contours(data_folder: Path) ->
         origin=(-275.0, -524.0, -140.44),
     )
     found = palpate.read_labels(path, scan)
-    assert found.warnings == ("no closed contours on the scan: Areola",)
+    assert found.warnings == ("no closed contours: Areola",)
     segments = {label.segment.name: label.segment for label in found.labels}
     dataset = dcmread(path)
     names = {roi.ROINumber: roi.ROIName for roi in dataset.StructureSetROISequence}

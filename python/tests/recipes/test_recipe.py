@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
 import sys
 from pathlib import Path
@@ -118,7 +119,10 @@ segment:
     made = scan.threshold(200.0)
     assert f"all: {made.volume_text}" in capsys.readouterr().out
     assert run(["run", str(written(folder, text.format(depth="deep")))]) == 2
-    assert "recipe.yaml, line 5: voxel size '1,1.5,deep' given" in capsys.readouterr().err
+    assert (
+        "recipe.yaml, line 5: import: voxel-size '1,1.5,deep' given; allowed: 3 numbers, X,Y,Z"
+        in capsys.readouterr().err
+    )
 
 
 def test_a_scan_is_reconstructed_before_its_segments_are_made(
@@ -159,8 +163,8 @@ report: report.html
         ("projections.nrrd", "nowhere.nrrd", 3, "does not exist"),
         ("beam: parallel", "beam: cone", 2, "an arc of 180 degrees given"),
         ("scan.nii.gz", "scan.txt", 9, "scan.txt"),
-        ("scan.nii.gz", "projections.nrrd", 9, "is read or written by a step before"),
-        ("  arc:", "  angle:", 6, "'angle' is no option here; allowed: path, beam, pixel, arc"),
+        ("scan.nii.gz", "projections.nrrd", 9, "is read by another step"),
+        ("  arc:", "  angle:", 6, "reconstruct: 'angle' is no option here.*; allowed: beam, pixel"),
         ("segment:", "import: {path: body.nii.gz}\nsegment:", 2, "both given"),
     ):
         wrong = written(tmp_path, text.format(arc=180).replace(old, new, 1))
@@ -204,8 +208,16 @@ report: report.html
 @pytest.mark.parametrize(
     ("wrong", "line", "said"),
     [
-        (("fill: true", "fil: true"), 8, "'fil' is no option here; allowed: threshold, otsu, grow"),
-        (("threshold: 200", "threshold: [200]"), 6, "Expected"),
+        (
+            ("fill: true", "fil: true"),
+            8,
+            "segment 1: 'fil' is no option here (did you mean 'fill'?); allowed: threshold",
+        ),
+        (
+            ("threshold: 200", "threshold: [200]"),
+            6,
+            "segment 1: threshold [200] given; allowed: text or a number",
+        ),
         (("threshold: 200", "threshold: abc"), 6, "threshold 'abc' given"),
         (("passage: 4", "passage: 400"), 10, "passage 400 given; allowed: 0 to 40"),
         (("path: scan.mha", "path: gone.mha"), 3, "gone.mha does not exist"),
@@ -214,12 +226,16 @@ report: report.html
             2,
             "neither given; allowed: 'import' or 'reconstruct', one of both",
         ),
-        (("segment: ball", "segment: bal"), 14, "segment 'bal' given; allowed: ball, <small>"),
+        (
+            ("segment: ball", "segment: bal"),
+            14,
+            "surface 1: segment 'bal' given (did you mean 'ball'?); allowed: ball, <small>",
+        ),
         (("    segment: ball\n", ""), 14, "no segment given"),
         (("out: ball.stl", "out: ball.docx"), 15, "'ball.docx' given; allowed: a name with .stl"),
         (("out: both.seg.nrrd", "out: none/both.seg.nrrd"), 18, "given; allowed: one that exists"),
-        (("out: labels.nii.gz", "out: both.seg.nrrd"), 19, "read or written by a step before"),
-        (("out: labels.nii.gz", "out: scan.mha"), 19, "read or written by a step before"),
+        (("out: labels.nii.gz", "out: both.seg.nrrd"), 19, "is written by another step"),
+        (("out: labels.nii.gz", "out: scan.mha"), 19, "is read by another step"),
         (("report: report.html", "report: report.pdf"), 21, "allowed: a name with .html"),
         (("fill: true", "threshold: 3"), 8, "'threshold' is given twice"),
         (("fill: true", "fill: : true"), 8, "mapping values are not allowed"),
@@ -227,7 +243,7 @@ report: report.html
         (
             ("surface:", "surfaces:"),
             13,
-            "'surfaces' is no option here; allowed: import, reconstruct",
+            "'surfaces' is no option here (did you mean 'surface'?); allowed: import",
         ),
         (("segment:\n  - t", "register: {moving: gone.nii}\nsegment:\n  - t"), 5, "gone.nii does"),
         (
@@ -235,7 +251,7 @@ report: report.html
             5,
             "'a.txt' given; allowed: a name with .tfm",
         ),
-        (("only: [ball]", "as: pdf"), 20, "Invalid enum value 'pdf'"),
+        (("only: [ball]", "as: pdf"), 20, "export 2: as 'pdf' given; allowed: seg-nrrd, labels"),
     ],
 )
 def test_what_is_wrong_is_told_with_its_line_before_anything_is_done(
@@ -267,3 +283,81 @@ def test_what_is_no_recipe_is_refused(folder: Path, text: str) -> None:
 def test_a_recipe_that_is_not_there_is_told(tmp_path: Path, capsys: Any) -> None:
     assert run(["run", str(tmp_path / "none.yaml")]) == 2
     assert "none.yaml" in capsys.readouterr().err
+
+
+CHECKED = """
+import: {path: scan.mha, unit: HU}
+register: {moving: scan.mha, metric: automatic, start: geometry, fixed-mask: mask.nii.gz,
+           iterations: 2, samples: 200, seed: 3, report: found.json}
+segment:
+  - {threshold: bone, name: ball, intersect: mask.nii.gz}
+export:
+  - {out: ball.nii.gz, only: [ball]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[ball]", "[bal]", "line 8: export 1: segment 'bal' given (did you mean 'ball'?)"),
+        ("[ball]", "[]", "line 8: export 1: only given without a name; allowed: names"),
+        ("out: ball.nii.gz", "out: b.dcm, keep-identity: true", "line 8: export 1: the scan "),
+        ("out: ball.nii.gz", "out: shared", "line 8: export 1: the scan "),
+        ("out: ball.nii.gz", "out: found.json", "found.json is written by another step"),
+        ("out: ball.nii.gz", "out: mask.nii.gz", "line 8: export 1: "),
+        ("metric: automatic", "metric: automatik", "register: metric 'automatik' given (did you"),
+        ("fixed-mask: mask", "fixed-mask: gone", "line 3: register: "),
+        ("fixed-mask: mask.nii.gz", "landmarks: recipe.yaml", "line 3: register: no pairs"),
+        ("iterations: 2", "iterations: 0", "line 3: register: iterations 0 given; allowed: 1 to"),
+        ("moving: scan.mha", "moving: recipe.yaml", "line 3: register: "),
+        ("intersect: mask", "intersect: coarse", "line 6: segment 1: "),
+        ("unit: HU", "unit: Hu", "line 2: import: unit 'Hu' is not known; allowed: HU"),
+        (", unit: HU", "", "line 6: segment 1: threshold 'bone' given for a scan whose values"),
+        ("bone", "bones", "threshold 'bones' given (did you mean 'bone'?); allowed: LOW"),
+        ("seed: 3", "sead: 3", "register: 'sead' is no option here (did you mean 'seed'?)"),
+        ("name: ball", "name: 3", "line 6: segment 1: name 3 given; allowed: text"),
+        ("export:", "surface: [{out: a.stl, step: 3}]\nexport:", "surface 1: step 3 given"),
+        ("export:", "  - {threshold: 3, name: ball}\nexport:", "two segments are called 'ball'"),
+    ],
+)
+def test_what_can_be_known_is_found_by_the_check_and_by_the_run(
+    folder: Path, write_image: Any, capsys: Any, old: str, new: str, said: str
+) -> None:
+    scan = read(folder / "scan.mha")
+    write_image((scan.array > 0).astype(np.uint8), "mask.nii.gz", spacing=SPACING)
+    write_image(np.ones((3, 3, 3), np.uint8), "coarse.nii.gz", spacing=(7.3, 7.0, 7.0))
+    assert old in CHECKED
+    assert run(["run", str(written(folder, CHECKED)), "--check"]) == 0, capsys.readouterr().err
+    recipe = written(folder, CHECKED.replace(old, new, 1))
+    before = sorted(folder.iterdir())
+    for check in ([], ["--check"]):
+        assert run(["run", str(recipe), *check]) == 2
+        told = capsys.readouterr().err
+        assert said in told
+        assert str(recipe) in told
+        for internal in ("<Volume", "Expected", "enum", "--"):
+            assert internal not in told
+    assert sorted(folder.iterdir()) == before
+
+
+def test_a_registration_of_a_recipe_has_all_options_of_the_command(
+    folder: Path, write_image: Any, capsys: Any
+) -> None:
+    scan = read(folder / "scan.mha")
+    write_image((scan.array > 0).astype(np.uint8), "mask.nii.gz", spacing=SPACING)
+    write_image(np.roll(scan.array, (1, 1, 2), axis=(0, 1, 2)), "moved.mha", spacing=SPACING)
+    text = CHECKED.replace("moving: scan", "moving: moved").replace(
+        "iterations: 2", "iterations: 40"
+    )
+    text = text.replace("samples: 200", "samples: 20000")
+    assert run(["run", str(written(folder, text))]) == 0, capsys.readouterr().err
+    files = [str(folder / name) for name in ("scan.mha", "moved.mha")]
+    masked = ["--fixed-mask", str(folder / "mask.nii.gz"), "--start", "geometry"]
+    options = ["--iterations", "40", "--samples", "20000", "--seed", "3"]
+    other = folder / "other.json"
+    assert run(["register", *files, *masked, *options, "--report", str(other)]) == 0
+    one, two = (json.loads(file.read_text("utf-8")) for file in (other, folder / "found.json"))
+    # sums over threads differ in their last digits
+    for name in ("metric_before", "metric_after", "overlap", "moved_mean_mm"):
+        assert one[name] == pytest.approx(two[name], rel=1e-6)
+    assert (one["kind"], one["metric"], one["start"]) == (two["kind"], two["metric"], "geometry")

@@ -13,6 +13,7 @@ import pytest
 import SimpleITK
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.cli.commands import run
+from palpate.reconstruction.beams import Beam
 from palpate.reconstruction.projections import (
     are_projections,
     integrals_of,
@@ -21,7 +22,7 @@ from palpate.reconstruction.projections import (
 )
 from palpate.reconstruction.reconstruction import reconstruct
 from palpate.reconstruction.request import ReconstructionRequest, grid_of, suggested
-from palpate.reconstruction.scanner import Beam, Scanner, fitted_grid
+from palpate.reconstruction.scanner import Scanner, fitted_grid
 from projected_phantom import SHAPE, SIZE, VOXEL, flat, projected, scanner_of, truth
 
 needs_rtk = pytest.mark.skipif(
@@ -231,5 +232,5 @@ def test_without_rtk_it_says_what_to_install(
     assert run([*command, *geometry]) == 2
     assert "RTK is not installed; allowed: with it" in capsys.readouterr().err
     assert run([*command, *geometry[:2], "--size", "8,8", *geometry[4:]]) == 2
-    assert "size '8,8' given; allowed: 3 numbers with commas" in capsys.readouterr().err
+    assert "size '8,8' given; allowed: 3 numbers, X,Y,Z" in capsys.readouterr().err
     assert not out.exists()

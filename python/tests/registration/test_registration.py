@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate import OptionError, RegistrationError, SearchOptions, Volume, register
+from palpate import OptionError, RegistrationError, SearchOptions, Volume, read, register
 from palpate.registration.image_pair import Compared, Measured
 from palpate.registration.options import Kind, Metric, Pairs
 from palpate.registration.registration import metric_for
 from palpate.registration.search import Search
+from palpate.registration.search_history import SearchHistory
 from palpate.volumes.volume import VolumeTraits
 
 Points = NDArray[np.float64]
@@ -305,7 +306,7 @@ def test_it_stops_when_a_person_stops_it(
 
 @pytest.mark.parametrize("metric", ["mutual-information", "correlation", "mean-squares"])
 def test_scans_that_do_not_overlap_are_refused(fixed: Volume, metric: Metric) -> None:
-    far = moving_of(turned(0.0, shift=(0.0, 0.0, 0.0)), origin=(900.0, 0.0, 0.0))
+    far = Volume(fixed.array, spacing=SPACING, origin=(900.0, 0.0, 0.0))
     with pytest.raises(RegistrationError, match="do not overlap enough"):
         register(fixed, far, metric=metric, start="geometry", options=QUICK)
 
@@ -332,6 +333,98 @@ def test_an_end_worse_than_the_start_is_refused_with_the_curve(fixed: Volume) ->
         assert [level.shrink for level in refused.value.curve] == [2, 1]
         assert all(level.values for level in refused.value.curve)
         assert "on the way: rigid /2: " in str(refused.value)
+
+
+METRICS: tuple[Metric, ...] = ("correlation", "mutual-information", "mean-squares")
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("metric", METRICS)
+def test_blocks_of_one_head_that_share_a_third_are_found(metric: Metric, data_folder: Path) -> None:
+    head = read(data_folder / "cthead_stanford" / "CThead.mha").array[:, ::2, ::2]
+    count = len(head)
+    # each with its own origin, as SimpleITK-Notebooks#199 has it
+    parts = head[: round(0.6 * count)].copy(), head[round(0.4 * count) :].copy()
+    lower, upper = (Volume(part, spacing=(2.0, 2.0, 2.0)) for part in parts)
+    found = register(lower, upper, metric=metric, options=SearchOptions(samples=10_000))
+    assert found.overlap_before == 1.0
+    assert found.overlap == pytest.approx(1.0 / 3.0, abs=0.02)
+    middle = np.array([[128.0, 128.0, 100.0]])
+    there = [[0.0, 0.0, -2.0 * round(0.4 * count)]]
+    np.testing.assert_allclose(found.points(middle) - middle, there, atol=0.85)
+
+
+START = Measured(-0.2, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("end", "said"),
+    [
+        (Measured(-0.9, 0.33, contrast=0.9), None),
+        # little is left, and that shows nothing: air on air
+        (Measured(-0.9, 0.33, contrast=0.1), "were moved apart"),
+        # or is hardly more alike than all was at the start
+        (Measured(-0.21, 0.33, contrast=0.9), "were moved apart"),
+        # too little is left, however good
+        (Measured(-0.99, 0.1, contrast=0.9), "were moved apart"),
+        (Measured(-0.21, 0.6, contrast=0.1), None),
+        (Measured(-0.19, 1.0), "did not become more alike"),
+        (Measured(np.nan, 1.0), "did not become more alike"),
+    ],
+)
+def test_an_end_must_be_borne_out(end: Measured, said: str | None) -> None:
+    image = SimpleITK.GetImageFromArray(np.zeros((4, 4, 4), np.float32))
+    compared = Compared((image, image), (None, None), metric="correlation", bins=32)
+    history = SearchHistory(lambda *_: None, lambda _: None)
+    if said is None:
+        compared.check(START, end, history)
+        return
+    with pytest.raises(RegistrationError, match=said):
+        compared.check(START, end, history)
+
+
+def test_scans_in_which_nothing_is_alike_are_refused() -> None:
+    random = np.random.default_rng(0)
+    noise = [random.normal(0.0, 300.0, SHAPE).astype(np.int16) for _ in range(2)]
+    first, second = (Volume(values, spacing=SPACING) for values in noise)
+    few = SearchOptions(samples=20_000, iterations=20)
+    with pytest.raises(RegistrationError, match="nothing in the scans is alike"):
+        register(first, second, metric="correlation", options=few)
+
+
+@pytest.mark.parametrize("metric", METRICS)
+@pytest.mark.parametrize("which", ["fixed", "moving"])
+def test_a_scan_of_one_value_is_refused_for_that(fixed: Volume, metric: Metric, which: str) -> None:
+    flat = fixed.with_values(np.full(SHAPE, -1000, np.int16))
+    pair = (flat, fixed) if which == "fixed" else (fixed, flat)
+    with pytest.raises(OptionError, match=f"the {which} scan has one value, -1000, everywhere"):
+        register(*pair, metric=metric, options=QUICK)
+
+
+def test_masks_without_voxels_or_over_one_value_are_refused_for_that(fixed: Volume) -> None:
+    empty = fixed.segment(np.zeros(SHAPE), name="none")
+    outside = Volume(fixed.array, spacing=SPACING, origin=(900.0, 0.0, 0.0))
+    whole = outside.segment(np.ones(SHAPE), name="elsewhere")
+    for mask in (empty, whole):
+        with pytest.raises(OptionError, match="the mask of the fixed scan has no voxel in it"):
+            register(fixed, fixed, fixed_mask=mask, options=QUICK)
+        with pytest.raises(OptionError, match="the mask of the moving scan has no voxel in it"):
+            register(fixed, fixed, moving_mask=mask, options=QUICK)
+    air = fixed.with_values(np.where(fixed.array < -900, -1000, fixed.array).astype(np.int16))
+    around = air.segment(air.array == -1000, name="air")
+    with pytest.raises(OptionError, match="moving scan has one value, -1000, within its mask"):
+        register(fixed, air, moving_mask=around, options=QUICK)
+
+
+def test_a_start_is_kept_only_where_it_is_the_best(fixed: Volume) -> None:
+    few = SearchOptions(samples=1000, iterations=5)
+    found = register(fixed, fixed, metric="correlation", options=few)
+    assert found.start_kept
+    assert found.after == found.before
+    # a scan that is alike along an axis does not tell where along it the other lies
+    bar = fixed.with_values(np.broadcast_to(fixed.array[:, :1, :], SHAPE).copy())
+    with pytest.raises(RegistrationError, match="better than the start, nor is the start the best"):
+        register(bar, bar, metric="correlation", options=few)
 
 
 LINE = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]]

@@ -43,10 +43,10 @@ def scan(values: NDArray[Any] | None = None, grid: str = "axial", unit: str = "H
 def blob(seed: int = 7) -> NDArray[np.bool_]:
     """A mask that is not convex, away from the border, with a speck."""
     z, y, x = np.indices(SHAPE)
-    mask: NDArray[np.bool_] = ((x - 10) / 7) ** 2 + ((y - 8) / 5) ** 2 + ((z - 6) / 4) ** 2 <= 1.0
+    mask = ((x - 10) / 7) ** 2 + ((y - 8) / 5) ** 2 + ((z - 6) / 4) ** 2 <= 1.0
     mask &= np.random.default_rng(seed).random(SHAPE) < 0.8
     mask[12, 15, 21] = True
-    return mask
+    return np.asarray(mask, bool)
 
 
 def measured(volume: Volume, mask: NDArray[Any]) -> SegmentStatistics:

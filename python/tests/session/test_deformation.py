@@ -492,7 +492,7 @@ def test_what_follows_hu_is_refused_where_values_are_not_known_to_be_hu(
 ) -> None:
     name = material if isinstance(material, str) else "LinearMaterial"
     with Session(scene(unit=""), options=OFFLINE) as session:
-        refused = f"{name}.* not known to be HU; allowed: .* liver, .*--unit HU"
+        refused = f"{name}.* not known to be HU; allowed: .* liver, .*`unit=HU`"
         with pytest.raises(OptionError, match=refused):
             session.set_material(1, material)
         assert session.segments()[0]["material"] is None

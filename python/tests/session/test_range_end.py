@@ -43,6 +43,16 @@ def test_metal_at_the_end_of_the_range_pushes_as_hard_as_its_stiffness_says(
     np.testing.assert_allclose(open_end, force_on(mask), atol=0.02)
 
 
+@pytest.mark.parametrize("slope", [0.1, float(np.float32(0.1))])
+def test_the_highest_value_as_it_is_typed_is_the_end_of_the_range(slope: float) -> None:
+    stored = np.zeros((64, 64, 64), np.int16)
+    stored[:32] = 307
+    scan = Volume(stored, spacing=(1.0, 1.0, 1.0), slope=slope)
+    typed = force_on(scan.threshold(15.35, 30.7))
+    np.testing.assert_allclose(typed, [0.0, 0.0, DEEP], atol=0.02)
+    np.testing.assert_array_equal(typed, force_on(scan.threshold(15.35)))
+
+
 @pytest.mark.parametrize("value", [0.0007, 0.1, 0.3, 1.7, 123.4567, 1e-9])
 def test_the_highest_value_ends_the_range_beyond_all_stored_ones(value: float) -> None:
     values = np.random.default_rng(1).uniform(0.0, value, (5, 6, 7)).astype(np.float32)

@@ -168,3 +168,51 @@ def test_a_page_lays_the_second_scan_elsewhere_and_takes_it_away(
         assert server.ask("DELETE", "/api/second").status_code == 204
         assert page.receive("second_scan")["scan"] is None
         assert server.get("/api/second").status_code == 404
+
+
+def label_file(grid: Volume, folder: Path, mask: Any) -> bytes:
+    image = SimpleITK.GetImageFromArray(mask.astype(np.uint8))
+    image.SetSpacing(grid.spacing)
+    image.SetOrigin(grid.origin)
+    SimpleITK.WriteImage(image, str(folder / "given.nrrd"))
+    return (folder / "given.nrrd").read_bytes()
+
+
+@pytest.mark.parametrize("bends", [False, True])
+def test_segments_of_the_second_scan_come_to_where_it_lies(
+    server: Any, tmp_path: Path, *, bends: bool
+) -> None:
+    first = server.session.scene.volume
+    moving = Volume(np.zeros((30, 30, 30), np.int16), spacing=(2.0, 2.0, 2.0))
+    segments = "/api/second/segments?name=liver.nrrd"
+    mask = np.zeros(moving.shape, bool)
+    mask[9:15, 8:18, 12:20] = True
+    content = label_file(moving, tmp_path, mask)
+    refused = server.ask("PUT", segments, content)
+    assert (refused.status_code, refused.text[:24]) == (400, "there is no second scan;")
+
+    middle = first.patient_from_grid @ [*(0.5 * np.array(first.dimensions)), 1.0]
+    shift = np.array([30.0, 25.0, 23.0]) - middle[:3]
+    transform = SimpleITK.TranslationTransform(3, shift.tolist())
+    if bends:
+        bent = SimpleITK.BSplineTransformInitializer(
+            SimpleITK.Image([90, 90, 90], SimpleITK.sitkInt16), [3, 3, 3], 3
+        )
+        bent.SetParameters([0.7] * len(bent.GetParameters()))
+        bent.SetTransformDomainOrigin((middle[:3] - 45.0).tolist())
+        transform = SimpleITK.CompositeTransform([transform, bent])
+        shift = shift + 0.7
+    server.live.show_second(placed(first, moving, transform))
+    before = len(server.session.segments())
+    assert server.ask("PUT", segments, content).status_code == 204
+    assert len(server.session.segments()) == before + 1
+    added = list(server.session.scene_now())[-1].segment
+    z, y, x = np.nonzero(added.mask())
+    there = first.patient_from_grid @ [x.mean() + 0.5, y.mean() + 0.5, z.mean() + 0.5, 1.0]
+    truth = np.array([15.5, 12.5, 11.5]) * 2.0 - shift
+    np.testing.assert_allclose(there[:3], truth, atol=0.5 * max(first.spacing))
+
+    other = label_file(Volume(mask, spacing=(3.0, 2.0, 2.0)), tmp_path, mask)
+    refused = server.ask("PUT", segments, other)
+    assert refused.status_code == 400
+    assert "lies on another grid than the scan" in refused.text

@@ -77,7 +77,7 @@ def test_a_threshold_that_selects_nothing_says_the_range(
 
 
 def test_a_threshold_above_everything_says_the_range(volume: Volume) -> None:
-    with pytest.raises(EmptySegmentError, match="threshold 9000 to 9000 HU selects no voxel"):
+    with pytest.raises(EmptySegmentError, match="threshold from 9000 HU selects no voxel"):
         volume.threshold(9000.0)
 
 
@@ -120,3 +120,15 @@ def test_a_scene_takes_segments_of_its_own_scan_only(volume: Volume) -> None:
 def test_segments_of_a_scene_get_different_colours(volume: Volume) -> None:
     scene = Scene(volume, [volume.threshold(low) for low in (0.0, 10.0, 20.0)])
     assert len({shown.colour for shown in scene}) == 3
+
+
+def test_a_scene_takes_segments_of_its_own_grid_only() -> None:
+    values = np.zeros((6, 7, 8), np.int16)
+    scan = Volume(values, spacing=(0.5, 0.75, 2.0), origin=(10.0, 20.0, 30.0))
+    rounded = Volume(values, spacing=(0.5, 0.75, 2.0), origin=(10.001, 20.0, 30.0))
+    aside = Volume(values, spacing=(0.5, 0.75, 2.0), origin=(10.1, 20.0, 30.0))
+    mask = np.ones(values.shape)
+    assert len(Scene(scan, [rounded.segment(mask, name="same")])) == 1
+    with pytest.raises(OptionError, match=r"segment 'aside' lies 0\.1 mm off the voxels of the"):
+        Scene(scan, [aside.segment(mask, name="aside")])
+    assert len(Scene(scan, [aside.segment(mask, name="aside").as_object()])) == 1

@@ -125,7 +125,9 @@ export interface ThresholdPreset {
  * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape [4, 4]; grid
  * coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. `unit` is such
  * as "HU" or "SUVbw", "" where it is not known. `title` is for windows: it contains no file
- * name that the user did not type.
+ * name that the user did not type. `volume` is which of how many volumes of its file or series
+ * it is, such as times, from 1; null where others cannot be opened. A `rereadable` scan can be
+ * read again with what its files do not tell.
  */
 export interface Scan {
   readonly name: string;
@@ -142,6 +144,8 @@ export interface Scan {
   readonly soft_tissue: Value;
   readonly bone: Value;
   readonly presets: readonly ThresholdPreset[];
+  readonly volume: readonly [number, number] | null;
+  readonly rereadable: boolean;
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
 }
@@ -732,14 +736,17 @@ export interface RegistrationLevel {
 /**
  * Result of a registration: the metric before and after, and how far points move [mm].
  *
- * `overlap` is the fraction of the first scan that the second covers afterwards.
+ * `overlap_before` and `overlap` are the fractions of the first scan that the second covers at
+ * the start and afterwards; `start_kept` says that the start was right already.
  */
 export interface FoundRegistration {
   readonly kind: RegistrationKind;
   readonly metric: RegistrationMetric;
   readonly before: number;
   readonly after: number;
+  readonly overlap_before: Share;
   readonly overlap: Share;
+  readonly start_kept: boolean;
   readonly moved_mean: number;
   readonly moved_most: number;
 }
@@ -1440,6 +1447,8 @@ const isScan = record({
   soft_tissue: isValue,
   bone: isValue,
   presets: list(isThresholdPreset),
+  volume: nullable(tuple(whole(), whole())),
+  rereadable: flag,
   orientation_known: flag,
   warnings: list(text()),
 });
@@ -1828,7 +1837,9 @@ const isFoundRegistration = record({
   metric: isRegistrationMetric,
   before: real(),
   after: real(),
+  overlap_before: isShare,
   overlap: isShare,
+  start_kept: flag,
   moved_mean: real(),
   moved_most: real(),
 });

@@ -24,7 +24,7 @@ export async function forgetRecent(token: string): Promise<void> {
 
 /** Has the engine work, and calls back with each line; leaving it cancels. Throws why it failed. */
 export async function work(
-  route: "coming" | "find" | "open" | "reconstruct" | "segments",
+  route: "coming" | "find" | "open" | "pictures" | "reconstruct" | "segments" | "volume",
   wanted: object,
   { token, signal }: Asking,
   told: (line: JobLine) => void,

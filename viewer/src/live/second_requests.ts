@@ -1,4 +1,4 @@
-/** Asks the engine to lay the second scan elsewhere, or to show none any more. */
+/** Asks the engine to lay the second scan elsewhere, to bring its segments, or to show none any more. */
 import { apiAddress } from "./connection";
 
 /** Lays it where a transform's file says; null: as its own file does. Throws why it was refused. */
@@ -10,6 +10,13 @@ export async function moveSecond(token: string, transform: File | null): Promise
     place.searchParams.set("name", transform.name);
     await asked(place, { method: "PUT", body: transform });
   }
+}
+
+/** Adds segments of the second scan to the first, where the second lies now. Throws why they were refused. */
+export async function bringSegments(token: string, file: File): Promise<void> {
+  const place = new URL(apiAddress("/api/second/segments", token));
+  place.searchParams.set("name", file.name);
+  await asked(place, { method: "PUT", body: file });
 }
 
 export async function removeSecond(token: string): Promise<void> {

@@ -21,6 +21,8 @@ export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]
     presets: [],
     soft_tissue: 40,
     bone: 250,
+    volume: null,
+    rereadable: true,
     orientation_known: true,
     warnings: [],
   };

@@ -128,10 +128,7 @@ impl Touch {
             limits: touched.limits(),
         };
         match self {
-            Self::Exact | Self::Ball(_) => {
-                feel(exact, Smoothing::Intensities, touched, grid, start)
-            }
-            Self::Intensities | Self::RangeEnd => {
+            Self::Exact | Self::Ball(_) | Self::Intensities | Self::RangeEnd => {
                 feel(exact, Smoothing::Intensities, touched, grid, start)
             }
             Self::Stairs => feel(exact, Smoothing::Off, touched, grid, start),

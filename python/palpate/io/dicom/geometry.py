@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.counted import counted
 from palpate.base.errors import VolumeFormatError
 from palpate.io.dicom.header import PARALLEL, Frame
 
@@ -38,6 +39,8 @@ class Stack:
     """Unit vectors along rows, along columns and their normal as columns, shape [3, 3]."""
     positions: NDArray[np.float64]
     """Centre of each slice's first pixel, in order, shape [slices, 3]."""
+    told: tuple[str, ...] = ()
+    """What was assumed, in words."""
 
     @property
     def local(self) -> NDArray[np.float64]:
@@ -69,9 +72,7 @@ def stack_of(what: str, frames: Sequence[Frame]) -> Stack | None:
     """
     if any(frame.position is None or frame.orientation is None for frame in frames):
         return None
-    spacing = _pixel_spacing(what, frames)
-    if spacing is None:
-        return None
+    spacing, told = _pixel_spacing(what, frames)
     axes = _axes(what, frames)
 
     # a file with its frames from end to start keeps its order
@@ -89,6 +90,7 @@ def stack_of(what: str, frames: Sequence[Frame]) -> Stack | None:
         pixel=(spacing[1], spacing[0]),
         axes=axes,
         positions=positions[order],
+        told=told,
     )
 
 
@@ -103,10 +105,10 @@ def grid_of(what: str, stack: Stack, *, columns: int, rows: int) -> Grid:
     """
     local = stack.local
     step, count, told = _steps(what, local[:, 2], least=0.5 * min(stack.pixel))
-    tilt = _tilt(stack)
+    sideways = _sideways(stack)
     low, high = np.zeros(2), np.zeros(2)
-    if tilt is not None:
-        told.insert(0, tilt)
+    if sideways:
+        told = [*sideways, *told]
         # whole pixels from the first slice, so that its own pixels stay what they are
         shifts = local[:, :2] / stack.pixel
         low = np.floor(shifts.min(axis=0) + 1e-6)
@@ -128,18 +130,21 @@ def grid_of(what: str, stack: Stack, *, columns: int, rows: int) -> Grid:
     )
 
 
-def _pixel_spacing(what: str, frames: Sequence[Frame]) -> tuple[float, ...] | None:
-    spacings = [frame.pixel_spacing for frame in frames]
+def _pixel_spacing(what: str, frames: Sequence[Frame]) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Returns the spacing of all frames, and what was assumed where some tell none."""
+    spacings = [frame.pixel_spacing for frame in frames if frame.pixel_spacing is not None]
+    if not spacings:
+        return (1.0, 1.0), ("the files tell no pixel spacing: pixels of 1 mm are assumed",)
     first = spacings[0]
-    if first is None or None in spacings:
-        return None
     # 1e-3: writers round the same spacing in different ways
     if not np.allclose(np.array(spacings, float), first, rtol=1e-3) or min(first) <= 0.0:
         raise VolumeFormatError(
             f"{what} has slices with differing or impossible pixel spacings; "
             "allowed: one spacing above 0 for all slices"
         )
-    return first
+    missing = len(frames) - len(spacings)
+    some = counted(missing, "slices tells", "slices tell", of=len(frames))
+    return first, (f"{some} no pixel spacing: that of the others is assumed",) if missing else ()
 
 
 def _axes(what: str, frames: Sequence[Frame]) -> NDArray[np.float64]:
@@ -165,16 +170,37 @@ def _axes(what: str, frames: Sequence[Frame]) -> NDArray[np.float64]:
     return np.column_stack([across, down, np.cross(across, down)])
 
 
-def _tilt(stack: Stack) -> str | None:
-    """Says by how much slices are shifted sideways; None where it cannot be seen."""
+def _sideways(stack: Stack) -> list[str]:
+    """Says by how much slices are shifted sideways; nothing where it cannot be seen."""
     local = stack.local
     # half a pixel of drift across the stack cannot be seen; a tilt makes tens of pixels
-    straight = np.abs(local[:, :2]).max(initial=0.0) <= 0.5 * min(stack.pixel)
-    if straight or len(local) < 2:
-        return None
-    sideways = float(np.linalg.norm(local[-1, :2]))
-    angle = np.degrees(np.arctan2(sideways, local[-1, 2]))
-    return f"slices are tilted by {angle:.1f} degrees against their stack (gantry tilt)"
+    seen = 0.5 * min(stack.pixel)
+    if len(local) < 2 or np.abs(local[:, :2]).max() <= seen:
+        return []
+    # far ones show it more exactly, neighbours where a part of the stack lies beside the rest
+    found = [_drift(local, by) for by in (len(local) // 2, 1)]
+    drift, off = min(found, key=lambda each: np.count_nonzero(each[1] > seen))
+    shifted = int(np.count_nonzero(off > seen))
+    told = []
+    tilt = float(np.linalg.norm(drift))
+    if tilt * local[-1, 2] > seen:
+        angle = np.degrees(np.arctan(tilt))
+        told.append(f"slices are tilted by {angle:.1f} degrees against their stack (gantry tilt)")
+    if shifted:
+        some = counted(shifted, "slices is", "slices are", of=len(local))
+        told.append(f"{some} shifted sideways, by up to {off.max():.1f} mm")
+    return told or [f"slices drift sideways, by {np.abs(local[:, :2]).max():.1f} mm"]
+
+
+def _drift(local: NDArray[np.float64], by: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns how far slices shift with height, from those ``by`` apart, and what is left [mm].
+
+    Few that are shifted by themselves do not count in medians.
+    """
+    apart = local[by:] - local[:-by]
+    drift = np.median(apart[:, :2] / apart[:, 2:], axis=0)
+    beside = local[:, :2] - drift * local[:, 2:]
+    return drift, np.linalg.norm(beside - np.median(beside, axis=0), axis=1)
 
 
 def _steps(what: str, along: NDArray[np.float64], *, least: float) -> tuple[float, int, list[str]]:
@@ -208,10 +234,8 @@ def _told(steps: NDArray[np.float64], usual: float) -> str:
     missing = np.rint(steps / usual) - 1
     if np.all(np.abs(steps - (missing + 1) * usual) <= 0.1 * usual) and np.all(missing >= 0):
         places = ", ".join(str(int(index) + 1) for index in np.flatnonzero(missing)[:5])
-        return (
-            f"{int(missing.sum())} slices are missing, after number {places}: filled in between "
-            "their neighbours"
-        )
+        some = counted(int(missing.sum()), "slice is", "slices are")
+        return f"{some} missing, after number {places}: filled in between their neighbours"
     return (
         f"steps between slices are uneven: {steps.min():.2f} to {steps.max():.2f} mm, "
         f"{int(np.count_nonzero(off))} of {len(steps)} off the usual {usual:.2f} mm"

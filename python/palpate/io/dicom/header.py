@@ -10,21 +10,21 @@ Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi
 from __future__ import annotations
 
 import math
-import struct
 import warnings
-import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from palpate.base.errors import PalpateError, VolumeFormatError
+from palpate.base.damaged_file import damage_as
+from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.dicom.detector import detector_place
 from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
 from palpate.io.dicom.mark import has_mark, read_dataset
+from palpate.io.dicom.mixtures import scans_of
 from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
 from palpate.io.dicom.phases import phase_of, phases_of
 from palpate.io.dicom.promises import check_deflated, frame_count
@@ -64,6 +64,9 @@ PLAIN = {
 }
 """Transfer syntaxes without compression, little endian: order of bytes, the tag of pixels, and the
 bytes before them (PS3.5, 7.1)."""
+AT_DETECTOR = (
+    "pixel spacing is that of the detector (ImagerPixelSpacing): in the patient it is smaller"
+)
 STUDY = ("StudyInstanceUID", "FrameOfReferenceUID")
 PADDING = ("PixelPaddingValue", "PixelPaddingRangeLimit")
 
@@ -214,8 +217,9 @@ def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series]
 
 
 def volumes_in(series: Series) -> list[Series]:
-    """Returns the volumes of a series: its stacks, and of each the times, echoes, …."""
-    return [part for stack in stacks_of(series) for part in phases_of(stack)]
+    """Returns the volumes of a series: scans, their stacks, and of each the times, echoes, …."""
+    stacks = [stack for scan in scans_of(series) for stack in stacks_of(scan)]
+    return [part for stack in stacks for part in phases_of(stack)]
 
 
 def _part_number(header: Header) -> int:
@@ -248,22 +252,16 @@ def damage_told(path: Path, *, allowed: str = "complete, undamaged files") -> It
     """
     from pydicom.errors import BytesLengthException
 
-    try:
-        with looking_at(path, "DICOM"), warnings.catch_warnings():
-            # sloppy values are common and judged where they matter
-            warnings.simplefilter("ignore")
-            yield
-    except (PalpateError, MemoryError):
-        raise
-    except (
-        ArithmeticError, AttributeError, EOFError, LookupError, NotImplementedError, OSError,
-        RuntimeError, StopIteration, TypeError, ValueError, struct.error, zlib.error,
-        BytesLengthException,
-    ) as error:  # fmt: skip
-        why = (str(error).strip().splitlines() or [type(error).__name__])[-1].strip().rstrip(".")
-        raise VolumeFormatError(
-            f"{path} is damaged, or DICOM of an unknown kind ({why}); allowed: {allowed}"
-        ) from None
+    what = f"{path} is damaged, or DICOM of an unknown kind"
+    also = (OSError, BytesLengthException)
+    with (
+        damage_as(VolumeFormatError, what, allowed=allowed, also=also),
+        looking_at(path, "DICOM"),
+        warnings.catch_warnings(),
+    ):
+        # sloppy values are common and judged where they matter
+        warnings.simplefilter("ignore")
+        yield
 
 
 def read_header(path: Path) -> Header | None:
@@ -363,7 +361,8 @@ def frame_of(dataset: Dataset, index: int) -> Frame:
     return Frame(
         position=place[0],
         orientation=place[1],
-        pixel_spacing=_numbers(measures, "PixelSpacing", 2),
+        pixel_spacing=_numbers(measures, "PixelSpacing", 2)
+        or _numbers(dataset, "ImagerPixelSpacing", 2),
         scale=_scale(dataset, index),
         stack=str(content.get("StackID") or ""),
         phase=phase_of(dataset, _groups(dataset, index), index),
@@ -446,7 +445,13 @@ def _told(dataset: Dataset, count: int) -> tuple[str, ...]:
     trouble = dict.fromkeys(filter(None, map(scale_trouble, holders)))
     own = scale_of(_holder(dataset, 0, "PixelValueTransformationSequence"))
     mapping = _mapping(dataset, 0, own)
-    return (*trouble, *([] if mapping is None else [_mapped(mapping)]))
+    measures = _holder(dataset, 0, "PixelMeasuresSequence")
+    at_detector = not measures.get("PixelSpacing") and bool(dataset.get("ImagerPixelSpacing"))
+    return (
+        *trouble,
+        *([] if mapping is None else [_mapped(mapping)]),
+        *([AT_DETECTOR] if at_detector else []),
+    )
 
 
 def _mapped(mapping: Dataset) -> str:

@@ -61,6 +61,8 @@ class SlicePixels:
     """What stands where nothing was measured [unit of the scan]."""
     failed: tuple[tuple[Header, VolumeFormatError], ...] = ()
     """Files that cannot be decoded, whose slices are left out."""
+    padded: int = 0
+    """Voxels of padding whose value was another than air."""
 
 
 def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels:
@@ -88,10 +90,13 @@ def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels
     # what was not measured is air, or where that has no known value the lowest that was
     air = AIR_HU if headers[0].unit == "HU" else min(part.lowest for part in parts)
     air = air if np.isfinite(air) else 0.0
+    padded = 0
     for part in parts:
         if part.padded is not None:
+            padded += int(np.count_nonzero(part.values[part.padded] != air))
             part.values[part.padded] = air
-    return SlicePixels(np.concatenate([part.values for part in parts]), air, tuple(failed))
+    values = np.concatenate([part.values for part in parts])
+    return SlicePixels(values, air, tuple(failed), padded)
 
 
 def read_slice(header: Header, frame: int) -> NDArray[Any]:

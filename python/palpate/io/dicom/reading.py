@@ -16,16 +16,24 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from palpate.base.counted import counted
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress, silent
+from palpate.io.called import called_of
 from palpate.io.dicom.dicomdir import is_dicomdir, listed_files
 from palpate.io.dicom.dose import dose_told
 from palpate.io.dicom.geometry import Grid, Stack, grid_of, stack_of
 from palpate.io.dicom.header import Header, Series, find_series, read_header, volumes_in
+from palpate.io.dicom.mixtures import mixture_told
 from palpate.io.dicom.pixels import SlicePixels, read_slices
 from palpate.io.dicom.promises import check_numbers
 from palpate.io.dicom.resample import resample
-from palpate.io.dicom.series import called_of, choose_series, series_among, series_in
+from palpate.io.dicom.series import (
+    choose_series,
+    series_among,
+    series_in,
+    siblings_of,
+)
 from palpate.io.dicom.suv import quantified
 from palpate.io.dicom.unplaced import grid_unplaced, in_told_order
 from palpate.io.dicom.usable import left_out, tolerable, usable
@@ -95,12 +103,12 @@ def _read_chosen(
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
     scan.description = chosen.description
     scan.name = chosen.description or called.name.removesuffix(".zip")
+    scan.siblings = siblings_of(chosen, listed)
     scan.warnings[:0] = warnings
     if damaged:
-        scan.warnings.append(
-            f"{len(damaged)} files are {_trouble(damaged)} and were left out, such as "
-            f"{damaged[0].name}"
-        )
+        trouble = _trouble(damaged)
+        some = counted(len(damaged), f"file is {trouble} and was", f"files are {trouble} and were")
+        scan.warnings.append(f"{some} left out, such as {damaged[0].name}")
     return scan
 
 
@@ -127,8 +135,10 @@ def read_dicom_file(
     if is_dicomdir(path):
         found = _listed(path, progress)
         return _read_chosen(path, found, series=series, max_voxels=max_voxels, progress=progress)
-    chosen, _ = choose_series(path, volumes_of(path), series)
+    listed = volumes_of(path)
+    chosen, _ = choose_series(path, listed, series)
     scan = _read_series(str(path), chosen, max_voxels=max_voxels, progress=progress)
+    scan.siblings = siblings_of(chosen, listed)
     scan.description = chosen.description
     scan.name = chosen.description or path.stem
     return scan
@@ -211,6 +221,7 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
         series = replace(series, headers=ordered)
         grid = grid_unplaced(ordered, order)
     else:
+        said += stack.told
         grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
         check_shape(what, grid.size, max_voxels)
         if all(len(header.frames) == 1 for header in series.headers):
@@ -224,10 +235,11 @@ def _told(series: Series) -> tuple[str, ...]:
     """Says what is wrong with headers, once for all that say the same."""
     found = Counter(words for header in series.headers for words in header.told)
     count = len(series.headers)
-    return _missing_parts(series) + tuple(
+    of_headers = (
         words if times == count else f"{words} ({times} of {count} files)"
         for words, times in found.items()
     )
+    return (*_missing_parts(series), *mixture_told(series), *of_headers)
 
 
 def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
@@ -246,6 +258,10 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
             values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
     scan = _scan(plan, values)
     scan.warnings += [*plan.said, *told]
+    if pixels.padded:
+        unit = f" {scan.unit}" if scan.unit else ""
+        some = counted(pixels.padded, "voxel of padding was", "voxels of padding were")
+        scan.warnings.append(f"{some} set to {pixels.air:g}{unit}, as air (PixelPaddingValue)")
     return scan
 
 

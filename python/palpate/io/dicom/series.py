@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
@@ -10,18 +9,20 @@ from pathlib import Path
 from palpate.base.errors import OptionError, SeriesChoiceError, VolumeFormatError
 from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress
+from palpate.io.called import called_of
 from palpate.io.dicom.dose import RTDOSE
 from palpate.io.dicom.header import Series, find_series
 from palpate.io.dicom.mark import is_dicom
 from palpate.io.dicom.series_folds import folds
+from palpate.volumes.siblings import Siblings
 
 __all__ = [
     "MOST_FILES",
-    "called_of",
     "choose_series",
     "is_dicom",
     "series_among",
     "series_in",
+    "siblings_of",
 ]
 
 MOST_ODD = 2
@@ -64,14 +65,6 @@ def series_among(paths: Sequence[Path], *, progress: Progress) -> tuple[list[Ser
         # the same file may be given twice
         files |= dict.fromkeys(_files_below(path) if path.is_dir() else [path])
     return _series_of(list(files), called_of(paths), progress)
-
-
-def called_of(paths: Sequence[Path]) -> Path:
-    """Returns what messages call several files: the folder that all of them are in."""
-    if len(paths) == 1:
-        return paths[0]
-    folders = (path if path.is_dir() else path.parent for path in paths)
-    return Path(os.path.commonpath([folder.absolute() for folder in folders]))
 
 
 def _series_of(
@@ -133,7 +126,7 @@ def choose_series(
             ]
         raise SeriesChoiceError(
             f"{folder} holds {len(chosen) or 'no'} series {wanted!r}; "
-            f"allowed with --series: a number, UID or description of {listed}"
+            f"allowed with `series=NAME`: a number, UID or description of {listed}"
         )
 
     # a scout of one or two slices or a dose beside a scan leaves no doubt which one is meant
@@ -141,7 +134,8 @@ def choose_series(
     volumes = [series for series in scans if series.slices > MOST_ODD]
     if len(scans) > 1 and len(volumes) != 1:
         raise SeriesChoiceError(
-            f"{folder} holds {len(found)} series; choose one with --series NUMBER or UID: {listed}"
+            f"{folder} holds {len(found)} series; choose one with `series=NUMBER` or its UID: "
+            f"{listed}"
         )
     chosen_one = volumes[0] if volumes else scans[0]
     left_out = [
@@ -150,6 +144,19 @@ def choose_series(
         if series is not chosen_one
     ]
     return chosen_one, left_out
+
+
+def siblings_of(chosen: Series, found: Sequence[Series]) -> Siblings | None:
+    """Returns the volumes of a series, as numbers of a list; None of one that is alone."""
+    numbers = [
+        number
+        for number, one in enumerate(found, 1)
+        if one.volume_of is not None and one.volume_of == chosen.volume_of
+    ]
+    if len(numbers) < 2:
+        return None
+    place = next(number for number, one in enumerate(found, 1) if one is chosen)
+    return Siblings("series", tuple(map(str, numbers)), numbers.index(place) + 1)
 
 
 def _files_told(series: Series) -> str:

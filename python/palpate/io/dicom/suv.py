@@ -271,6 +271,11 @@ def _injection(tags: PetTags, start: datetime, half_life: float) -> tuple[dateti
             f"injection at {injected:%Y-%m-%d %H:%M:%S} does not fit the scan at "
             f"{start:%Y-%m-%d %H:%M:%S}"
         )
+    if waited < timedelta():
+        told.append(
+            f"injected {-waited.total_seconds():.0f} s after the scan began: values and dose are "
+            "those at its beginning, by the half-life"
+        )
     return injected, told
 
 

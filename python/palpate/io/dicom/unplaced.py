@@ -48,9 +48,7 @@ def grid_unplaced(headers: Sequence[Header], order: str) -> Grid:
     if step is None:
         step = thickness or (1.0,)
         assumed.append(f"slices {step[0]:g} mm apart")
-    placed = all(frame.position and frame.orientation for one in headers for frame in one.frames)
-    missing = "pixel spacing, so that their positions are not used" if placed else "positions"
-    told = f"the files tell no {missing}: {order}"
+    told = f"the files tell no positions: {order}"
     if assumed:
         told += f"; {' and '.join(assumed)} are assumed"
     rows, columns = pixel or (1.0, 1.0)

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from palpate.base.counted import counted
 from palpate.base.errors import VolumeFormatError
 from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import file_values
@@ -47,7 +48,8 @@ def left_out(bad: Sequence[tuple[Header, str]], among: int) -> str:
     """Says which slices are left out, and why."""
     named = ", ".join(f"{header.path.name} ({why})" for header, why in bad[:MOST_NAMED])
     more = f" and {len(bad) - MOST_NAMED} more" if len(bad) > MOST_NAMED else ""
-    return f"{len(bad)} of {among} slices are bad and were left out: {named}{more}"
+    some = counted(len(bad), "slices is bad and was", "slices are bad and were", of=among)
+    return f"{some} left out: {named}{more}"
 
 
 # --- bad slices -----------------------------------------------------------------------------
@@ -65,9 +67,9 @@ def _without_bad(what: str, series: Series) -> tuple[Series, list[str]]:
         return replace(series, headers=kept), [left_out(bad, len(series.headers))]
     short = [header.path.name for header, why in bad if why == CUT]
     if short:
+        some = counted(len(short), "file is shorter than its", "files are shorter than their")
         raise VolumeFormatError(
-            f"{what} is truncated: {len(short)} files are shorter than their image, such as "
-            f"{short[0]}; allowed: complete files"
+            f"{what} is truncated: {some} image, such as {short[0]}; allowed: complete files"
         )
     return series, []
 
@@ -114,10 +116,10 @@ def _without_doubles(what: str, series: Series) -> tuple[Series, list[str]]:
         doubles.append(header)
     said = []
     if doubles:
-        said.append(
-            f"{len(doubles)} files are copies of others and were left out, such as "
-            f"{doubles[0].path.name}"
+        some = counted(
+            len(doubles), "file is a copy of another and was", "files are copies of others and were"
         )
+        said.append(f"{some} left out, such as {doubles[0].path.name}")
     uids = Counter(header.instance for header in kept.values() if header.instance)
     shared = sum(count for count in uids.values() if count > 1)
     if shared:

@@ -6,7 +6,6 @@ No sentence here repeats what a server says: it may name patients.
 from __future__ import annotations
 
 import logging
-import struct
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 from threading import Event, Lock, local
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from palpate.base.damaged_file import BROKEN
 from palpate.base.errors import DicomWebError, PalpateError
 from palpate.io.dicomweb.address import WebAddress
 
@@ -168,9 +168,8 @@ def _trouble_told(address: WebAddress) -> Iterator[None]:
     except requests.ConnectionError:
         raise DicomWebError(f"no server answers at {address}; {SERVICE}") from None
     except (
-        ArithmeticError, AttributeError, EOFError, LookupError, RuntimeError, TypeError,
-        ValueError, struct.error, requests.RequestException, urllib3.exceptions.HTTPError,
-        BytesLengthException, InvalidDicomError,
+        *BROKEN, requests.RequestException, urllib3.exceptions.HTTPError, BytesLengthException,
+        InvalidDicomError,
     ):  # fmt: skip
         raise DicomWebError(
             f"the server at {address} answers, but not as DICOMweb; {SERVICE}"

@@ -142,8 +142,8 @@ def choose_remote(
         return named[0]
     asked = f"{len(named) or 'no'} series" + ("" if wanted is None else f" {wanted!r}")
     raise SeriesChoiceError(
-        f"the server at {address} has {asked}; allowed: one, with --series UID, description or "
-        "number in the list"
+        f"the server at {address} has {asked}; allowed: one, with `series=UID`, its description or "
+        "its number in the list"
     )
 
 

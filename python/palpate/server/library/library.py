@@ -25,10 +25,12 @@ from palpate.server.library.opening import Opener
 from palpate.server.library.requests import (
     LayoutRequest,
     OpenRequest,
+    PicturesRequest,
     Place,
     ReconstructRequest,
     SearchRequest,
     SegmentsRequest,
+    VolumeRequest,
     path_of,
 )
 from palpate.server.library.search_results import SearchResults
@@ -78,7 +80,9 @@ class Library:
                     ("/", "GET", self._about),
                     ("/coming", "POST", self._loading),
                     ("/find", "POST", self._search),
+                    ("/pictures", "POST", self._pictures),
                     ("/open", "POST", self._open),
+                    ("/volume", "POST", self._volume),
                     ("/layout", "POST", self._layout),
                     ("/reconstruct", "POST", self._reconstruct),
                     ("/reconstruct/grid", "POST", self._grid),
@@ -164,6 +168,14 @@ class Library:
             )
         )
 
+    async def _pictures(self, request: Request) -> ASGIApp:
+        wanted = await json_body(request, PicturesRequest)
+        return Job(
+            lambda progress, emit: self._results.emit_pictures(
+                wanted.find, wanted.choices, progress=progress, emit=emit
+            )
+        )
+
     async def _open(self, request: Request) -> ASGIApp:
         self._check_free()
         wanted = await json_body(request, OpenRequest)
@@ -173,6 +185,12 @@ class Library:
                 place, beside=wanted.beside, progress=progress, emit=emit
             )
         )
+
+    async def _volume(self, request: Request) -> ASGIApp:
+        self._check_free()
+        wanted = await json_body(request, VolumeRequest)
+        change = self._opener.reread_second if wanted.beside else self._opener.reread
+        return Job(lambda progress, _: change(wanted, progress))
 
     def _check_free(self) -> None:
         if self._workbench.fixed:

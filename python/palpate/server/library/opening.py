@@ -14,23 +14,24 @@ from anyio import from_thread
 
 from palpate.base.errors import OptionError, PalpateError, SceneFormatError, SeriesChoiceError
 from palpate.base.progress import Progress
-from palpate.io.reading import read
-from palpate.labels.labels import Labels, read_labels
+from palpate.io.reading import read, read_again, read_sibling
+from palpate.labels.labels import read_labels
 from palpate.saved.autosave import autosave_of, note_scene
-from palpate.saved.opening import Opening, is_scene, opening, opening_of
+from palpate.saved.ending import is_scene
+from palpate.saved.opening import Opening, opening, opening_of
 from palpate.saved.recent import note_recent
+from palpate.server.added_labels import add_labels
 from palpate.server.job import Emit
-from palpate.server.library.requests import Place
+from palpate.server.library.requests import Place, VolumeRequest
 from palpate.server.library.search_results import SearchResults
 from palpate.server.library.upload import Uploads
-from palpate.server.live import Live
 from palpate.server.open_scan import OpenScan
+from palpate.server.page_words import page_words
 from palpate.server.workbench import Workbench
-from palpate.volumes.scene import MOST_SEGMENTS
-from palpate.volumes.second_scan import placed
+from palpate.volumes.second_scan import SecondScan, placed
 from palpate.volumes.volume import Volume
 
-__all__ = ["Opener", "add_labels"]
+__all__ = ["Opener"]
 
 PASSING = "its files are a copy that goes when it is closed: a saved scene has the scan in it"
 """Warning of a scan that was uploaded, or came from a server."""
@@ -99,7 +100,12 @@ class Opener:
         if place.upload is not None:
             # its files may be those of a scan by now
             self._uploads.of(place.upload)
-        opened = _read(place, progress)
+        self._replace(_read(place, progress), place, fetched=fetched, progress=progress)
+
+    def _replace(
+        self, opened: Opening, place: Place, *, fetched: Files | None, progress: Progress
+    ) -> None:
+        """Shows a scene that was read in place of the one that is open."""
         # from here on it cannot be taken back
         progress("starting", None)
         for sentence in opened.messages:
@@ -108,7 +114,7 @@ class Opener:
         try:
             from_thread.run(self._workbench.exchange, lambda: self._begin(opened, place, fetched))
         except (PalpateError, OSError, RuntimeError) as error:
-            self._workbench.notify(f"The scan was not opened: {error}")
+            self._workbench.notify(f"The scan was not opened: {page_words(str(error))}")
             raise
 
     def _begin(self, read: Opening, place: Place, fetched: Files | None) -> OpenScan:
@@ -130,6 +136,41 @@ class Opener:
         if read.saved is not None:
             note_scene(read.saved.scan, place.path, passing=place.upload is not None)
         return opened
+
+    def reread(self, wanted: VolumeRequest, progress: Progress) -> None:
+        """Shows the open scan as it is wanted in its place.
+
+        Raises:
+            PalpateError: It cannot be read like that.
+        """
+        opened = self._opened()
+        volume = opened.session.scene.volume
+        other = _reread(volume, wanted, progress)
+        place = Place(Path(), given=volume.traits.given)
+        # files that go with a scan are those of the new one too
+        files, opened.files = opened.files, None
+        with ExitStack() as unless_shown:
+            if files is not None:
+                unless_shown.callback(files.cleanup)
+            self._replace(opening_of(other), place, fetched=files, progress=progress)
+            unless_shown.pop_all()
+
+    def reread_second(self, wanted: VolumeRequest, progress: Progress) -> None:
+        """Shows the second scan as it is wanted in its place.
+
+        Raises:
+            PalpateError: It cannot be read like that.
+        """
+        opened = self._opened()
+        second = opened.session.scene.second
+        if second is None:
+            raise OptionError("there is no second scan; allowed: add one first")
+        if second.before_resampling is not None:
+            raise OptionError(
+                "the second scan is deformed by a transform; allowed: after it is laid as it was"
+            )
+        volume = _reread(second.volume, wanted, progress)
+        opened.show_second(SecondScan(volume, second.second_from_first))
 
     def _add(self, place: Place, fetched: Files | None, progress: Progress) -> None:
         """Shows a scan with the one that is open."""
@@ -173,27 +214,6 @@ class Opener:
         return opened
 
 
-def add_labels(live: Live, found: Labels) -> None:
-    """Adds segments to a session, and notifies all pages; for any thread.
-
-    Raises:
-        OptionError: They are too many.
-    """
-    room, count = MOST_SEGMENTS - len(live.session.segments()), len(found.labels)
-    if count > room:
-        raise OptionError(f"{count} segments given; allowed: {room} more")
-    for label in found.labels:
-        live.segments.add(label.segment, colour=label.colour)
-    for warning in found.warnings:
-        live.notify("warning", f"{warning[:1].upper()}{warning[1:]}.")
-    one = count == 1
-    live.notify(
-        "info",
-        f"{'One segment was' if one else f'{count} segments were'} added: "
-        f"undo takes {'it back' if one else 'them back one by one'}.",
-    )
-
-
 def _read(place: Place, progress: Progress) -> Opening:
     """Reads what is at a place, or makes it."""
     if place.make is not None:
@@ -208,6 +228,15 @@ def _read(place: Place, progress: Progress) -> Opening:
         voxel_size=place.voxel_size,
         progress=progress,
     )
+
+
+def _reread(volume: Volume, wanted: VolumeRequest, progress: Progress) -> Volume:
+    """Reads a scan again."""
+    if wanted.number is not None:
+        return read_sibling(volume, wanted.number, progress=progress)
+    told = {"unit": wanted.unit, "orientation": wanted.orientation}
+    changes = {name: value for name, value in told.items() if value is not None}
+    return read_again(volume, changes, progress=progress)
 
 
 def _read_volume(place: Place, progress: Progress) -> Volume:

@@ -19,10 +19,12 @@ from palpate.volumes.volume import Volume
 __all__ = [
     "LayoutRequest",
     "OpenRequest",
+    "PicturesRequest",
     "Place",
     "ReconstructRequest",
     "SearchRequest",
     "SegmentsRequest",
+    "VolumeRequest",
     "path_of",
 ]
 
@@ -35,6 +37,13 @@ class SearchRequest(msgspec.Struct, frozen=True):
     upload: int | None = None
     taken_as: Literal["anything", "scan", "projections"] = "anything"
     """What it is; as anything, what looks like projections or segments is taken as such."""
+
+
+class PicturesRequest(msgspec.Struct, frozen=True):
+    """Scans of a search result whose pictures are wanted."""
+
+    find: int
+    choices: list[int]
 
 
 class OpenRequest(msgspec.Struct, frozen=True):
@@ -52,6 +61,18 @@ class OpenRequest(msgspec.Struct, frozen=True):
     """Where the files do not have it [mm]."""
     beside: bool = False
     """Whether it is shown with the open scan, and not in its place."""
+
+
+class VolumeRequest(msgspec.Struct, frozen=True):
+    """The open scan read again: another volume of its file, or with what its file does not tell."""
+
+    number: int | None = None
+    """Of another volume of its file or series, such as another time, from 1."""
+    unit: Literal["HU"] | None = None
+    orientation: str | None = None
+    """Both as ``palpate.read`` takes them."""
+    beside: bool = False
+    """Whether the second scan is meant."""
 
 
 class SegmentsRequest(msgspec.Struct, frozen=True):

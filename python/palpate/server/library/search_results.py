@@ -7,23 +7,26 @@ DICOMweb service. The newest results are kept.
 from __future__ import annotations
 
 from base64 import b64encode
-from contextlib import AbstractContextManager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 from typing import NoReturn
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
-from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.base.progress import Progress
-from palpate.io.browse import Choice, browsed, previews
+from palpate.io.browse import Choice, browsed, late_picture, previews
 from palpate.io.browse_web import MOST_PICTURED, browsed_web
 from palpate.io.preview import png_of
 from palpate.labels.kind import labels_told
 from palpate.reconstruction.projections import ProjectionStack, are_projections, stack_at
 from palpate.saved.autosave import Autosave
-from palpate.saved.opening import is_scene
+from palpate.saved.ending import is_scene
 from palpate.server.job import Emit
 from palpate.server.library.conversions import (
     Headerless,
@@ -33,11 +36,13 @@ from palpate.server.library.conversions import (
     projections_summary,
 )
 from palpate.server.library.requests import OpenRequest, Place, path_of
+from palpate.server.page_words import page_words
 
 __all__ = ["SearchResults"]
 
 MOST_RESULTS = 8
 """Results that are kept."""
+GONE = "that list is gone; allowed: look for scans again"
 
 
 class ListedScan(msgspec.Struct, frozen=True):
@@ -54,6 +59,8 @@ class ListedScan(msgspec.Struct, frozen=True):
     refused: str | None
     labels: str | None
     """What it is where it holds segments and no scan, such as "a label map"."""
+    late: bool
+    """Whether its picture only comes when the page asks for it."""
 
 
 @dataclass(frozen=True)
@@ -161,8 +168,25 @@ class SearchResults:
             # a single one needs no choice
             for number, picture in previews(choices[:pictured]) if len(choices) > 1 else ():
                 progress("drawing slices", None)
-                png = b64encode(png_of(picture)).decode("ascii")
-                emit({"kind": "picture", "choice": number, "png": png})
+                _emit_picture(number, picture, emit)
+
+    def emit_pictures(
+        self, find: int, choices: Sequence[int], *, progress: Progress, emit: Emit
+    ) -> None:
+        """Emits pictures of choices of a find, as they are made; none of those that fail.
+
+        Raises:
+            OptionError: The find is gone, or has no such choice.
+        """
+        found = self._results.get(find)
+        if found is None or not all(0 <= each < len(found.choices) for each in choices):
+            raise OptionError(GONE)
+        for number in choices:
+            choice = found.choices[number]
+            progress("drawing slices", None)
+            if choice.late:
+                with suppress(PalpateError, OSError):
+                    _emit_picture(number, late_picture(choice, progress=progress), emit)
 
     def _keep(self, result: SearchResult) -> int:
         number = next(self._numbers)
@@ -227,7 +251,7 @@ class SearchResults:
         if find is not None and find.autosave is not None:
             return Place(find.autosave.path, autosave=find.autosave)
         if find is None or not 0 <= wanted.choice < len(find.choices):
-            raise OptionError("that list is gone; allowed: look for scans again")
+            raise OptionError(GONE)
         choice = find.choices[wanted.choice]
         if choice.refused is not None:
             raise OptionError(choice.refused)
@@ -262,9 +286,15 @@ def _listed(choice: Choice, labels: str | None) -> ListedScan:
         modality=choice.modality,
         size=choice.size,
         spacing=choice.spacing,
-        refused=choice.refused,
+        refused=None if choice.refused is None else page_words(choice.refused),
         labels=labels,
+        late=choice.late,
     )
+
+
+def _emit_picture(choice: int, picture: NDArray[np.uint8], emit: Emit) -> None:
+    png = b64encode(png_of(picture)).decode("ascii")
+    emit({"kind": "picture", "choice": choice, "png": png})
 
 
 def _headerless_file(path: Path) -> Headerless | None:

@@ -6,6 +6,7 @@ from palpate import protocol
 from palpate.base.package_version import package_version
 from palpate.segmentation.threshold_presets import PRESETS
 from palpate.server.messages.soft_tissue import models, presets
+from palpate.server.page_words import page_words
 from palpate.session.session import Session
 from palpate.volumes.volume import Volume
 
@@ -54,9 +55,19 @@ def scan_of(volume: Volume) -> protocol.Scan:
         soft_tissue=volume.anchors.soft_tissue,
         bone=volume.anchors.bone,
         presets=_presets(volume),
+        volume=_place_of(volume),
+        rereadable=volume.source is not None,
         orientation_known=volume.traits.orientation_known,
-        warnings=list(volume.warnings),
+        warnings=[page_words(warning) for warning in volume.warnings],
     )
+
+
+def _place_of(volume: Volume) -> tuple[int, int] | None:
+    """Returns which of how many volumes a scan is, where others can be read from its place."""
+    siblings = volume.traits.siblings
+    if siblings is None or volume.source is None:
+        return None
+    return siblings.number, len(siblings.keys)
 
 
 def _presets(volume: Volume) -> list[protocol.ThresholdPreset]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import msgspec
 
 from palpate.protocol import Changed, GridPlace, Notice, State, ToPage, encode_to_page
+from palpate.server.page_words import page_words
 
 __all__ = ["Box", "Missed", "Outbox"]
 
@@ -95,7 +96,9 @@ class Outbox:
         elif isinstance(message, Notice):
             notices = sum(isinstance(waiting, Notice) for waiting in self._messages)
             if notices < MOST_NOTICES:
-                self._messages.append(message)
+                self._messages.append(
+                    msgspec.structs.replace(message, text=page_words(message.text))
+                )
         elif isinstance(message, Changed):
             self._put_changed(message)
         else:

@@ -19,9 +19,10 @@ from starlette.responses import Response
 
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
-from palpate.base.simpleitk import simpleitk
 from palpate.export.image import write_scan
+from palpate.registration.inverse import inverse_of
 from palpate.registration.options import Curve, Pairs, Points, SearchOptions, Start
+from palpate.registration.point_map import linear_part, matrix_of
 from palpate.registration.registration import (
     Registration,
     RegistrationError,
@@ -74,7 +75,8 @@ class Place:
 class FileRequest(msgspec.Struct, frozen=True):
     """What a page asks to save: where the second scan lies, or its values on the first's grid."""
 
-    what: Literal["transform", "scan"]
+    what: Literal["transform", "inverse", "scan"]
+    """The inverse is from points of the second scan to those of the first."""
     ending: Literal[".nii.gz", ".nrrd"] = ".nii.gz"
 
 
@@ -255,10 +257,17 @@ class RegistrationMessages:
 
     def _write(self, wanted: FileRequest, folder: Path) -> tuple[Path, list[str]]:
         here, first = self._here, self._session.scene.volume
-        ending = ".tfm" if wanted.what == "transform" else wanted.ending
-        path = folder / f"{file_name(here.volume.title)}-to-{file_name(first.title)}{ending}"
+        ending = wanted.ending if wanted.what == "scan" else ".tfm"
+        names = file_name(here.volume.title), file_name(first.title)
+        one, other = reversed(names) if wanted.what == "inverse" else names
+        path = folder / f"{one}-to-{other}{ending}"
         if wanted.what == "transform":
             write_transform(here.transform, path)
+        elif wanted.what == "inverse":
+            inverse = inverse_of(here.transform, here.volume)
+            write_transform(inverse.transform, path)
+            if not inverse.exact:
+                return path, [inverse.sentence]
         else:
             write_scan(resampled(here.volume, first, here.transform), path)
         return path, []
@@ -275,11 +284,8 @@ def _start_of(wanted: protocol.Register, here: Place) -> tuple[Start | Points, P
 
 
 def _as_opened(second: SecondScan) -> Place:
-    matrix = second.second_from_first
-    transform = simpleitk().AffineTransform(3)
-    transform.SetMatrix(matrix[:3, :3].ravel().tolist())
-    transform.SetTranslation(matrix[:3, 3].tolist())
-    return Place(second.volume, transform, matrix, second, None)
+    transform = second.transform
+    return Place(second.as_read, transform, matrix_of(linear_part(transform)), second, None)
 
 
 def _place_of(found: Registration, volume: Volume, first: Volume) -> Place:
@@ -289,7 +295,9 @@ def _place_of(found: Registration, volume: Volume, first: Volume) -> Place:
         metric=found.metric,
         before=found.before,
         after=found.after,
+        overlap_before=found.overlap_before,
         overlap=found.overlap,
+        start_kept=found.start_kept,
         moved_mean=float(moved.mean()),
         moved_most=float(moved.max()),
     )

@@ -14,6 +14,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from palpate import protocol
+from palpate.base.errors import OptionError
 from palpate.server.messages.soft_tissue import material_of, regions_of
 from palpate.server.voxel_data import labels_of
 from palpate.session.appearance import (
@@ -119,6 +120,22 @@ class SegmentList:
     def name_of(self, segment_id: int) -> str:
         """Returns what pages call a segment."""
         return self._appearance_of(segment_id).name
+
+    def look_of(self, segment_id: int) -> SegmentAppearance:
+        """Returns how pages show a segment."""
+        return self._appearance_of(segment_id)
+
+    def place_of(self, segment_id: int) -> int:
+        """Returns where a segment stands among all, from 0 on.
+
+        Raises:
+            OptionError: There is none of this number.
+        """
+        ids = [state["id"] for state in self._session.segments()]
+        if segment_id not in ids:
+            allowed = ", ".join(map(str, ids)) or "none: there are no segments"
+            raise OptionError(f"segment {segment_id} given; allowed: {allowed}")
+        return ids.index(segment_id)
 
     def scene(self, values: NDArray[np.int16]) -> tuple[Scene, list[str]]:
         """Returns the scan with such stored values and its segments as they are now, for files.

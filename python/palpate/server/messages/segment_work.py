@@ -26,6 +26,7 @@ from palpate.segmentation.operations import (
 )
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.table import MessageTable, Runs
+from palpate.server.page_words import page_words
 from palpate.session.session import Session
 from palpate.volumes.segment import Segment
 
@@ -137,7 +138,9 @@ class SegmentWork:
         except StoppedError:
             self._publish(protocol.Notice(level="info", text="Stopped: nothing was changed."))
         except (PalpateError, RuntimeError, MemoryError) as error:
-            self._publish(protocol.Notice(level="error", text=str(error) or "not enough memory"))
+            self._publish(
+                protocol.Notice(level="error", text=page_words(str(error)) or "not enough memory")
+            )
         finally:
             self._publish(protocol.SegmentWork(None))
 
@@ -183,6 +186,8 @@ class SegmentWork:
             self._check_unmoved(wanted.id, wanted.other)
         after = changed_shape(before, wanted.kind, amount=wanted.amount, other=other)
         progress(f"changing the shape of {before.name}", None)
+        for sentence in after.warnings:
+            self._publish(protocol.Notice(level="warning", text=f"{before.name}: {sentence}."))
         old = before.mask()
         if np.array_equal(old, after.mask()):
             self._publish(

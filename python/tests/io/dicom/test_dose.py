@@ -121,7 +121,7 @@ def test_uneven_planes_are_laid_on_a_right_grid_and_told(tmp_path: Path) -> None
     path = write_dose(tmp_path / "dose.dcm", GRAY, offsets=[0.0, 2.5, 5.0, 10.0, 12.5])
     volume = palpate.read(path)
     assert volume.dimensions == (6, 4, 6)
-    assert "slices are missing" in volume.warnings[0]
+    assert "1 slice is missing" in volume.warnings[0]
     between = volume.slope * volume.array[3] + volume.intercept
     np.testing.assert_allclose(between, (GRAY[2] + GRAY[3]) / 2, atol=1e-3)
 

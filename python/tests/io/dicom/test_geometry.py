@@ -49,7 +49,7 @@ def test_missing_slices_are_filled_between_their_neighbours_and_told(write_serie
     volume = palpate.read(write_series(positions=positions))
     assert volume.dimensions == (4, 3, 6)
     assert volume.spacing == (0.75, 0.5, 2.5)
-    assert "1 slices are missing, after number 3" in volume.warnings[0]
+    assert "1 slice is missing, after number 3" in volume.warnings[0]
     np.testing.assert_array_equal(
         volume.array[:, 0, 0] + 1024, [0.0, 100.0, 200.0, 250.0, 300.0, 400.0]
     )

@@ -90,7 +90,7 @@ def test_files_that_a_dicomdir_lists_and_that_are_missing_are_told(
     last = sorted(media.rglob("IM*"))[-1]
     last.unlink()
     warnings = palpate.read(media / "DICOMDIR").warnings
-    assert f"1 files are missing and were left out, such as {last.name}" in warnings
+    assert f"1 file is missing and was left out, such as {last.name}" in warnings
     shutil.rmtree(media / "PT000000")
     with pytest.raises(VolumeFormatError, match=r"0 of \d+ files found below.*allowed"):
         palpate.read(media / "DICOMDIR")

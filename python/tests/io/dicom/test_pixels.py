@@ -129,7 +129,7 @@ def test_damaged_compressed_slices_are_left_out_or_refused_by_name(
         (tmp_path / f"{number}.dcm").write_bytes(
             content[: len(content) // (2 if number == 2 else 1)]
         )
-    assert "1 of 4 slices are bad and were left out: 2.dcm (not to be decoded)" in (
+    assert "1 of 4 slices is bad and was left out: 2.dcm (not to be decoded)" in (
         palpate.read(tmp_path).warnings
     )
     content = (tmp_path / "1.dcm").read_bytes()

@@ -75,7 +75,7 @@ def test_several_series_are_listed_and_one_can_be_chosen(write_series: Any) -> N
     write_series(uid="1.2.3", description="soft", prefix="a")
     folder = write_series(uid="1.2.4", description="lung", prefix="b", positions=UPRIGHT[:3])
     message = refused(folder)
-    assert "holds 2 series; choose one with --series" in message
+    assert "holds 2 series; choose one with `series=" in message
     assert "[1] 1.2.3 'soft' CT, 4 of 4 x 3" in message
     assert "[2] 1.2.4 'lung' CT, 3 of 4 x 3" in message
     for chosen in ("1.2.4", "lung", "2"):
@@ -124,7 +124,7 @@ def test_copies_of_slices_are_left_out_and_told(write_series: Any) -> None:
     (folder / "copy").write_bytes(path.read_bytes())
     volume = palpate.read(folder)
     assert volume.dimensions == (4, 3, 4)
-    assert "1 files are copies of others and were left out, such as copy" in volume.warnings
+    assert "1 file is a copy of another and was left out, such as copy" in volume.warnings
 
 
 def test_an_empty_series_uid_is_told_apart_by_geometry(write_series: Any) -> None:
@@ -235,8 +235,8 @@ def test_a_damaged_header_is_told_and_its_slice_is_missing(write_series: Any) ->
     place = content.index(bytes.fromhex("28001100"))
     path.write_bytes(content[: place + 4] + b"ZZ" + content[place + 6 :])
     volume = palpate.read(folder)
-    assert f"1 files are damaged and were left out, such as {path.name}" in volume.warnings
-    assert any("1 slices are missing, after number 2" in warning for warning in volume.warnings)
+    assert f"1 file is damaged and was left out, such as {path.name}" in volume.warnings
+    assert any("1 slice is missing, after number 2" in warning for warning in volume.warnings)
     with pytest.raises(
         VolumeFormatError, match=r"is damaged, or DICOM of an unknown kind .*allowed"
     ):

@@ -174,4 +174,4 @@ def test_a_table_that_is_cut_off_is_told(write_series: Any) -> None:
 
     volume = palpate.read(write_series(each=change))
     assert volume.dimensions == (4, 3, 3)
-    assert any("1 files are damaged" in warning for warning in volume.warnings)
+    assert any("1 file is damaged and was left out" in warning for warning in volume.warnings)

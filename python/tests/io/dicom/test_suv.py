@@ -220,7 +220,8 @@ def test_an_injection_into_a_running_scan_is_no_day_before(pet: Any) -> None:
     # 109 min 46.2 s after: the dose at the start would be twice as much
     item = {"RadiopharmaceuticalStartTime": "103031.2", "RadiopharmaceuticalStartDateTime": None}
     left = 2.0 ** (600.0 / 6586.2)
-    check(pet(item=item), "SUVbw", 74.0 * 1000.0 / (370e6 * left))
+    said = "injected 600 s after the scan began"
+    check(pet(item=item), "SUVbw", 74.0 * 1000.0 / (370e6 * left), said)
 
 
 def test_a_long_lived_nuclide_needs_the_day_of_injection(pet: Any) -> None:

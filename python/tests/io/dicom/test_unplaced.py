@@ -39,13 +39,18 @@ def order_of(folder: Path) -> list[int]:
     return [int(value) // 100 for value in values_of(palpate.read(folder))[:, 0, 0] + 1024]
 
 
-def test_positions_without_a_pixel_spacing_are_not_said_to_be_missing(write_series: Any) -> None:
+def test_positions_count_without_a_pixel_spacing(write_series: Any) -> None:
     def change(number: int, dataset: FileDataset) -> None:
-        dataset.InstanceNumber = number
+        # against the positions
+        dataset.InstanceNumber = 90 - number
         del dataset.PixelSpacing
 
-    (told, *_) = palpate.read(write_series(each=change)).warnings
-    assert told.startswith("the files tell no pixel spacing, so that their positions are not used")
+    volume = palpate.read(write_series(each=change))
+    (told,) = volume.warnings
+    assert told == "the files tell no pixel spacing: pixels of 1 mm are assumed"
+    assert volume.spacing == (1.0, 1.0, 2.5)
+    assert volume.orientation == "LPS"
+    assert (np.diff(values_of(volume)[:, 0, 0]) > 0).all()
 
 
 def test_numbers_count_before_names(write_series: Any) -> None:

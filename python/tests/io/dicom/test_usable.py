@@ -36,11 +36,17 @@ def test_one_uid_for_all_slices_takes_none_away(data_folder: Path) -> None:
 
 
 @pytest.mark.data
-@pytest.mark.parametrize(("kind", "copies"), [("one", 1), ("twice", 12)])
-def test_doubles_of_slices_are_left_out_and_told(data_folder: Path, kind: str, copies: int) -> None:
+@pytest.mark.parametrize(
+    ("kind", "copies"),
+    [
+        ("one", "1 file is a copy of another and was"),
+        ("twice", "12 files are copies of others and were"),
+    ],
+)
+def test_doubles_of_slices_are_left_out_and_told(data_folder: Path, kind: str, copies: str) -> None:
     volume = palpate.read(case(data_folder, 29) / kind)
     assert (marker(volume), volume.dimensions[2]) == ([5.0, 6.0, 20.0], 12)
-    assert said(volume, f"{copies} files are copies of others and were left out, such as ")
+    assert said(volume, f"{copies} left out, such as ")
 
 
 @pytest.mark.parametrize("uid", ["same", "other"])
@@ -127,7 +133,7 @@ def test_one_bad_slice_is_left_out_by_name_and_its_gap_filled(write_series: Any,
         # values rise evenly from slice to slice, so that the gap is filled as it was
         np.testing.assert_array_equal(values_of(volume), expected)
         assert any("left out" in told and name in told for told in volume.warnings)
-        assert said(volume, "1 slices are missing, after number 5")
+        assert said(volume, "1 slice is missing, after number 5")
 
 
 @pytest.mark.parametrize("kind", ["truncated", "pixels", "spacing"])

@@ -397,5 +397,5 @@ def test_one_of_several_has_to_be_named() -> None:
     for wanted in ("1.6", "d6", "2"):
         assert choose_remote(address, two, wanted) is two[1]
     for wrong in (None, "3", "d"):
-        with pytest.raises(SeriesChoiceError, match="allowed: one, with --series"):
+        with pytest.raises(SeriesChoiceError, match="allowed: one, with `series="):
             choose_remote(address, two, wrong)

@@ -52,6 +52,7 @@ def test_a_folders_series_are_listed_with_pictures_and_what_cannot_be_opened(
         "spacing": [0.75, 0.5, 2.5],
         "refused": None,
         "labels": None,
+        "late": False,
     }
     assert scans["scout"]["refused"].startswith("it is a 2-D image")
     drawn = {found["scans"][each["choice"]]["name"]: each["png"] for each in pictures}

@@ -15,6 +15,7 @@ from palpate import SearchOptions
 from palpate.server.messages import registration as server_registration
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan
+from palpate.volumes.second_scan import placed as laid
 from palpate.volumes.volume import Volume
 from running_server import PATIENCE, RunningServer, running, write_page
 
@@ -139,6 +140,45 @@ def test_a_bent_one_is_shown_as_a_resampled_scan(
         assert wrong[5:-5, 5:-5, 5:-5].mean() < 30.0
         transform = asked(blobs, what="transform").text
         assert "BSplineTransform" in transform
+
+
+def saved(server: RunningServer, what: str, folder: Path) -> Any:
+    """A transform that a page saves."""
+    (folder / f"{what}.tfm").write_bytes(asked(server, what=what).content)
+    return SimpleITK.ReadTransform(str(folder / f"{what}.tfm"))
+
+
+def test_the_share_that_is_covered_is_told_and_the_inverse_saved(
+    blobs: RunningServer, tmp_path: Path
+) -> None:
+    with blobs.page() as page:
+        page.receive("second_scan")
+        page.send(REGISTER)
+        found = ended(page, steps=1)["found"]
+        assert found["overlap_before"] == 1.0
+        assert not found["start_kept"]
+        there, back = saved(blobs, "transform", tmp_path), saved(blobs, "inverse", tmp_path)
+        again = back.TransformPoint(there.TransformPoint((36.0, 30.0, 36.0)))
+        np.testing.assert_allclose(again, (36.0, 30.0, 36.0), atol=1e-6)
+
+
+def test_a_bent_transform_of_a_file_is_what_is_saved(blobs: RunningServer, tmp_path: Path) -> None:
+    first, second = blobs.session.scene.volume, blobs.session.scene.second
+    assert second is not None
+    assert blobs.live is not None
+    bent = SimpleITK.BSplineTransform(3, 3)
+    bent.SetTransformDomainPhysicalDimensions([90.0, 90.0, 90.0])
+    bent.SetTransformDomainMeshSize([3, 3, 3])
+    numbers = np.random.default_rng(0).normal(0.0, 1.5, len(bent.GetParameters()))
+    bent.SetParameters(numbers.tolist())
+    blobs.live.show_second(laid(first, second.as_read, bent))
+    there, back = saved(blobs, "transform", tmp_path), saved(blobs, "inverse", tmp_path)
+    for point in np.random.default_rng(1).uniform(30.0, 50.0, (20, 3)).tolist():
+        place = there.TransformPoint(point)
+        np.testing.assert_allclose(place, bent.TransformPoint(point), atol=1e-6)
+        np.testing.assert_allclose(back.TransformPoint(place), point, atol=0.1)
+    notes = asked(blobs, what="inverse").headers["x-palpate-notes"]
+    assert "a%20field%20of%20displacements" in notes
 
 
 def test_pairs_of_points_begin_it(blobs: RunningServer) -> None:

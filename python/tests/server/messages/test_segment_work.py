@@ -90,6 +90,10 @@ def test_otsu_makes_segments_whose_range_can_be_changed(server: Any) -> None:
         (SHAPE | {"kind": "shrink", "amount": 50.0}, "nothing would be left of ball"),
         (SHAPE | {"kind": "unite", "amount": 0.0}, "no other segment given"),
         (SHAPE | {"id": 9, "kind": "grow", "amount": 1.0}, "9"),
+        (
+            SHAPE | {"kind": "grow", "amount": 0.5},
+            "ball: grow by 0.5 mm changes nothing along any axis",
+        ),
         (SHAPE | {"kind": "keep-largest", "amount": 1.0}, "Nothing of ball changes by that."),
     ],
 )

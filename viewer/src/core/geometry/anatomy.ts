@@ -35,8 +35,8 @@ export function sideName(letter: Letter, known: boolean): string {
 
 /** Said beside axes of the scan. */
 export const unknownOrientation =
-  "The file does not tell which sides of the body these are: x, y and z are the scan's own axes. --orientation " +
-  "gives it.";
+  "The file does not tell which sides of the body these are: x, y and z are the scan's own axes. The panel " +
+  "Scan takes its orientation.";
 
 /** Share of a direction below which its letter is left out, about 27 degrees. */
 const smallestShare = 0.45;

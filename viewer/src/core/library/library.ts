@@ -21,6 +21,8 @@ export interface ListedScan {
   readonly refused: string | null;
   /** What it is where it holds segments and no scan, such as "a label map". */
   readonly labels: string | null;
+  /** Whether its picture only comes when it is asked for. */
+  readonly late: boolean;
 }
 
 export interface RecentScan {

@@ -5,6 +5,9 @@ import type { Vec3 } from "../geometry/vector";
 
 export type Beam = "parallel" | "cone";
 
+/** Side of the patient at which the source is at angle 0. */
+export type Zero = "back" | "front";
+
 /** How projections were taken, and which scan is wanted of them; lengths in mm, angles in degrees. */
 export interface ReconstructionRequest {
   readonly beam: Beam;
@@ -16,6 +19,7 @@ export interface ReconstructionRequest {
   readonly offset: readonly [number, number];
   readonly source_to_axis: number;
   readonly source_to_detector: number;
+  readonly zero: Zero;
   /** Whether each image is one row of the detector at all angles. */
   readonly sinograms: boolean;
   /** What the detector counts without a patient; null where values are line integrals. */

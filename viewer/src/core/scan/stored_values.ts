@@ -47,9 +47,21 @@ export function biasedOf(value: number, { slope, intercept }: Rescale): number {
   return (value - intercept) / slope + bias;
 }
 
-/** A physical range as a rising biased range, also where the slope is negative. */
+/** Error of `slope · stored + intercept` as float32, relative to its parts. In sync with `stored_values.py`. */
+const floatError = 4 * 2 ** -23;
+
+/**
+ * A physical range as a rising biased range, also where the slope is negative. An end that is a stored value but for
+ * rounding is that.
+ */
 export function biasedRange(low: number, high: number, rescale: Rescale): readonly [number, number] {
-  const a = biasedOf(low, rescale);
-  const b = biasedOf(high, rescale);
+  const a = biasedLimit(low, rescale);
+  const b = biasedLimit(high, rescale);
   return a <= b ? [a, b] : [b, a];
+}
+
+function biasedLimit(value: number, rescale: Rescale): number {
+  const biased = biasedOf(value, rescale);
+  const error = (floatError * (Math.abs(value) + Math.abs(rescale.intercept))) / Math.abs(rescale.slope);
+  return Math.abs(biased - Math.round(biased)) <= Math.min(error, 0.01) ? Math.round(biased) : biased;
 }

@@ -108,13 +108,17 @@ export function saidOf({
   metric,
   before,
   after,
+  overlap_before,
   overlap,
+  start_kept,
   moved_mean,
   moved_most,
 }: FoundRegistration): readonly [string, string] {
   const name = metrics.find((choice) => choice.name === metric)?.label ?? metric;
   const change = `${capitalised(name)} ${number(before)} → ${number(after)}, less is better`;
-  const alike = `${change}; ${(100 * overlap).toFixed(0)} % covered.`;
+  const share = (part: number): string => `${(100 * part).toFixed(0)} %`;
+  const kept = start_kept ? " It lay right already and is kept." : "";
+  const alike = `${change}; ${share(overlap)} of the first scan covered, ${share(overlap_before)} at the start.${kept}`;
   return [alike, `Points moved by ${moved_mean.toFixed(1)} mm, at most ${moved_most.toFixed(1)} mm.`];
 }
 

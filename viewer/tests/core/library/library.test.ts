@@ -20,6 +20,7 @@ const scan: ListedScan = {
   spacing: [1, 1, 2],
   refused: null,
   labels: null,
+  late: false,
 };
 const about: About = {
   scan: null,

@@ -3,7 +3,8 @@ import { expect, test } from "vitest";
 import { withBeam, withVoxel, type ReconstructionRequest } from "../../../src/core/library/reconstruction";
 
 const request: ReconstructionRequest = {
-  beam: "cone", pixel: [1, 2], arc: 360, first_angle: 0, offset: [0, 0], source_to_axis: 1000, source_to_detector: 1536,
+  beam: "cone", pixel: [1, 2], arc: 360, first_angle: 0, zero: "back", offset: [0, 0],
+  source_to_axis: 1000, source_to_detector: 1536,
   sinograms: false, intensities: null, size: null, voxel: null, water: 0.02, hann: 0,
 };
 

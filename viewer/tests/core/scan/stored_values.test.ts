@@ -23,6 +23,18 @@ test("a range stays rising where the slope is negative", () => {
   expect(biasedRange(10, 20, { slope: -1, intercept: 0 })).toEqual([32748, 32758]);
 });
 
+test("an end of a range that is a stored value but for rounding is that", () => {
+  const tenth = Math.fround(0.1);
+  for (const rescale of [0.1, tenth, -0.1].map((slope) => ({ slope, intercept: 5 }))) {
+    for (let stored = -3000; stored <= 3000; stored += 7) {
+      const typed = Number((Math.sign(rescale.slope) * 0.1 * stored + 5).toFixed(1));
+      expect(biasedRange(typed, typed, rescale)).toEqual([32768 + stored, 32768 + stored]);
+    }
+  }
+  // between two of them it stays
+  expect(biasedRange(250.5, 300.25, { slope: 1, intercept: 0 })).toEqual([33018.5, 33068.25]);
+});
+
 test("values are read with two decimals, and small ones with the digits that stored ones tell", () => {
   expect(withoutNoise(-512.4999, { slope: 1 })).toBe(-512.5);
   expect(withoutNoise(1288.3400001, { slope: -2 })).toBe(1288.34);

@@ -50,12 +50,15 @@ test("what was found is said with units", () => {
     metric: "correlation",
     before: -0.41234,
     after: -0.98765,
-    overlap: 0.934,
+    overlap_before: 1,
+    overlap: 0.334,
+    start_kept: false,
     moved_mean: 34.86,
     moved_most: 51.04,
   } as const;
   expect(saidOf(found)).toEqual([
-    "Correlation −0.412 → −0.988, less is better; 93 % covered.",
+    "Correlation −0.412 → −0.988, less is better; 33 % of the first scan covered, 100 % at the start.",
     "Points moved by 34.9 mm, at most 51.0 mm.",
   ]);
+  expect(saidOf({ ...found, start_kept: true })[0]).toContain("It lay right already and is kept.");
 });

@@ -19,6 +19,7 @@ import {
   type RecentScan,
   type JobProgress,
 } from "../../../core/library/library";
+import { LatePictures } from "../../../core/library/late_pictures";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../../../core/library/reconstruction";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../../../live/library_requests";
@@ -26,6 +27,15 @@ import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../../.
 export interface Found {
   readonly find: number;
   readonly scans: readonly ListedScan[];
+}
+
+/** How an open scan is wanted: another volume of its file, or with what its file does not tell. */
+export interface Wanted {
+  /** From 1. */
+  readonly number?: number;
+  readonly unit?: "HU";
+  /** Such as "LPS". */
+  readonly orientation?: string;
 }
 
 export class Library {
@@ -66,6 +76,7 @@ export class Library {
   /** Whether a scan is being opened: another one cannot be chosen meanwhile. */
   opening = $state.raw(false);
 
+  private late: LatePictures | null = null;
   private asking: AbortController | null = null;
   private place: object = {};
 
@@ -162,11 +173,25 @@ export class Library {
   }
 
   private clear(): void {
+    this.late?.end();
+    this.late = null;
     this.found = null;
     this.projections = null;
     this.bare = null;
     this.labels = null;
     this.pictures = {};
+  }
+
+  /** Has the picture of a place in the list come, where it only comes when it is asked for. */
+  wantPicture(place: number): void {
+    if (this.found?.scans[place]?.late === true) {
+      this.late?.want(place);
+    }
+  }
+
+  /** The place is out of sight. */
+  leavePicture(place: number): void {
+    this.late?.leave(place);
   }
 
   async findAt(path: string): Promise<void> {
@@ -243,6 +268,24 @@ export class Library {
     await this.attempt((signal) => (listed ? this.exchange(this.place, signal) : this.find(this.place, signal, what)));
   }
 
+  /** Has the open scan, or the second one, read again as it is wanted. */
+  async reread(wanted: Wanted, { beside = false } = {}): Promise<void> {
+    await this.attempt(async (signal) => {
+      this.opening = true;
+      try {
+        await work("volume", { ...wanted, beside }, { token: this.token, signal }, this.take.bind(this));
+      } finally {
+        // else another one is being opened by now, or none
+        if (!signal.aborted) {
+          this.opening = false;
+        }
+      }
+      if (!beside) {
+        this.reload();
+      }
+    });
+  }
+
   async openRecent({ path, series, frame, raw, voxel_size }: RecentScan): Promise<void> {
     await this.attempt((signal) => this.exchange({ path, series, frame, raw, voxel_size }, signal));
   }
@@ -314,6 +357,15 @@ export class Library {
       case "found":
         this.found = line;
         this.pictures = {};
+        this.late?.end();
+        this.late = new LatePictures(
+          (choices, signal, told) =>
+            work("pictures", { find: line.find, choices }, { token: this.token, signal }, told),
+          (each) => {
+            // how far they are is of no interest
+            if (each.kind === "picture") this.take(each);
+          },
+        );
         // what is listed can be chosen while its pictures are on their way
         this.opening = false;
         break;

@@ -194,14 +194,19 @@ export class RegistrationControl implements StepOwner<Asked> {
 
   // --- files -------------------------------------------------------------------------------
 
-  /** Has the browser keep the transform as it stands, or the second scan on the first one's grid. */
-  async save(what: "transform" | "scan"): Promise<void> {
+  /** Has the browser keep the transform as it stands, its inverse, or the second scan on the first one's grid. */
+  async save(what: "transform" | "inverse" | "scan"): Promise<void> {
     if (this.saving) {
       return;
     }
     this.saving = true;
     try {
-      await fetchFile("/api/registration", this.outside.token, { what, ending: this.habits.ending }, what);
+      const wanted = { what, ending: this.habits.ending };
+      const headers = await fetchFile("/api/registration", this.outside.token, wanted, what);
+      const note = decodeURIComponent(headers.get("x-palpate-notes") ?? "");
+      if (note !== "") {
+        this.session.notify("warning", `${note.charAt(0).toUpperCase()}${note.slice(1)}.`);
+      }
     } catch (error) {
       this.session.notify("error", `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`);
     } finally {

@@ -23,7 +23,7 @@ import { KeepEqual } from "../../../core/base/keep_equal";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { firstWindow, type WindowLevel } from "../../../core/appearance/window_level";
 import type { ShownSecond } from "../../../gl/textures/second_texture";
-import { moveSecond, removeSecond } from "../../../live/second_requests";
+import { bringSegments, moveSecond, removeSecond } from "../../../live/second_requests";
 import { downloadVolume, type DownloadedScan } from "../../../live/volume_download";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
@@ -193,6 +193,11 @@ export class SecondControl {
   /** Lays it where a transform's file says; null: as its own file does. */
   async moveBy(transform: File | null): Promise<void> {
     await this.ask(moveSecond(this.outside.token, transform));
+  }
+
+  /** Brings segments that were drawn on it to the first scan, where it lies now. */
+  async bringSegments(file: File): Promise<void> {
+    await this.ask(bringSegments(this.outside.token, file));
   }
 
   async remove(): Promise<void> {

@@ -8,6 +8,7 @@ import type { GrowControl } from "./grow_control.svelte";
 import type { ObjectControl } from "./object_control.svelte";
 import type { SegmentAppearanceControl } from "./segment_appearance_control";
 import type { StatisticsControl } from "./statistics_control.svelte";
+import type { SurfaceExport } from "./surface_export.svelte";
 import type { ThresholdPreview } from "./threshold_preview.svelte";
 
 export interface SegmentControls {
@@ -25,6 +26,8 @@ export interface SegmentControls {
   readonly brush: BrushControl;
   /** The numbers of all segments. */
   readonly statistics: StatisticsControl;
+  /** Surfaces as files, and what they keep of the voxels. */
+  readonly surfaces: SurfaceExport;
 }
 
 /** How the voxels of each segment look inside the volume. */

@@ -1,0 +1,41 @@
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { Segment } from "../../../../src/core/protocol";
+import { SurfaceExport } from "../../../../src/ui/features/segments/surface_export.svelte";
+import { fetchFile } from "../../../../src/ui/state/download";
+import type { Session } from "../../../../src/ui/state/session.svelte";
+
+vi.mock("../../../../src/ui/state/download", () => ({ fetchFile: vi.fn() }));
+
+const bone = { id: 3, name: "bone" } as Segment;
+
+function made() {
+  const notices: [string, string][] = [];
+  const session = { notify: (level: string, text: string) => notices.push([level, text]) } as unknown as Session;
+  return { notices, surfaces: new SurfaceExport(session, "token") };
+}
+
+describe("a surface as a file", () => {
+  beforeEach(() => {
+    vi.mocked(fetchFile).mockReset();
+  });
+
+  it("says what was written, and warns of what was lost", async () => {
+    const notes = encodeURIComponent("bone.stl: segment 'bone' of 2, 8 triangles\nit has 2 bodies");
+    vi.mocked(fetchFile).mockResolvedValue(new Headers({ "x-palpate-notes": notes }));
+    const { notices, surfaces } = made();
+    await surfaces.save(bone);
+    expect(vi.mocked(fetchFile).mock.calls).toEqual([["/api/surface", "token", { segment: 3 }, "bone.stl"]]);
+    expect(surfaces.written(3)).toBe("bone.stl: segment 'bone' of 2, 8 triangles");
+    expect(surfaces.written(1)).toBeUndefined();
+    expect(notices).toEqual([["warning", "it has 2 bodies."]]);
+    expect(surfaces.busy).toBeNull();
+  });
+
+  it("says why nothing was written", async () => {
+    vi.mocked(fetchFile).mockRejectedValue(new Error("segment 'bone' has no voxels"));
+    const { notices, surfaces } = made();
+    await surfaces.save(bone);
+    expect(notices).toEqual([["error", "No surface was written: segment 'bone' has no voxels"]]);
+    expect(surfaces.written(3)).toBeUndefined();
+  });
+});
