@@ -42,9 +42,10 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 
 PAINTED_VOLUME = (
-    "Number.parseFloat([...document.querySelectorAll('[data-testid^=segment-] .name')]"
+    "(([number, unit]) => Number(number) / (unit === 'ml' ? 1 : 1000))("
+    "[...document.querySelectorAll('[data-testid^=segment-] .name')]"
     ".find(({ textContent }) => textContent.includes('Painted 1'))"
-    ".querySelector('.volume').textContent)"
+    ".querySelector('.volume').textContent.split(' '))"
 )
 """Of the segment that is painted [ml]."""
 
@@ -160,6 +161,28 @@ def test_a_disc_is_painted_in_a_slice_taken_back_and_limited_to_values(page: Bro
     page.wait(f"{volume} === 0")
     page.do("press", key="Control+z")
     page.wait(near(np.pi * 36))
+
+
+NUMBERS = (
+    "[...document.querySelectorAll('[data-testid=statistics-table] tbody tr:first-child td')]"
+    ".map(({ textContent }) => textContent)"
+)
+
+
+def test_statistics_stand_in_the_panel_and_follow_edits(page: Browser) -> None:
+    page.do("click", testid="show-statistics")
+    page.wait(f"{NUMBERS}.length > 5")
+    before = page.read(NUMBERS)
+    page.do("screenshot", path=str(OUTPUT / "segment_statistics.png"))
+    if page.read("document.querySelector('[data-testid=shape-kind]') === null"):
+        page.do("clickText", text="Change shape")
+    page.do("choose", testid="shape-kind", value="grow")
+    page.do("click", testid="shape-apply")
+    page.wait(f"{NUMBERS}[0] !== {before[0]!r} && {NUMBERS}[6] !== {before[6]!r}")
+    page.do("press", key="Control+z")
+    page.wait(f"JSON.stringify({NUMBERS}) === JSON.stringify({before})")
+    page.do("click", testid="show-statistics")
+    page.wait("document.querySelector('[data-testid=statistics]') === null")
 
 
 def new_painted_segment(page: Browser) -> str:

@@ -1,4 +1,4 @@
-"""The report of a recipe: one HTML file with pictures and the volumes of segments.
+"""The report of a recipe: one HTML file with pictures and the statistics of segments.
 
 It does not name the patient.
 """
@@ -18,6 +18,8 @@ from palpate.base.package_version import package_version
 from palpate.base.simpleitk import simpleitk
 from palpate.base.whole_file import whole_file
 from palpate.segmentation.mask_shape import box_of
+from palpate.segmentation.segment_statistics import statistics
+from palpate.segmentation.statistics_table import statistics_cells
 from palpate.volumes.scene import Scene
 
 __all__ = ["slice_pictures", "write_report"]
@@ -34,6 +36,7 @@ STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 1040px; margin: 32px auto; padding: 0 16px;
        color: #1c2430; }
 table { border-collapse: collapse; } td, th { padding: 4px 16px 4px 0; text-align: left; }
+.wide { overflow-x: auto; white-space: nowrap; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
 figure { display: inline-block; margin: 0 12px 12px 0; } figcaption { color: #5a6675; }
 .swatch { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin-right: 8px; }
@@ -56,12 +59,11 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
     size = " × ".join(str(count) for count in volume.dimensions)
     spacing = " × ".join(f"{edge:.3g}" for edge in volume.spacing)
     low, high = volume.range
+    headings, *numbers = statistics_cells(statistics(scene))
     rows = "\n".join(
         f'<tr><td><span class="swatch" style="background:{_hex(shown.colour)}"></span>'
-        f"{escape(shown.name)}</td>"
-        f'<td class="number">{shown.segment.volume_ml:.2f}</td>'
-        f'<td class="number">{shown.segment.voxel_count}</td></tr>'
-        for shown in scene
+        f"{escape(name)}</td>{_row('td', cells)}</tr>"
+        for shown, (name, *cells) in zip(scene, numbers, strict=True)
     )
     figures = "\n".join(
         f'<figure><img src="data:image/png;base64,{_png(picture)}" '
@@ -79,10 +81,10 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
 <h1>Segments</h1>
 <p>{escape(volume.modality or "Scan")}, {size} voxels of {spacing} mm, values {low:g} to {high:g}
 {escape(volume.unit)}. For research and teaching, not for clinical use.</p>
-<table>
-<tr><th>segment</th><th class="number">volume [ml]</th><th class="number">voxels</th></tr>
+<div class="wide"><table>
+<tr><th>{headings[0]}</th>{_row("th", headings[1:])}</tr>
 {rows}
-</table>
+</table></div>
 <h2>Slices through the middle of all segments</h2>
 {figures}
 {f"<h2>Files</h2><ul>{files}</ul>" if files else ""}
@@ -92,6 +94,10 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
 """
     with whole_file(path) as unfinished:
         unfinished.write_text(text, "utf-8")
+
+
+def _row(tag: str, cells: Sequence[str]) -> str:
+    return "".join(f'<{tag} class="number">{escape(cell)}</{tag}>' for cell in cells)
 
 
 def slice_pictures(scene: Scene) -> list[tuple[str, NDArray[np.uint8], float]]:

@@ -81,14 +81,16 @@ def _on_hull_in_planes(points: Indices, normal: tuple[int, int, int]) -> Indices
     # two coordinates tell the points of a plane apart if its normal is not 0 along the third
     left_out = next(axis for axis in (2, 1, 0) if normal[axis] != 0)
     u, v = (axis for axis in range(3) if axis != left_out)
-    return points[_on_hull(points @ np.array(normal), points[:, u], points[:, v])]
+    kept: Indices = points[_on_hull(points @ np.array(normal), points[:, u], points[:, v])]
+    return kept
 
 
 def _on_hull(plane: Indices, u: Indices, v: Indices) -> Indices:
     """Returns which points are vertices of the hull of those in their plane, plane by plane."""
     chains = [_upper_chain(plane, u, v), _upper_chain(plane, u, -v)]
-    kept = np.unique(np.concatenate(chains))
-    return kept[np.argsort(plane[kept], kind="stable")]
+    kept: Indices = np.unique(np.concatenate(chains))
+    by_plane: Indices = kept[np.argsort(plane[kept], kind="stable")]
+    return by_plane
 
 
 def _upper_chain(plane: Indices, u: Indices, v: Indices) -> Indices:
@@ -96,7 +98,7 @@ def _upper_chain(plane: Indices, u: Indices, v: Indices) -> Indices:
     order = np.lexsort((-v, u, plane))
     sorted_plane, sorted_u = plane[order], u[order]
     same = (np.diff(sorted_plane) == 0) & (np.diff(sorted_u) == 0)
-    chain = order[np.concatenate([[True], ~same])]
+    chain: Indices = order[np.concatenate([[True], ~same])]
     while True:
         # a point on or below the line between its neighbours is no vertex; many go at once
         p, x, y = plane[chain], u[chain], v[chain]

@@ -14,7 +14,13 @@ from typing import Any
 from palpate.base.volume_text import volume_text
 from palpate.segmentation.segment_statistics import SegmentStatistics
 
-__all__ = ["statistics_csv", "statistics_json", "statistics_lines", "statistics_row"]
+__all__ = [
+    "statistics_cells",
+    "statistics_csv",
+    "statistics_json",
+    "statistics_lines",
+    "statistics_row",
+]
 
 Row = dict[str, str | int | float | None]
 
@@ -79,8 +85,11 @@ def statistics_json(measured: Sequence[SegmentStatistics], about: Mapping[str, A
     return json.dumps({**about, "segments": rows}, indent=2, ensure_ascii=False) + "\n"
 
 
-def statistics_lines(measured: Sequence[SegmentStatistics]) -> list[str]:
-    """Returns a table for people, a line for each segment below one of headings and units."""
+def statistics_cells(measured: Sequence[SegmentStatistics]) -> list[list[str]]:
+    """Returns a table for people: headings with units, and a row for each segment.
+
+    The first column is the name, the last one what is to be known of missing numbers.
+    """
     unit = f" [{measured[0].unit}]" if measured and measured[0].unit else ""
     headings = [
         *HEADINGS[:3],
@@ -88,7 +97,12 @@ def statistics_lines(measured: Sequence[SegmentStatistics]) -> list[str]:
         *(f"{name} [{'mm²' if name == 'surface' else 'mm'}]" for name in LENGTHS),
         "",
     ]
-    rows = [headings, *(_cells(one) for one in measured)]
+    return [headings, *(_cells(one) for one in measured)]
+
+
+def statistics_lines(measured: Sequence[SegmentStatistics]) -> list[str]:
+    """Returns the same table as lines of equal columns."""
+    rows = statistics_cells(measured)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(

@@ -27,11 +27,13 @@ from palpate.saved.journal import Journal
 from palpate.saved.scene_file import SavedScene
 from palpate.server.added_labels import add_labels
 from palpate.server.export import export_response
+from palpate.server.job import Job
 from palpate.server.live import Live
 from palpate.server.messages.hello import hello_of
 from palpate.server.recording import Recorder
 from palpate.server.scene import scene_response, view_response
 from palpate.server.second_scan import second_routes
+from palpate.server.segment_statistics import statistics_job
 from palpate.server.surface_export import surface_response
 from palpate.server.voxel_data import parse_step, voxels_response
 from palpate.session.session import Session, SessionOptions
@@ -235,6 +237,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/scenario", scenario),
         Route("/scene", scene, methods=["POST"]),
         Route("/export", export, methods=["POST"]),
+        Route("/statistics", _statistics_of(live), methods=["POST"]),
         Route("/surface", _surface_of(live), methods=["POST"]),
         Route("/view", view),
     ]
@@ -254,6 +257,13 @@ def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
         return await run_in_threadpool(live.registration.file_response, body)
 
     return registration
+
+
+def _statistics_of(live: Live) -> Callable[[Request], Awaitable[Job]]:
+    async def statistics(_: Request) -> Job:
+        return statistics_job(live.segments, lambda: live.picture.values)
+
+    return statistics
 
 
 async def _voxels(request: Request, array: Callable[[], NDArray[Any]]) -> Response:

@@ -85,8 +85,8 @@ def test_a_whole_pipeline_runs_and_its_files_are_read_again(folder: Path, capsys
     assert mesh.volume / 1000.0 == pytest.approx(ball.volume_ml, rel=0.1)
 
     report = (folder / "report.html").read_text("utf-8")
-    assert f"{ball.volume_ml:.2f}" in report
-    assert f"{small.volume_ml:.2f}" in report
+    assert f"{ball.volume_text}" in report
+    assert f"{small.volume_text}" in report
     assert "&lt;small&gt; &amp; far" in report
     assert "<small>" not in report
     # nothing is loaded from elsewhere

@@ -133,6 +133,21 @@ def test_diameters_are_the_longest_of_all_pairs(seed: int, monkeypatch: pytest.M
     assert largest_diameters(mask, edges[::-1].tolist(), axial=axial) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("turn", [0.1, 0.5, 0.9, 1.3])
+def test_diameters_of_round_bodies_are_exact(turn: float) -> None:
+    # many vertices of the hull where its sides turn by little
+    y, x = np.indices((90, 110)) - np.array([44, 54])[:, None, None]
+    along, across = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
+    disc = (along / 41.3) ** 2 + (across / 40.2) ** 2 <= 1.0
+    edges = np.array([2.0, 1.0, 0.9 + 0.1 * turn])
+    in_slice = longest_by_pairs(
+        np.argwhere(disc ^ (disc & (along**2 + across**2 < 38**2))), edges[1:]
+    )
+    mask = np.stack([disc, disc])
+    found = largest_diameters(mask, edges[::-1].tolist(), axial=0)
+    assert found == pytest.approx((np.hypot(in_slice, 4.0), in_slice), abs=1e-9)
+
+
 def test_the_axial_diameter_lies_in_axial_slices_however_the_scan_was_taken() -> None:
     mask = np.zeros(SHAPE, bool)
     # in a sagittal scan, the second axis of the grid runs along the body

@@ -31,8 +31,13 @@ export function formatWithin(value: number, span: number): string {
   return value.toFixed(Math.min(Math.max(digits, 0), 9));
 }
 
-export function formatMillilitres(ml: number): string {
-  return ml >= 100 ? `${formatCount(ml)} ml` : `${ml.toPrecision(3)} ml`;
+/** A volume [mm³] in three digits or whole: "36.2 mm³", "12.3 ml"; as the engine's `volume_text`. */
+export function formatVolume(volume: number): string {
+  if (Math.abs(volume) < 999.5) {
+    return `${String(Number(volume.toPrecision(3)))} mm³`;
+  }
+  const ml = volume / 1000;
+  return Math.abs(ml) >= 99.95 ? `${formatCount(ml)} ml` : `${ml.toPrecision(3)} ml`;
 }
 
 /** "0.90 × 0.90 × 2.50 mm" */

@@ -106,11 +106,6 @@ export function segmentsOf(
   return has(touched) ? [touched] : touchable.slice(0, 1);
 }
 
-/** "12.4 mm³", "1.24 ml" */
-export function formatRemoved(volume: number): string {
-  return volume < 1000 ? `${volume.toFixed(volume < 10 ? 2 : 1)} mm³` : `${(volume / 1000).toFixed(2)} ml`;
-}
-
 /** "840 mW", "6.0 W" */
 export function formatLoad(load: number): string {
   return load < 1000 ? `${load.toFixed(0)} mW` : `${(load / 1000).toFixed(1)} W`;

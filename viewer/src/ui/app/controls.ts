@@ -16,6 +16,7 @@ import { GrowControl } from "../features/segments/grow_control.svelte";
 import { ObjectControl } from "../features/segments/object_control.svelte";
 import { SegmentAppearanceControl } from "../features/segments/segment_appearance_control";
 import type { SegmentControls } from "../features/segments/segment_controls";
+import { StatisticsControl } from "../features/segments/statistics_control.svelte";
 import { SurfaceExport } from "../features/segments/surface_export.svelte";
 import { ThresholdPreview } from "../features/segments/threshold_preview.svelte";
 import { SliceControl } from "../features/slices/slice_control.svelte";
@@ -124,6 +125,7 @@ function segmentControls({ session, token }: Surroundings, { steps }: UndoContro
     cutting: new CutControl(session),
     growing: new GrowControl(session),
     brush: new BrushControl(session),
+    statistics: new StatisticsControl(session, token),
     surfaces: new SurfaceExport(session, token),
   };
 }

@@ -4,7 +4,7 @@ import { firstView, extentOf } from "../../../src/core/geometry/camera";
 import {
   formatBytes,
   formatCount,
-  formatMillilitres,
+  formatVolume,
   formatPoint,
   formatSeconds,
   formatSpacing,
@@ -97,8 +97,10 @@ test("the hand follows the view's axes and stays within reach of the probe", () 
 test("numbers are written with units and a fixed number of digits", () => {
   expect(formatPoint([-12.345, 4, 806.06])).toBe("-12.3 4.0 806.1");
   expect(formatCount(1234567)).toBe("1\u2009234\u2009567");
-  expect(formatMillilitres(12.345)).toBe("12.3 ml");
-  expect(formatMillilitres(2054.4)).toBe("2\u2009054 ml");
+  expect([0, 0.0125, 1, 36.24, 999.4, 999.7, 1000, 12_345, 99_960, 2_054_400].map(formatVolume)).toEqual([
+    "0 mm³", "0.0125 mm³", "1 mm³", "36.2 mm³", "999 mm³",
+    "1.00 ml", "1.00 ml", "12.3 ml", "100 ml", "2\u2009054 ml",
+  ]);
   expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5 mm");
   expect(formatValue(3071)).toBe("3071");
   expect(formatValue(1288.3400000001)).toBe("1288.34");

@@ -8,7 +8,6 @@ import {
   fittingDepth,
   fittingRadius,
   formatLoad,
-  formatRemoved,
   loadShare,
   radiusRange,
   segmentsOf,
@@ -93,8 +92,7 @@ test("a painter paints all that can be touched, no deeper than the engine does",
   expect([0.1, 3, 9].map((depth) => fittingDepth([0.5, 0.5, 2], depth))).toEqual([1, 3, 4]);
 });
 
-test("what was removed, and the load, are told in units that can be read", () => {
-  expect([0, 3, 12.44, 1240].map(formatRemoved)).toEqual(["0.00 mm³", "3.00 mm³", "12.4 mm³", "1.24 ml"]);
+test("the load is told in units that can be read", () => {
   expect([0, 840.4, 6000].map(formatLoad)).toEqual(["0 mW", "840 mW", "6.0 W"]);
   expect(loadShare({ on: true, load: 3000 })).toBe(0.5);
   expect(loadShare({ on: false, load: 3000 })).toBe(0);

@@ -7,6 +7,7 @@ import type { CutControl } from "./cut_control.svelte";
 import type { GrowControl } from "./grow_control.svelte";
 import type { ObjectControl } from "./object_control.svelte";
 import type { SegmentAppearanceControl } from "./segment_appearance_control";
+import type { StatisticsControl } from "./statistics_control.svelte";
 import type { SurfaceExport } from "./surface_export.svelte";
 import type { ThresholdPreview } from "./threshold_preview.svelte";
 
@@ -23,6 +24,8 @@ export interface SegmentControls {
   readonly growing: GrowControl;
   /** The brush in slices. */
   readonly brush: BrushControl;
+  /** The numbers of all segments. */
+  readonly statistics: StatisticsControl;
   /** Surfaces as files, and what they keep of the voxels. */
   readonly surfaces: SurfaceExport;
 }
