@@ -264,3 +264,20 @@ def test_a_page_takes_it_away_adds_it_moves_it_and_projects_it(
     assert (first | second)[both].mean() > 0.9
     lungs.do("choose", testid="second-fusion", value="blend")
     lungs.do("choose", testid="blend", value="shaded")
+
+
+def test_segments_of_the_second_scan_come_to_the_first(
+    lungs: Browser, data_folder: Path, tmp_path: Path
+) -> None:
+    mask = data_folder / "elastix_lung_pair" / "3DCT_lung_followup_mask.mha"
+    # where the second scan was laid beside the first, nothing of them meets it
+    lungs.do("give", testid="second-segments-file", path=str(mask))
+    lungs.wait("document.body.textContent.includes('none of 1 segments reaches')")
+    assert lungs.read("document.querySelector('[data-testid=segment-2]')") is None
+
+    transform = tmp_path / "turn.tfm"
+    SimpleITK.WriteTransform(TURN, str(transform))
+    lungs.do("give", testid="second-transform-file", path=str(transform))
+    lungs.wait("Math.abs(window.palpate.second?.second_from_first[3]) < 149")
+    lungs.do("give", testid="second-segments-file", path=str(mask))
+    lungs.shows("segment-2", "/label 1/.test(text)")

@@ -22,11 +22,7 @@ pub(crate) fn faces(
     let mut areas = 0.0;
     for axis in 0..3 {
         let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-        let unit = |axis: usize| {
-            let mut unit = IVec3::ZERO;
-            unit[axis] = 1;
-            unit
-        };
+        let unit = |axis: usize| IVec3::AXES[axis];
         let corner = cell + unit(axis);
         // around the face: each corner, then the edge to the next one
         let ring = [

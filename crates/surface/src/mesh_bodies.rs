@@ -5,6 +5,7 @@
 use glam::{DVec3, Vec3};
 use palpate_volume::bodies::Union;
 
+use crate::cell_volume::below;
 use crate::patch::Patch;
 
 /// Volume [mm³] that each shell of a closed mesh encloses, less than zero for cavities.
@@ -20,10 +21,9 @@ pub fn shell_volumes(mesh: &Patch) -> Vec<f64> {
     let mut origins = vec![None; count];
     for triangle in &mesh.triangles {
         let shell = shells[triangle[0] as usize] as usize;
-        let [a, b, c] =
-            triangle.map(|vertex| Vec3::from(mesh.vertices[vertex as usize]).as_dvec3());
-        let origin: DVec3 = *origins[shell].get_or_insert(a);
-        volumes[shell] += (a - origin).dot((b - origin).cross(c - origin)) / 6.0;
+        let corners = triangle.map(|vertex| Vec3::from(mesh.vertices[vertex as usize]).as_dvec3());
+        let origin: DVec3 = *origins[shell].get_or_insert(corners[0]);
+        volumes[shell] += below(corners, origin);
     }
     volumes
 }

@@ -261,7 +261,11 @@ impl Crossing {
         sample[axis] = point[axis].floor();
         let (sample, share) = (sample.as_ivec3(), point[axis] - sample[axis]);
         let rises = voxels.bits.is_solid(sample);
-        let solid = if rises { sample } else { sample + unit(axis) };
+        let solid = if rises {
+            sample
+        } else {
+            sample + IVec3::AXES[axis]
+        };
         Self {
             sample,
             axis,
@@ -273,7 +277,7 @@ impl Crossing {
 
     /// The four cells that its edge belongs to.
     fn cells(&self) -> impl Iterator<Item = IVec3> {
-        let reach = IVec3::ONE - unit(self.axis);
+        let reach = IVec3::ONE - IVec3::AXES[self.axis];
         VoxelBox::new(self.sample - reach, self.sample + 1).voxels()
     }
 
@@ -294,12 +298,6 @@ impl Crossing {
     }
 }
 
-fn unit(axis: usize) -> IVec3 {
-    let mut unit = IVec3::ZERO;
-    unit[axis] = 1;
-    unit
-}
-
 /// The cells between samples that have a sample at a corner, each by its first sample.
 fn cells_around(sample: IVec3) -> impl Iterator<Item = IVec3> {
     VoxelBox::new(sample - 1, sample + 1).voxels()
@@ -307,7 +305,7 @@ fn cells_around(sample: IVec3) -> impl Iterator<Item = IVec3> {
 
 /// The cell of a triangle, whose corners lie on edges of it.
 fn cell_of(corners: [&Crossing; 3]) -> IVec3 {
-    let lowest = corners.map(|corner| corner.sample - IVec3::ONE + unit(corner.axis));
+    let lowest = corners.map(|corner| corner.sample - IVec3::ONE + IVec3::AXES[corner.axis]);
     lowest[0].max(lowest[1]).max(lowest[2])
 }
 

@@ -60,15 +60,12 @@ def export(
     from palpate.base.early_imports import DICOM_WRITING, IMAGE_WRITING, import_early
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.scenes import edited_saved_scene, wanted_scene
+    from palpate.cli.scenes import scene_at
     from palpate.export.kinds import FROM_DICOM
     from palpate.saved.ending import is_scene
 
     bounds = parse_threshold(threshold)
-    saved = is_scene(path)
-    if saved and (reading != ReadRequest() or segments is not None or bounds is not None):
-        raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
-    has_segments = saved or segments is not None or bounds is not None
+    has_segments = is_scene(path) or segments is not None or bounds is not None
     kind = request.kind_for(has_segments=has_segments)
     if not has_segments and kind not in {"scan", "dicom"}:
         raise OptionError(
@@ -76,20 +73,15 @@ def export(
         )
     import_early(DICOM_WRITING if kind in FROM_DICOM else IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
-        if saved:
-            scene = edited_saved_scene(path, display)
-        else:
-            volume = reading.read(path, display)
-            for warning in volume.warnings:
-                warn(warning)
-            scene = wanted_scene(
-                volume,
-                bounds=bounds,
-                label_map=segments,
-                resample=resample,
-                another_patient=another_patient,
-                progress=display,
-            )
+        scene = scene_at(
+            path,
+            reading,
+            bounds=bounds,
+            label_map=segments,
+            resample=resample,
+            another_patient=another_patient,
+            progress=display,
+        )
         from palpate.export.export import export_scene
 
         notes = export_scene(

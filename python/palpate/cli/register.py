@@ -42,11 +42,12 @@ def register(
     import json
 
     from palpate.base.errors import OptionError
+    from palpate.base.request_files import files_of
     from palpate.io.reading import read
     from palpate.recipes.register_step import read_moving, registered
     from palpate.registration.report import sentence_of
 
-    if request.output is request.resampled is request.picture is request.report is None:
+    if not any(option.writes for option, _ in files_of(request)):
         raise OptionError(
             "nothing to write given; allowed: --output, --write-inverse, --resampled, --picture "
             "or --report"

@@ -20,6 +20,7 @@ from palpate.volumes.second_scan import doubts_of, placed, read_transform
 from palpate.volumes.volume import Volume
 
 if TYPE_CHECKING:
+    from palpate.io.request import ReadRequest
     from palpate.saved.opening import Opening
     from palpate.volumes.mesh_read import Frame, MeshFile, Unit
 
@@ -27,10 +28,10 @@ __all__ = [
     "add_labels",
     "add_mesh",
     "add_second",
-    "edited_saved_scene",
     "further_scan",
     "mesh_file",
     "saved_scene",
+    "scene_at",
     "scene_of",
     "wanted_scene",
 ]
@@ -205,7 +206,56 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
         raise with_autosave(error, path) from None
 
 
-def edited_saved_scene(path: Path, progress: Progress) -> Scene:
+def scene_at(
+    path: Path,
+    reading: ReadRequest,
+    *,
+    bounds: Bounds | None,
+    label_map: Path | None,
+    resample: bool = False,
+    another_patient: bool = False,
+    offered: bool = False,
+    progress: Progress,
+) -> Scene:
+    """Returns a saved scene, or a scan with the segments asked for, and says what is to be known.
+
+    Args:
+        path: The scene or the scan.
+        reading: How a scan is read.
+        bounds: Threshold of a segment to make.
+        label_map: File of segments.
+        resample: Whether they may lie on another grid.
+        another_patient: Whether they may be another patient's.
+        offered: Whether a scan without segments gets the one offered as bone.
+        progress: Takes the progress.
+
+    Raises:
+        OptionError: Options of scans are given with a scene, or the segments do not fit the scan.
+        PalpateError: It cannot be read.
+    """
+    from palpate.io.request import ReadRequest
+    from palpate.saved.ending import is_scene
+
+    if is_scene(path):
+        of_scans = (bounds is not None, label_map is not None, resample, another_patient)
+        if reading != ReadRequest() or any(of_scans):
+            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+        return _edited_saved_scene(path, progress)
+    volume = reading.read(path, progress)
+    for warning in volume.warnings:
+        warn(warning)
+    make = scene_of if offered else wanted_scene
+    return make(
+        volume,
+        bounds=bounds,
+        label_map=label_map,
+        resample=resample,
+        another_patient=another_patient,
+        progress=progress,
+    )
+
+
+def _edited_saved_scene(path: Path, progress: Progress) -> Scene:
     """Returns the scan of a scene that was saved, with its edits and segments, and says its doubts.
 
     Raises:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palpate.base.console import Display, quiet_libraries, warn
+from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
@@ -55,7 +55,7 @@ def statistics(
     from palpate.base.errors import OptionError
     from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target, whole_file
-    from palpate.cli.scenes import edited_saved_scene, wanted_scene
+    from palpate.cli.scenes import scene_at
     from palpate.saved.ending import is_scene
     from palpate.segmentation.segment_statistics import statistics as measure
 
@@ -63,28 +63,20 @@ def statistics(
     if out is not None:
         check_target(out, SUFFIXES)
     bounds = parse_threshold(threshold)
-    saved, chosen = is_scene(path), segments is not None or bounds is not None
-    if saved and (chosen or reading != ReadRequest()):
-        raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
-    if not saved and not chosen:
+    if not is_scene(path) and segments is None and bounds is None:
         raise OptionError(
             "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
         )
     with quiet_libraries(), Display() as display:
-        if saved:
-            scene = edited_saved_scene(path, display)
-        else:
-            volume = reading.read(path, display)
-            for warning in volume.warnings:
-                warn(warning)
-            scene = wanted_scene(
-                volume,
-                bounds=bounds,
-                label_map=segments,
-                resample=resample,
-                another_patient=another_patient,
-                progress=display,
-            )
+        scene = scene_at(
+            path,
+            reading,
+            bounds=bounds,
+            label_map=segments,
+            resample=resample,
+            another_patient=another_patient,
+            progress=display,
+        )
         measured = measure(scene, progress=display)
     text = _text(measured, scene.volume, form)
     if out is None:

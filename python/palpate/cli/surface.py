@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
+from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
 from palpate.volumes.surface_request import SurfaceRequest
 
 if TYPE_CHECKING:
-    from palpate.base.progress import Progress
     from palpate.volumes.mesh_read import MeshFile
-    from palpate.volumes.scene import Scene
     from palpate.volumes.surface_report import SurfaceReport
     from palpate.volumes.volume import Volume
 
 __all__ = ["surface"]
-
-MASK_SUFFIXES = (".nrrd", ".nii", ".nii.gz", ".mha")
 
 surface = typer.Typer(
     help="Convert segments to meshes and meshes to label maps.", no_args_is_help=True
@@ -53,6 +50,7 @@ def surface_export(
     """Write the surface of a segment as a mesh, in LPS mm, and say what it keeps."""
     from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target
+    from palpate.cli.scenes import scene_at
     from palpate.volumes.mesh_write import write_mesh
     from palpate.volumes.scene import choose_segment
     from palpate.volumes.surface import Surface
@@ -60,14 +58,17 @@ def surface_export(
     if json_file is not None:
         check_target(json_file, (".json",))
     bounds = parse_threshold(threshold)
-    options = {
-        "label_map": segments,
-        "bounds": bounds,
-        "resample": resample,
-        "another_patient": another_patient,
-    }
     with quiet_libraries(), Display() as display:
-        scene = _scene(path, reading, options, progress=display)
+        scene = scene_at(
+            path,
+            reading,
+            bounds=bounds,
+            label_map=segments,
+            resample=resample,
+            another_patient=another_patient,
+            offered=True,
+            progress=display,
+        )
     chosen = choose_segment(scene, request.segment)
     made = Surface(chosen, step=request.step, smoothing=request.smoothing, source=request.source)
     write_mesh(made.mesh(), request.out)
@@ -100,7 +101,7 @@ def surface_voxels(
     from palpate.base.whole_file import check_target
     from palpate.cli.scenes import further_scan, mesh_file
 
-    check_target(file, MASK_SUFFIXES)
+    check_target(file, IMAGE_SUFFIXES)
     if (spacing is None) == (like is None):
         raise OptionError("one grid is needed; allowed: --spacing MM, or --like SCAN")
     with quiet_libraries(), Display() as display:
@@ -108,29 +109,6 @@ def surface_voxels(
         grid = spacing if like is None else further_scan(like, display)
     assert grid is not None  # noqa: S101  # one of both is given
     _write_voxels(given, file, grid=grid, shell=as_shell)
-
-
-def _scene(
-    path: Path, reading: ReadRequest, options: dict[str, Any], *, progress: Progress
-) -> Scene:
-    """Returns the saved scene of a path, or its scan with the segments asked for.
-
-    Raises:
-        OptionError: Options of scans are given with a scene.
-        PalpateError: It cannot be read.
-    """
-    from palpate.base.errors import OptionError
-    from palpate.cli.scenes import edited_saved_scene, scene_of
-    from palpate.saved.ending import is_scene
-
-    if is_scene(path):
-        if reading != ReadRequest() or any(options.values()):
-            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
-        return edited_saved_scene(path, progress)
-    volume = reading.read(path, progress)
-    for warning in volume.warnings:
-        warn(warning)
-    return scene_of(volume, **options, progress=progress)
 
 
 def _print_report(report: SurfaceReport, path: Path, *, count: int) -> None:

@@ -13,14 +13,15 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from palpate.base.counted import counted
 from palpate.base.errors import OptionError
-from palpate.base.file_suffixes import IMAGE_SUFFIXES
+from palpate.base.file_suffixes import IMAGE_SUFFIXES, MESH_SUFFIXES
 from palpate.base.progress import Progress, silent
 from palpate.base.whole_file import check_target, whole_file
 from palpate.export.export import export_scene
 from palpate.export.image import write_scan
 from palpate.export.mark_table import read_marks
-from palpate.io.reading import read
+from palpate.io.reading import UNKNOWN_UNIT, read
 from palpate.labels.kind import labels_told
 from palpate.labels.label_values import label_values
 from palpate.labels.labels import Label, read_labels
@@ -30,7 +31,6 @@ from palpate.labels.seg_nrrd import is_segmentation
 from palpate.registration.carry import Carrier
 from palpate.volumes.label_like import MOST_LABELS
 from palpate.volumes.mesh_read import Frame, Unit, read_mesh
-from palpate.volumes.mesh_write import SUFFIXES as MESH_SUFFIXES
 from palpate.volumes.mesh_write import write_mesh
 from palpate.volumes.resampled import interpolation_for
 from palpate.volumes.scene import Scene
@@ -43,7 +43,6 @@ __all__ = [
     "carry_file",
     "check_carried",
     "check_ending",
-    "counted",
 ]
 
 CarriedKind = Literal["scan", "labels", "segments", "mesh", "marks"]
@@ -154,20 +153,15 @@ def carry_file(
         file = read_mesh(path, frame=options.frame, unit=options.unit)
         moved = carrier.mesh(file)
         write_mesh(moved.mesh, out)
-        count = counted(len(moved.mesh.triangles), "triangle")
+        count = counted(len(moved.mesh.triangles), "triangle", "triangles")
         return f"a surface of {count}", list(file.notes)
     if kind == "marks":
         table = read_marks(path)
         table.with_points(carrier.points(table.points)).write(out)
-        return counted(len(table.cells), "point"), []
+        return counted(len(table.cells), "point", "points"), []
     if kind == "segments" or out.name.lower().endswith(".seg.nrrd"):
         return _carry_segments(path, out, carrier, options=options, progress=progress)
     return _carry_image(path, out, carrier, kind=kind, options=options, progress=progress)
-
-
-def counted(count: int, what: str) -> str:
-    """Returns how many there are of something, such as "1 point" or "2 points"."""
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def _carry_image(
@@ -188,7 +182,7 @@ def _carry_image(
     carried = carrier.scan(volume, interpolation=by)
     write_scan(carried, out)
     # the unit is that of before, known or not
-    told = [warning for warning in volume.warnings if "`unit=" not in warning]
+    told = [warning for warning in volume.warnings if warning != UNKNOWN_UNIT]
     if kind == "scan":
         return f"a scan, interpolation {by}", told
     _write_table(path, out, volume, progress=progress)
@@ -214,7 +208,7 @@ def _carry_segments(
         if segment is not None:
             scene.add(segment, colour=label.colour)
     told = [*found.warnings, *told, *export_scene(scene, out, progress=progress)]
-    return counted(len(scene), "segment"), told
+    return counted(len(scene), "segment", "segments"), told
 
 
 def _write_table(path: Path, out: Path, volume: Volume, *, progress: Progress) -> None:

@@ -25,12 +25,14 @@ from palpate.volumes.volume import Source, Volume, VolumeTraits
 if TYPE_CHECKING:
     from palpate.io.dicom.header import Series
 
-__all__ = ["list_series", "read", "read_again", "read_sibling"]
+__all__ = ["UNKNOWN_UNIT", "list_series", "read", "read_again", "read_sibling"]
 
 Place = str | PathLike[str]
 
 UNITS = ("HU",)
 """Units that a user can state for a scan."""
+UNKNOWN_UNIT = "the unit of the values is unknown; give `unit=HU` if it is HU"
+"""Told of scans without one."""
 
 
 def read(  # noqa: PLR0913  # one for each thing that can be chosen
@@ -110,7 +112,7 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     progress("storing values as 16 bits", None)
     stored = _stored(scan, source, fill=fill, strict=strict)
     if not scan.unit:
-        scan.warnings.append("the unit of the values is unknown; give `unit=HU` if it is HU")
+        scan.warnings.append(UNKNOWN_UNIT)
     volume = Volume(
         stored.values,
         spacing=scan.spacing,

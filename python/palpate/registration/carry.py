@@ -182,7 +182,7 @@ class Carrier:
         if not mask.any():
             return None
         made = grid.segment(mask, name=one.name)
-        made.terminology = one.terminology
+        made.number, made.terminology = one.number, one.terminology
         return made
 
     def _volume_told(self, before: Segment, after: Segment) -> str | None:

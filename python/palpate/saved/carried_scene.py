@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.counted import counted
 from palpate.base.progress import Progress
-from palpate.export.carried_file import counted
 from palpate.registration.carry import Carrier
 from palpate.saved.edited_scene import edited_scene
 from palpate.saved.scene_file import open_scene, save_scene
@@ -59,8 +59,8 @@ def carry_scene(
         looks = appearances_of(session)
         kept = keep_appearances(session, lambda number: looks[number])
         save_scene(out, session, looks=kept, view=view, copy=True)
-    what = f"a scan, {counted(len(made), 'segment')} and {counted(marks, 'mark')}"
-    return what, [*notes, *told]
+    parts = counted(len(made), "segment", "segments"), counted(marks, "mark", "marks")
+    return f"a scan, {' and '.join(parts)}", [*notes, *told]
 
 
 def _add_like(scene: Scene, *, segment_of: SceneSegment, segment: Segment) -> None:

@@ -32,7 +32,7 @@ def statistics_job(segments: SegmentList, values: Callable[[], NDArray[np.int16]
                 "kind": "statistics",
                 "cells": statistics_cells(measured),
                 "csv": statistics_csv(measured),
-                "notes": [note.replace("it is written", "it is measured") for note in notes],
+                "notes": notes,
             }
         )
 

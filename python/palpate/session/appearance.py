@@ -155,5 +155,5 @@ def scene_with_appearances(
             one.appearance, name=wanted.name, colour=wanted.colour
         )
         if state["pose"] not in (None, UNMOVED):
-            notes.append(f"{wanted.name} was moved: it is written where the scan has it")
+            notes.append(f"{wanted.name} was moved: it is taken where the scan has it")
     return scene, notes

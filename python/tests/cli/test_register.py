@@ -117,6 +117,13 @@ def test_the_inverse_leads_back(
         assert off <= max(1e-6, 3.0 * told["error_of_99_in_100_mm"])
 
 
+def test_the_inverse_alone_is_something_to_write(scans: tuple[Path, Path], tmp_path: Path) -> None:
+    back = tmp_path / "I.tfm"
+    few = ("--samples", "3000", "--iterations", "40", "--metric", "correlation")
+    assert register(*scans, *few, "--write-inverse", back) == 0
+    assert back.is_file()
+
+
 def test_the_report_is_printed(
     scans: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -163,13 +163,15 @@ def test_points_go_through_a_transform_as_simpleitk_takes_them() -> None:
 def test_what_falls_outside_of_the_grid_is_told() -> None:
     shift = SimpleITK.TranslationTransform(3, (30.0, 0.0, 0.0))
     mask = np.zeros(FIXED.shape, bool)
-    mask[10:20, 10:20, 12:28] = True  # x from 18 to 42 mm: 20 of its 24 mm go past the left end
+    mask[10:20, 10:20, 12:28] = True  # x from 18 to 42 mm: 12 of its 24 mm go past the left end
     segments = [FIXED.segment(mask, name="long"), FIXED.segment(~mask, name="rest")]
     carrier = Carrier(shift, grid=FIXED)
+    segments[0].number = 40
     (long, rest), told = carrier.segments(segments)
     assert long is not None
     assert rest is not None
     assert long.voxel_count == 8 * 100
+    assert long.number == 40
     assert told[0] == "50.0% of long lies outside of the grid and is lost"
     gone = np.zeros(FIXED.shape, bool)
     gone[:, :, :10] = True

@@ -36,7 +36,7 @@ def test_a_page_is_told_that_a_moved_segment_is_measured_where_the_scan_has_it(s
         page.send({"type": "move_segment", "id": 1, "pose": pose, "goes_on": False})
         page.receive("segments", until=lambda m: m["segments"][0]["pose"] is not None)
     (note,) = table_of(server)["notes"]
-    assert note.endswith("was moved: it is measured where the scan has it")
+    assert note.endswith("was moved: it is taken where the scan has it")
 
 
 def test_who_leaves_ends_the_work(server: Any) -> None:
