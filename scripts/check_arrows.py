@@ -22,6 +22,7 @@ FLOORS = {
     "palpate-haptics": 1,
     "palpate-device": 1,
     "palpate-surface": 1,
+    "palpate-render": 1,
     "palpate-tools": 1,
     "palpate-deform": 1,
     "palpate-engine": 2,

@@ -212,7 +212,7 @@ pub(crate) fn voxel_count(dimensions: UVec3) -> usize {
 
 /// Place of a voxel in memory, x fastest; the voxel must be inside.
 #[inline]
-pub(crate) fn voxel_index(dimensions: UVec3, voxel: IVec3) -> usize {
+pub fn voxel_index(dimensions: UVec3, voxel: IVec3) -> usize {
     let [nx, ny] = [dimensions.x as usize, dimensions.y as usize];
     (voxel.z as usize * ny + voxel.y as usize) * nx + voxel.x as usize
 }

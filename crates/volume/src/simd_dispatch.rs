@@ -108,7 +108,8 @@ mod x86 {
 /// ```
 ///
 /// Generic parameters stand in brackets after the name. `[avx512 => wide, avx2 => half] plain, at
-/// level` has a body for each set, and runs at most the given [`SimdLevel`].
+/// level` has a body for each set, and runs at most the given [`SimdLevel`];
+/// without `avx512 => wide` that of AVX2 serves it too.
 #[macro_export]
 macro_rules! simd_dispatch {
     (
@@ -163,6 +164,21 @@ macro_rules! simd_dispatch {
         }
     };
 
+    (
+        $(#[$doc:meta])*
+        $visible:vis fn $name:ident $([$($generics:tt)*])? ($($argument:ident: $type:ty),* $(,)?)
+        $(-> $result:ty)? = [avx2 => $half:path] $plain:path, at $level:expr
+    ) => {
+        $(#[$doc])*
+        $visible fn $name $(<$($generics)*>)? ($($argument: $type),*) $(-> $result)? {
+            #[cfg(target_arch = "x86_64")]
+            let level = $crate::simd_dispatch::SimdLevel::available($level);
+            $crate::simd_dispatch! {
+                @run level, avx2, [$($($generics)*)?] [$($argument: $type),*] [$(-> $result)?] $half
+            }
+            $plain($($argument),*)
+        }
+    };
     (@run $level:ident, avx2, $generics:tt $arguments:tt $result:tt $body:path) => {
         $crate::simd_dispatch! {
             @with "avx2,fma,bmi1,bmi2,popcnt", $level >= $crate::simd_dispatch::SimdLevel::Avx2,

@@ -1,0 +1,247 @@
+//! Draws a picture: bands of rows on all threads, each in packets of eight rays.
+
+use glam::Vec3;
+use palpate_volume::simd_dispatch;
+use palpate_volume::simd_dispatch::SimdLevel;
+use rayon::prelude::*;
+
+use crate::appearance::Blend;
+use crate::camera::{Camera, RayFan};
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::Avx2;
+use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Plain};
+use crate::light_volume::{LightLookup, LightVolume};
+use crate::lighting::Light;
+use crate::march::{CLEAR_ENOUGH, PACKET, Packet, Pixels, Seen, seen_along};
+use crate::picture::Picture;
+use crate::prepared::Prepared;
+use crate::scene::Scene;
+use crate::shading::{FAR_AWAY, Shading};
+
+/// Rows of a band, the portion of a thread.
+const BAND: usize = 8;
+
+/// What is drawn of a scene, from where, and how finely.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// From where.
+    pub camera: Camera,
+    /// Pixels across and down.
+    pub size: (u32, u32),
+    /// Steps for each smallest voxel edge.
+    pub steps_per_voxel: f32,
+    /// Shift within the pixel, −½ to ½ to the right and down, for averaging several pictures.
+    pub shift: (f32, f32),
+    /// Number of the noise pattern by which rays start at a share of a step; none: at half of one.
+    pub noise: Option<u32>,
+    /// Leaves out the occlusion by the nearest voxels.
+    pub is_in_haste: bool,
+    /// The widest vectors that are used.
+    pub level: SimdLevel,
+}
+
+/// Draws a picture; none where `stop` said so meanwhile.
+pub fn draw(
+    scene: &Scene,
+    prepared: &Prepared,
+    light: Option<&LightVolume>,
+    request: &Request,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Picture> {
+    let fan = RayFan::new(&request.camera, scene.grid(), request.size);
+    let shading = shading_of(scene, prepared, light, request, &fan);
+    let mut picture = Picture::clear(request.size);
+    let band = BAND * request.size.0 as usize;
+    let colours = picture.colours.par_chunks_mut(band);
+    let depths = picture.depths.par_chunks_mut(band);
+    let segments = picture.segments.par_chunks_mut(band);
+    let stopped = colours.zip(depths).zip(segments).enumerate().try_for_each(
+        |(number, ((colours, depths), segments))| {
+            if stop() {
+                return Err(());
+            }
+            let band = Band {
+                first: (number * BAND) as u32,
+                colours,
+                depths,
+                segments,
+            };
+            let job = Job {
+                shading: &shading,
+                fan: &fan,
+                shift: request.shift,
+                noise: request.noise,
+            };
+            draw_band(job, band, request.level);
+            Ok(())
+        },
+    );
+    stopped.is_ok().then_some(picture)
+}
+
+/// Some rows of a picture.
+struct Band<'a> {
+    /// The first row.
+    first: u32,
+    colours: &'a mut [[f32; 4]],
+    depths: &'a mut [f32],
+    segments: &'a mut [u8],
+}
+
+/// What all bands of a picture have in common.
+#[derive(Clone, Copy)]
+struct Job<'a> {
+    shading: &'a Shading<'a>,
+    fan: &'a RayFan,
+    shift: (f32, f32),
+    noise: Option<u32>,
+}
+
+#[cfg(target_arch = "x86_64")]
+simd_dispatch! {
+    fn draw_band(job: Job<'_>, band: Band<'_>, level: SimdLevel) =
+        [avx2 => rows_avx2] rows_plain, at level
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn draw_band(job: Job<'_>, band: Band<'_>, level: SimdLevel) {
+    rows_plain(job, band, level);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn rows_avx2(job: Job<'_>, band: Band<'_>, _: SimdLevel) {
+    rows::<Avx2>(job, band);
+}
+
+fn rows_plain(job: Job<'_>, band: Band<'_>, _: SimdLevel) {
+    rows::<Plain>(job, band);
+}
+
+#[inline(always)]
+fn rows<L: Gather>(job: Job<'_>, mut band: Band<'_>) {
+    let columns = job.fan.size.0;
+    let rows = (band.colours.len() / columns as usize) as u32;
+    let mut row = 0;
+    while row < rows {
+        let mut column = 0;
+        while column < columns {
+            let pixels = Pixels {
+                column,
+                row: band.first + row,
+                shift: job.shift,
+                noise: job.noise,
+            };
+            let packet = Packet::<L>::new(job.fan, pixels, job.shading);
+            let is_missed = !packet.enter.less(packet.leave).any();
+            if !is_missed {
+                let seen = seen_along(job.shading, &packet);
+                band.put(&job, (column, row), &packet, &seen);
+            }
+            column += PACKET.0;
+        }
+        row += PACKET.1;
+    }
+}
+
+impl Band<'_> {
+    /// Writes a packet's pixels; those beyond the picture are left out.
+    #[inline(always)]
+    fn put<L: Gather>(
+        &mut self,
+        job: &Job<'_>,
+        (column, row): (u32, u32),
+        packet: &Packet<L>,
+        seen: &Seen<L>,
+    ) {
+        let columns = job.fan.size.0;
+        let opacity = opacity_of(job.shading.blend, seen);
+        let light = weighted(job.shading.blend, seen, opacity);
+        let (red, green, blue) = (light.x.store(), light.y.store(), light.z.store());
+        let opacity = opacity.store();
+        let far = L::Float::splat(f32::INFINITY);
+        let is_far = seen.depth.less(Floats::splat(0.0));
+        let depths = far.or_else(is_far, seen.depth.div(packet.stretch)).store();
+        let codes = seen.segment.store();
+        for lane in 0..LANES as u32 {
+            let (x, y) = (column + lane % PACKET.0, row + lane / PACKET.0);
+            let pixel = (x + columns * y) as usize;
+            if x >= columns || pixel >= self.colours.len() {
+                continue;
+            }
+            let lane = lane as usize;
+            self.colours[pixel] = [red[lane], green[lane], blue[lane], opacity[lane]];
+            self.depths[pixel] = depths[lane];
+            self.segments[pixel] = job.shading.segments.number(codes[lane]);
+        }
+    }
+}
+
+#[inline(always)]
+fn opacity_of<L: Gather>(blend: Blend, seen: &Seen<L>) -> L::Float {
+    let one = L::Float::splat(1.0);
+    if blend == Blend::Emission {
+        // light is added to what is behind, and covers it as far as it outshines it
+        let brightest = seen.light.x.max(seen.light.y).max(seen.light.z);
+        return (one - seen.clarity).max(brightest.min(one));
+    }
+    // what was left out would have looked like the rest
+    let ended = seen.clarity.at_most(Floats::splat(CLEAR_ENOUGH));
+    one.or_else(ended, one - seen.clarity)
+}
+
+/// Light multiplied by opacity.
+#[inline(always)]
+fn weighted<L: Gather>(blend: Blend, seen: &Seen<L>, opacity: L::Float) -> crate::lanes::Vector<L> {
+    if matches!(
+        blend,
+        Blend::Emission | Blend::Mip | Blend::MinIp | Blend::Average
+    ) {
+        return seen.light;
+    }
+    let covered = (L::Float::splat(1.0) - seen.clarity).max(Floats::splat(1e-6));
+    seen.light.scaled(opacity.div(covered))
+}
+
+fn shading_of<'a>(
+    scene: &'a Scene,
+    prepared: &'a Prepared,
+    light: Option<&'a LightVolume>,
+    request: &Request,
+    fan: &RayFan,
+) -> Shading<'a> {
+    let appearance = &prepared.appearance;
+    let spacing = scene.field.spacing();
+    let lighting = appearance.lighting;
+    let shades = if appearance.blend.is_lit() {
+        (lighting.occlusion, lighting.shadow)
+    } else {
+        (0.0, 0.0)
+    };
+    let half = appearance.slab.map(|slab| slab as f32 / 2.0);
+    Shading {
+        blend: appearance.blend,
+        field: &scene.field,
+        segments: &prepared.segments,
+        transfer: &prepared.transfer,
+        empty: &prepared.empty,
+        light: Light::new(fan, lighting),
+        lookup: LightLookup::new(light, scene.field.dimensions().as_vec3(), spacing, shades),
+        planes: &prepared.planes,
+        density: appearance.density,
+        edge_gradient: appearance.edge_gradient as f32,
+        flat_share: 1.0 - lighting.edges,
+        grey: prepared.grey,
+        tissue_from: prepared.tissue_from,
+        iso_colour: appearance.iso_colour,
+        step: smallest(spacing) / request.steps_per_voxel,
+        slab: half.map_or((-FAR_AWAY, FAR_AWAY), |half| {
+            (fan.middle - half, fan.middle + half)
+        }),
+        is_in_haste: request.is_in_haste,
+    }
+}
+
+fn smallest(spacing: Vec3) -> f32 {
+    spacing.min_element()
+}

@@ -1,0 +1,156 @@
+//! Surfaces of segments and of one value along rays, found between two samples, and their light.
+
+use glam::Vec3;
+
+use crate::lanes::{Floats, Gather, Ints, Masks, Vector};
+use crate::lighting::OwnFactors;
+use crate::march::Packet;
+use crate::shading::Shading;
+
+/// Halvings between two samples.
+const REFINEMENTS: usize = 5;
+
+/// Code of what an iso-surface encloses; no segment has it.
+pub(super) const ISO: i32 = -2;
+
+/// Where between two samples a ray enters something solid, and what: of segments in one another the outer one.
+/// `asked`: lanes for which it is asked; `enclosed` tells what is solid at a place, 0 nothing.
+#[inline(always)]
+pub(super) fn refined_entry<L: Gather>(
+    shading: &Shading<'_>,
+    packet: &Packet<L>,
+    (mut before, mut inside): (L::Float, L::Float),
+    mut code: L::Int,
+    with_iso: bool,
+) -> (L::Float, L::Int) {
+    for _ in 0..REFINEMENTS {
+        let middle = L::Float::splat(0.5) * (before + inside);
+        let here = enclosed(shading, packet.at(middle), with_iso);
+        let is_in = !here.equal(Ints::splat(0));
+        inside = middle.or_else(is_in, inside);
+        code = here.or_else(is_in, code);
+        before = before.or_else(is_in, middle);
+    }
+    (inside, code)
+}
+
+/// Code of the solid body at a place, `ISO` inside the iso-surface, 0 where there is none.
+#[inline(always)]
+pub(super) fn enclosed<L: Gather>(
+    shading: &Shading<'_>,
+    grid: Vector<L>,
+    with_iso: bool,
+) -> L::Int {
+    let (value, code) = shading.at(grid);
+    let solid = shading.segments.are_solid::<L>(code);
+    let none = L::Int::splat(0);
+    if !with_iso {
+        return code.or_else(solid, none);
+    }
+    let hidden = none.greater(code);
+    let above = L::Float::splat(0.0).at_most(shading.grey_of::<L>(value));
+    let iso = L::Int::splat(ISO).or_else(above & !hidden, none);
+    code.or_else(solid, iso)
+}
+
+/// Light of a solid body at a place, seen through one of the faces that cut it or not.
+#[inline(always)]
+pub(super) fn light_of_body<L: Gather>(
+    shading: &Shading<'_>,
+    packet: &Packet<L>,
+    length: L::Float,
+    code: L::Int,
+    cut: L::Mask,
+) -> Vector<L> {
+    let grid = packet.at(length);
+    let to_eye = packet.to_eye();
+    let is_iso = code.equal(Ints::splat(ISO));
+    let normal = shading
+        .segments
+        .normal_at(shading.field, grid, code)
+        .facing(to_eye);
+    let normal = packet.face.or_else(cut, normal);
+    let near = if shading.is_in_haste {
+        Floats::splat(1.0)
+    } else {
+        openness(shading, grid, normal, code)
+    };
+    let colour =
+        Vector::splat(shading.iso_colour).or_else(is_iso, shading.segments.colour::<L>(code));
+    let own: OwnFactors<L> = shading.segments.factors::<L>(code);
+    let reaching = shading.lookup.at(grid, normal);
+    shading
+        .light
+        .on_surface(colour, normal, to_eye, near, reaching, own)
+}
+
+/// Fraction of the sky that is seen from a surface past the voxels around it: four cones about the normal and one
+/// along it.
+///
+/// Source: Hernell et al., "Local ambient occlusion", IEEE TVCG 16 (2010), for sampling by cones.
+#[inline(always)]
+fn openness<L: Gather>(
+    shading: &Shading<'_>,
+    grid: Vector<L>,
+    normal: Vector<L>,
+    code: L::Int,
+) -> L::Float {
+    const CONES: [(f32, f32); 5] = [(0.0, 0.0), (1.1, 0.0), (-1.1, 0.0), (0.0, 1.1), (0.0, -1.1)];
+    let zero = L::Float::splat(0.0);
+    let side = sideways(normal);
+    let other = cross(normal, side);
+    let per_mm = Vector::splat(shading.field.spacing().recip());
+    let is_iso = code.equal(Ints::splat(ISO)).any();
+    let mut covered = zero;
+    for (across, upward) in CONES {
+        let direction =
+            (normal + side.scaled(Floats::splat(across)) + other.scaled(Floats::splat(upward)))
+                .normalized()
+                .times(per_mm);
+        let mut hit = zero;
+        let mut away = 2.2;
+        for step in 0..4 {
+            let place = grid.along(direction, Floats::splat(away));
+            let inside = is_in_scan(shading, place) & !shading.is_cut_away(place);
+            if inside.any() {
+                let here = enclosed(shading, place, is_iso);
+                let same = here.equal(code) & inside;
+                // what is far away covers less
+                let covers = L::Float::splat(1.0 - 0.2 * step as f32);
+                hit = hit.max(covers.or_else(same, zero));
+            }
+            away *= 1.9;
+        }
+        covered = covered + hit;
+    }
+    L::Float::splat(1.0) - L::Float::splat(0.17) * covered
+}
+
+#[inline(always)]
+fn is_in_scan<L: Gather>(shading: &Shading<'_>, grid: Vector<L>) -> L::Mask {
+    let zero = L::Float::splat(0.0);
+    let end = shading.end();
+    zero.less(grid.x)
+        & zero.less(grid.y)
+        & zero.less(grid.z)
+        & grid.x.less(Floats::splat(end.x))
+        & grid.y.less(Floats::splat(end.y))
+        & grid.z.less(Floats::splat(end.z))
+}
+
+/// A unit vector across another.
+#[inline(always)]
+fn sideways<L: Gather>(normal: Vector<L>) -> Vector<L> {
+    let upright = normal.z.abs().less(Floats::splat(0.9));
+    let axis = Vector::<L>::splat(Vec3::Z).or_else(upright, Vector::splat(Vec3::X));
+    cross(normal, axis).normalized()
+}
+
+#[inline(always)]
+fn cross<L: Gather>(a: Vector<L>, b: Vector<L>) -> Vector<L> {
+    Vector::new(
+        a.y * b.z - a.z * b.y,
+        a.z * b.x - a.x * b.z,
+        a.x * b.y - a.y * b.x,
+    )
+}

@@ -1,0 +1,265 @@
+//! Tissue by absorption and emission, front to back. Between two samples the transfer function is integrated over
+//! the values between theirs, so that the step changes cost and not look; where tissue becomes opaque, steps are
+//! quartered. Solid segments end a ray at their surface.
+//!
+//! Source: Max, "Optical models for direct volume rendering", IEEE TVCG 1 (1995); Engel et al., "Real-Time Volume
+//! Graphics" (2006), ch. 4; Levoy, "Display of surfaces from volume data", IEEE CG&A 8 (1988).
+
+use crate::appearance::Blend;
+use crate::lanes::{Floats, Gather, Ints, Masks, Vector, exp_of_negative};
+use crate::march::solid::{light_of_body, refined_entry};
+use crate::march::{CLEAR_ENOUGH, MOST_SAMPLES, Packet, Seen};
+use crate::shading::Shading;
+
+/// Opacity of a whole step from which on it is quartered.
+const OPAQUE_STEP: f32 = 0.12;
+
+/// Quarters after each opaque step.
+const QUARTERS: i32 = 4;
+
+/// No stored value: an empty brick lies before.
+const UNKNOWN: f32 = -1e9;
+
+/// How far rays were followed.
+struct March<L: Gather> {
+    /// Up to here, with the value there, or `UNKNOWN`.
+    last: L::Float,
+    front: L::Float,
+    /// The next sample.
+    next: L::Float,
+    /// So many steps from there on are quarters.
+    fine: L::Int,
+    /// Where rays end, and the segment that ends them, 0 none.
+    end: L::Float,
+    solid: L::Int,
+    /// A face cuts it there.
+    cut: L::Mask,
+    seen: Seen<L>,
+}
+
+/// Tissue between two samples.
+struct Interval<L: Gather> {
+    colour: Vector<L>,
+    /// [1/mm]
+    extinction: L::Float,
+    /// Code of the segment in whose colour it is, 0 none.
+    segment: L::Int,
+}
+
+/// Follows rays through tissue to the first solid segment, or to their end.
+#[inline(always)]
+pub(super) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -> Seen<L> {
+    let mut march = March::new(shading, packet);
+    for _ in 0..MOST_SAMPLES {
+        let under_way = march.are_under_way();
+        if !under_way.any() {
+            break;
+        }
+        march.look(shading, packet, under_way);
+    }
+    if shading.blend.draws_solids() {
+        march.end_at_bodies(shading, packet);
+    }
+    march.seen
+}
+
+impl<L: Gather> March<L> {
+    #[inline(always)]
+    fn new(shading: &Shading<'_>, packet: &Packet<L>) -> Self {
+        let zero = L::Float::splat(0.0);
+        Self {
+            last: packet.enter,
+            front: Floats::splat(UNKNOWN),
+            next: packet.enter + packet.start * Floats::splat(shading.step),
+            fine: Ints::splat(0),
+            end: packet.leave,
+            solid: Ints::splat(0),
+            cut: Masks::splat(false),
+            seen: Seen {
+                light: Vector::new(zero, zero, zero),
+                clarity: Floats::splat(1.0),
+                depth: Floats::splat(-1.0),
+                segment: Ints::splat(0),
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn are_under_way(&self) -> L::Mask {
+        self.last.less(self.end) & L::Float::splat(CLEAR_ENOUGH).less(self.seen.clarity)
+    }
+
+    /// Looks at the rays' next samples, or leaps over empty bricks.
+    #[inline(always)]
+    fn look(&mut self, shading: &Shading<'_>, packet: &Packet<L>, under_way: L::Mask) {
+        self.next = self.next.min(self.end).or_else(under_way, self.next);
+        let grid = packet.at(self.next);
+        let leap = packet.steps_over_empty(shading, grid);
+        let in_empty = L::Float::splat(0.0).less(leap);
+        let unknown = self.front.less(Floats::splat(0.5 * UNKNOWN));
+        let leaps = under_way & in_empty & unknown;
+        if leaps.any() {
+            self.next = (self.next + leap).or_else(leaps, self.next);
+            let before = self.next - Floats::splat(shading.step);
+            self.last = before.or_else(leaps, self.last);
+            self.fine = L::Int::splat(0).or_else(leaps, self.fine);
+        }
+        let looks = under_way & !leaps;
+        if !looks.any() {
+            return;
+        }
+        if (looks & unknown).any() {
+            let front = shading.field.value_at(packet.at(self.last));
+            self.front = front.or_else(looks & unknown, self.front);
+        }
+        let (value, code) = shading.at(grid);
+        let (colour, extinction) = shading.transfer.between::<L>(self.front, value);
+        let solid = shading.segments.are_solid::<L>(code);
+        let zero = L::Float::splat(0.0);
+        let hidden = L::Int::splat(0).greater(code);
+        let mut meets = L::Mask::splat(false);
+        if shading.blend.draws_solids() {
+            meets = looks & solid & self.solid.equal(Ints::splat(0));
+            if meets.any() {
+                // they look again, up to the body
+                self.meet(shading, packet, code, meets);
+            }
+        }
+        let tissue = looks & !meets & !hidden & zero.less(extinction);
+        if tissue.any() {
+            let inside = code.greater(Ints::splat(0)) & !solid;
+            let interval = Interval {
+                colour: shading.segments.colour::<L>(code).or_else(inside, colour),
+                extinction,
+                segment: code.or_else(inside, Ints::splat(0)),
+            };
+            let divided = self.add(shading, packet, interval, tissue);
+            let quarter = self.last + Floats::splat(0.25 * shading.step);
+            self.fine = L::Int::splat(QUARTERS).or_else(divided, self.fine);
+            self.next = quarter.or_else(divided, self.next);
+            self.go_on(shading, value, in_empty, tissue & !divided);
+        }
+        let passes = looks & !meets & !tissue;
+        if passes.any() {
+            self.fine = L::Int::splat(0).or_else(passes, self.fine);
+            self.go_on(shading, value, in_empty, passes);
+        }
+    }
+
+    /// Goes on to the next sample.
+    #[inline(always)]
+    fn go_on(&mut self, shading: &Shading<'_>, value: L::Float, in_empty: L::Mask, lanes: L::Mask) {
+        // an empty brick is leapt over from here on
+        let front = L::Float::splat(UNKNOWN).or_else(in_empty, value);
+        self.front = front.or_else(lanes, self.front);
+        self.last = self.next.or_else(lanes, self.last);
+        let fine = (self.fine - Ints::splat(1)).max(Ints::splat(0));
+        self.fine = fine.or_else(lanes, self.fine);
+        let (step, quarter) = (
+            L::Float::splat(shading.step),
+            L::Float::splat(0.25 * shading.step),
+        );
+        let stride = quarter.or_else(self.fine.greater(Ints::splat(0)), step);
+        self.next = (self.next + stride).or_else(lanes, self.next);
+    }
+
+    /// Rays end where the bodies that they have met begin.
+    #[inline(always)]
+    fn meet(&mut self, shading: &Shading<'_>, packet: &Packet<L>, code: L::Int, meets: L::Mask) {
+        let (entry, code) = refined_entry(shading, packet, (self.last, self.next), code, false);
+        let begins = meets & self.last.at_most(packet.enter);
+        let mut cut = L::Mask::splat(false);
+        if begins.any() {
+            let (_, there) = shading.at(packet.at(self.last));
+            cut = begins & shading.segments.are_solid::<L>(there);
+        }
+        let entry = self.last.or_else(cut, entry);
+        self.end = entry.or_else(meets, self.end);
+        self.solid = code.or_else(meets, self.solid);
+        self.cut = (cut & meets) | (self.cut & !meets);
+    }
+
+    /// Adds the light of tissue between the last sample and the next; returns the lanes in which it is too opaque for
+    /// the length of the way, and nothing was added.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        shading: &Shading<'_>,
+        packet: &Packet<L>,
+        interval: Interval<L>,
+        lanes: L::Mask,
+    ) -> L::Mask {
+        let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
+        let size = self.next - self.last;
+        let mut extinction = interval.extinction * Floats::splat(shading.density);
+        let mut colour = interval.colour;
+        let mut divided = L::Mask::splat(false);
+        if shading.blend.draws_solids() {
+            let middle = packet.at(L::Float::splat(0.5) * (self.last + self.next));
+            let gradient = shading.field.gradient_at(middle);
+            let (kept, boundary) = shading.boundary::<L>(gradient.length());
+            extinction = extinction * kept;
+            let dividable =
+                self.fine.equal(Ints::splat(0)) & L::Float::splat(0.3 * shading.step).less(size);
+            let opaque = L::Float::splat(OPAQUE_STEP / shading.step).less(extinction);
+            divided = lanes & dividable & opaque;
+            if divided.bits() == lanes.bits() {
+                return divided;
+            }
+            if shading.blend == Blend::Shaded {
+                let to_eye = packet.to_eye();
+                let normal = gradient.facing(to_eye);
+                let reaching = shading.lookup.at(middle, normal.scaled(boundary));
+                let own = shading.segments.factors::<L>(interval.segment);
+                colour = shading
+                    .light
+                    .on_tissue(colour, normal, to_eye, boundary, reaching, own);
+            }
+        }
+        let adds = lanes & !divided;
+        let clarity = self.seen.clarity;
+        if shading.blend == Blend::Emission {
+            let share = (clarity * extinction * size).or_else(adds, zero);
+            self.seen.light = self.seen.light.along(colour, share);
+            return divided;
+        }
+        let opacity = one - exp_of_negative::<L>(zero - extinction * size);
+        let share = (clarity * opacity).or_else(adds, zero);
+        self.seen.light = if shading.blend == Blend::Absorption {
+            // what is absorbed of the light behind, bright where much is: as a radiograph shows it
+            self.seen.light + Vector::new(share, share, share)
+        } else {
+            self.seen.light.along(colour, share)
+        };
+        self.seen.clarity = clarity - share;
+        if shading.blend != Blend::Absorption {
+            self.note_depth(self.next, interval.segment, adds);
+        }
+        divided
+    }
+
+    /// Notes where rays became more opaque than clear.
+    #[inline(always)]
+    fn note_depth(&mut self, length: L::Float, segment: L::Int, lanes: L::Mask) {
+        let opaque = self.seen.clarity.less(Floats::splat(0.5));
+        let first = self.seen.depth.less(Floats::splat(0.0)) & opaque & lanes;
+        self.seen.depth = length.or_else(first, self.seen.depth);
+        self.seen.segment = segment.or_else(first, self.seen.segment);
+    }
+
+    /// Adds the light of the bodies at which rays end.
+    #[inline(always)]
+    fn end_at_bodies(&mut self, shading: &Shading<'_>, packet: &Packet<L>) {
+        let zero = L::Float::splat(0.0);
+        let ends = self.solid.greater(Ints::splat(0))
+            & L::Float::splat(CLEAR_ENOUGH).less(self.seen.clarity);
+        if !ends.any() {
+            return;
+        }
+        let light = light_of_body(shading, packet, self.end, self.solid, self.cut);
+        let share = self.seen.clarity.or_else(ends, zero);
+        self.seen.light = self.seen.light.along(light, share);
+        self.seen.clarity = self.seen.clarity - share;
+        self.note_depth(self.end, self.solid, ends);
+    }
+}

@@ -1,0 +1,96 @@
+//! An appearance made ready for a scene: tables, segments, and which bricks are empty.
+
+use glam::{DVec3, Vec4};
+
+use crate::appearance::{Appearance, Blend, Plane};
+use crate::bricks::EmptySpace;
+use crate::labels::Labels;
+use crate::scene::Scene;
+use crate::segments::{Segments, by_voxels};
+use crate::transfer::Transfer;
+
+/// All that many pictures of a scene have in common.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    pub(crate) appearance: Appearance,
+    pub(crate) transfer: Transfer,
+    pub(crate) segments: Segments,
+    pub(crate) empty: EmptySpace,
+    pub(crate) planes: Vec<Vec4>,
+    /// Fraction of the window, or height over the iso-value, at a stored value: factor and term.
+    pub(crate) grey: (f32, f32),
+    pub(crate) tissue_from: f32,
+}
+
+impl Prepared {
+    /// Makes an appearance ready.
+    ///
+    /// # Panics
+    /// Where the transfer function has fewer than two points.
+    #[must_use]
+    pub fn new(scene: &Scene, appearance: Appearance) -> Self {
+        assert!(
+            appearance.transfer.len() >= 2,
+            "a transfer function of fewer than two points"
+        );
+        let voxels = scene.voxels();
+        let scan = voxels.intensities();
+        let transfer = Transfer::new(&appearance.transfer, scan);
+        let labels = Labels::of(voxels, &by_voxels(&appearance));
+        let segments = Segments::new(&appearance, labels, scan);
+        let grey = grey_of(&appearance, scan.slope(), scan.intercept());
+        let window = appearance.window.0.max(1e-6);
+        let tissue_from = (appearance.tissue_from - appearance.window.1) / window + 0.5;
+        let draws_solids = appearance.blend.draws_solids();
+        let ranges = &scene.ranges.ranges;
+        let empty = EmptySpace::new(scene.ranges.counts, |brick| {
+            let (low, high) = ranges[brick];
+            let largest = |at: i16| f32::from(at) * grey.0 + grey.1;
+            let by_value = match appearance.blend {
+                Blend::Mip => largest(low).max(largest(high)) > 0.0,
+                Blend::Iso => largest(low).max(largest(high)) >= 0.0,
+                Blend::MinIp | Blend::Average => true,
+                _ => transfer.shows(low, high),
+            };
+            by_value || (draws_solids && segments.show(low, high)) || segments.hold(brick)
+        });
+        Self {
+            planes: planes_in_grid(scene, &appearance.clip),
+            appearance,
+            transfer,
+            segments,
+            empty,
+            grey,
+            tissue_from: tissue_from as f32,
+        }
+    }
+
+    /// How the scan is drawn.
+    #[must_use]
+    pub fn appearance(&self) -> &Appearance {
+        &self.appearance
+    }
+}
+
+fn grey_of(appearance: &Appearance, slope: f64, intercept: f64) -> (f32, f32) {
+    let (factor, term) = if appearance.blend == Blend::Iso {
+        (slope, intercept - appearance.iso_value)
+    } else {
+        let (window, level) = (appearance.window.0.max(1e-6), appearance.window.1);
+        (slope / window, (intercept - level) / window + 0.5)
+    };
+    (factor as f32, term as f32)
+}
+
+/// Planes as four numbers over points of the grid: how far these lie before them [mm].
+fn planes_in_grid(scene: &Scene, planes: &[Plane]) -> Vec<Vec4> {
+    let to_patient = scene.grid().patient_from_grid();
+    planes
+        .iter()
+        .map(|plane| {
+            let normal: DVec3 = to_patient.matrix3.transpose() * plane.normal;
+            let term = plane.normal.dot(to_patient.translation) - plane.offset;
+            normal.extend(term).as_vec4()
+        })
+        .collect()
+}

@@ -1,0 +1,86 @@
+//! What a ray needs to know while it runs: the scan, how it is drawn, and the light.
+
+use glam::{Vec3, Vec4};
+
+use crate::appearance::Blend;
+use crate::bricks::EmptySpace;
+use crate::field::Field;
+use crate::lanes::{Floats, Gather, Masks, Vector, smoothstep};
+use crate::light_volume::LightLookup;
+use crate::lighting::Light;
+use crate::segments::Segments;
+use crate::transfer::Transfer;
+
+/// Farther than anything in a scene [mm].
+pub(crate) const FAR_AWAY: f32 = 1e9;
+
+/// A scene and its appearance, for one picture.
+#[derive(Clone, Copy)]
+pub(crate) struct Shading<'a> {
+    pub blend: Blend,
+    pub field: &'a Field,
+    pub segments: &'a Segments,
+    pub transfer: &'a Transfer,
+    pub empty: &'a EmptySpace,
+    pub light: Light,
+    pub lookup: LightLookup<'a>,
+    /// Normals toward what is cut away and a number: their sum over a point of the grid is how far it lies before
+    /// the plane [mm].
+    pub planes: &'a [Vec4],
+    pub density: f32,
+    /// Gradient of a full boundary [value per mm], and the fraction of its extinction that homogeneous tissue keeps.
+    pub edge_gradient: f32,
+    pub flat_share: f32,
+    /// Fraction of the window at a stored value, or its height over the iso-value: factor and term.
+    pub grey: (f32, f32),
+    /// The same fraction from which on there is tissue.
+    pub tissue_from: f32,
+    pub iso_colour: Vec3,
+    /// Length of a step [mm].
+    pub step: f32,
+    /// Depths between which is looked [mm].
+    pub slab: (f32, f32),
+    /// Without the occlusion by the nearest voxels.
+    pub is_in_haste: bool,
+}
+
+impl Shading<'_> {
+    /// Value and segment of a place; nothing that was cut away belongs to a segment.
+    #[inline(always)]
+    pub fn at<L: Gather>(&self, grid: Vector<L>) -> (L::Float, L::Int) {
+        let value = self.field.value_at(grid);
+        (value, self.segments.at(self.field, grid, value))
+    }
+
+    /// Fraction of the window at a stored value.
+    #[inline(always)]
+    pub fn grey_of<L: Gather>(&self, value: L::Float) -> L::Float {
+        value * Floats::splat(self.grey.0) + Floats::splat(self.grey.1)
+    }
+
+    #[inline(always)]
+    pub fn is_cut_away<L: Gather>(&self, grid: Vector<L>) -> L::Mask {
+        let mut cut = L::Mask::splat(false);
+        for plane in self.planes {
+            let before = grid.dot(Vector::splat(plane.truncate())) + Floats::splat(plane.w);
+            cut = cut | L::Float::splat(0.0).less(before);
+        }
+        cut
+    }
+
+    /// Fraction of its extinction that tissue keeps with a gradient of this length [value per mm], and how much of a
+    /// boundary that is.
+    ///
+    /// Source: Levoy, "Display of surfaces from volume data", IEEE CG&A 8 (1988).
+    #[inline(always)]
+    pub fn boundary<L: Gather>(&self, gradient: L::Float) -> (L::Float, L::Float) {
+        let boundary = smoothstep::<L>(self.edge_gradient, gradient);
+        let flat = L::Float::splat(self.flat_share);
+        (flat + (L::Float::splat(1.0) - flat) * boundary, boundary)
+    }
+
+    /// The scan's last corner [grid].
+    pub fn end(&self) -> Vec3 {
+        self.field.dimensions().as_vec3()
+    }
+}
