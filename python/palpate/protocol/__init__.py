@@ -10,6 +10,14 @@ from __future__ import annotations
 
 import msgspec
 
+from palpate.protocol.engine_picture import (
+    DrawnPicture,
+    DrawPicture,
+    LookLight,
+    LookSegment,
+    PictureLook,
+    SeenFrom,
+)
 from palpate.protocol.outline import FillOutline, Outline, TraceLevel, Wire
 from palpate.protocol.picture import (
     Changed,
@@ -122,6 +130,8 @@ from palpate.protocol.types import (
     Friction,
     GridPlace,
     Index,
+    LightAmount,
+    LinearColour,
     Message,
     ModelName,
     Motion,
@@ -166,6 +176,8 @@ __all__ = [
     "DeformationModel",
     "DeviceLimits",
     "Displaced",
+    "DrawPicture",
+    "DrawnPicture",
     "EndPaint",
     "Fading",
     "Feel",
@@ -185,6 +197,10 @@ __all__ = [
     "Hello",
     "Histogram",
     "Index",
+    "LightAmount",
+    "LinearColour",
+    "LookLight",
+    "LookSegment",
     "MaterialPreset",
     "MatterParts",
     "MatterRegion",
@@ -208,6 +224,7 @@ __all__ = [
     "Outline",
     "Paint",
     "Passed",
+    "PictureLook",
     "Place",
     "PointPair",
     "Pose",
@@ -230,6 +247,7 @@ __all__ = [
     "Safety",
     "Scan",
     "SecondScan",
+    "SeenFrom",
     "Segment",
     "SegmentFeel",
     "SegmentId",
@@ -293,6 +311,7 @@ ToPage = (
     | Notice
     | Gap
     | Outline
+    | DrawnPicture
     | CutPreview
     | NeedleEvents
     | SegmentWork
@@ -305,6 +324,8 @@ FromPage = (
     Hand
     | Place
     | View
+    | PictureLook
+    | DrawPicture
     | Clutch
     | Threshold
     | Otsu

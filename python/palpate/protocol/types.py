@@ -21,7 +21,9 @@ __all__ = [
     "Friction",
     "GridPlace",
     "Index",
+    "LightAmount",
     "LightFactor",
+    "LinearColour",
     "Message",
     "ModelName",
     "Motion",
@@ -70,6 +72,12 @@ Share = appearance.Share
 
 Colour = appearance.Colour
 """Red, green, blue, sRGB, each 0 to 1."""
+
+LightAmount = Annotated[float, msgspec.Meta(ge=0.0, le=16.0)]
+"""Red, green or blue light, linear; 1 is white."""
+
+LinearColour = tuple[LightAmount, LightAmount, LightAmount]
+"""Red, green, blue, linear."""
 
 Stiffness = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
 """Stiffness of the spring between probe and device [N/mm]."""

@@ -33,6 +33,12 @@ export type Share = number;
 /** Red, green, blue, sRGB, each 0 to 1. */
 export type Colour = readonly [Share, Share, Share];
 
+/** Red, green or blue light, linear; 1 is white. */
+export type LightAmount = number;
+
+/** Red, green, blue, linear. */
+export type LinearColour = readonly [LightAmount, LightAmount, LightAmount];
+
 /** Stiffness of the spring between probe and device [N/mm]. */
 export type Stiffness = number;
 
@@ -676,6 +682,29 @@ export interface Outline {
 }
 
 /**
+ * A picture for the `DrawPicture` with this number; `finished`: it is the last one.
+ *
+ * `size` has columns and rows: those requested, divided by `divisor`, rounded up. `colours`
+ * are linear RGB multiplied by opacity, and opacity, as float16, shape [rows, columns, 4];
+ * `depths` distances from the eye along the direction of view as uint16 from `nearest` (0)
+ * to `farthest` (65534) [mm], 65535 where nothing is, shape [rows, columns]. Rows from the upper
+ * edge, little-endian. `milliseconds` is how long it was drawn.
+ */
+export interface DrawnPicture {
+  readonly type: "drawn_picture";
+  readonly number: number;
+  readonly size: readonly [number, number];
+  readonly divisor: number;
+  readonly samples: number;
+  readonly finished: boolean;
+  readonly milliseconds: number;
+  readonly colours: Uint8Array;
+  readonly depths: Uint8Array;
+  readonly nearest: number;
+  readonly farthest: number;
+}
+
+/**
  * Volumes of the parts that a painted cut would make of segment `id` [ml], larger first.
  *
  * Both are null where the whole segment would be on one side.
@@ -800,6 +829,87 @@ export interface View {
   readonly type: "view";
   readonly right: Vector;
   readonly up: Vector;
+}
+
+/** Factors on the light of the picture; see `palpate.pictures.appearance`. */
+export interface LookLight {
+  readonly ambient: number;
+  readonly diffuse: number;
+  readonly specular: number;
+  readonly shininess: number;
+  readonly edges: Share;
+  readonly occlusion: Share;
+  readonly shadow: Share;
+}
+
+/**
+ * A segment that does not look as the scan does.
+ *
+ * `range` has the limits of the threshold that made it, both included; null where its voxels
+ * alone tell.
+ */
+export interface LookSegment {
+  readonly id: SegmentId;
+  readonly range: readonly [Value, Value] | null;
+  readonly edited: boolean;
+  readonly shown: "solid" | "tinted" | "hidden";
+  readonly colour: LinearColour;
+  readonly ambient: number;
+  readonly specular: number;
+}
+
+/**
+ * Sets how the engine's pictures for this page look from now on: all but the camera.
+ *
+ * `transfer` has value, colour and extinction [1/mm] of each point; `window` width and middle;
+ * `slab` is in mm; `clip` has planes, a unit normal toward what is cut away, and
+ * `normal · point` of their points [mm].
+ */
+export interface PictureLook {
+  readonly type: "picture_look";
+  readonly mode: "shaded" | "composite" | "absorption" | "emission" | "mip" | "minip" | "average" | "iso";
+  readonly density: number;
+  readonly transfer: readonly (readonly [Value, LinearColour, number])[];
+  readonly edge_gradient: number;
+  readonly window: readonly [Value, Value];
+  readonly iso_value: Value;
+  readonly iso_colour: LinearColour;
+  readonly tissue_from: Value;
+  readonly slab: number | null;
+  readonly lighting: LookLight;
+  readonly segments: readonly LookSegment[];
+  readonly clip: readonly (readonly [Vector, Coordinate])[];
+}
+
+/** A camera; see `palpate.pictures.camera` and `camera.ts`. */
+export interface SeenFrom {
+  readonly target: Vector;
+  readonly distance: number;
+  readonly right: Vector;
+  readonly up: Vector;
+  readonly back: Vector;
+  readonly field: number;
+  readonly parallel: number | null;
+  readonly aside: number;
+}
+
+/**
+ * Requests pictures of the 3-D view in the last `PictureLook`; see `DrawnPicture`.
+ *
+ * One at once; where the view does not move (`moving`) finer ones follow, until another is
+ * requested. `size` has columns and rows [pixels]. The last picture is the mean of `samples`,
+ * of `steps_per_voxel` steps for each smallest voxel edge. With `jitter` rays start at
+ * different fractions of a step.
+ */
+export interface DrawPicture {
+  readonly type: "draw_picture";
+  readonly number: number;
+  readonly camera: SeenFrom;
+  readonly size: readonly [number, number];
+  readonly moving: boolean;
+  readonly steps_per_voxel: number;
+  readonly samples: number;
+  readonly jitter: boolean;
 }
 
 /** Decouples the device from the probe, or couples them again. */
@@ -1181,6 +1291,7 @@ export type ToPage =
   | Notice
   | Gap
   | Outline
+  | DrawnPicture
   | CutPreview
   | NeedleEvents
   | SegmentWork
@@ -1193,6 +1304,8 @@ export type FromPage =
   | Hand
   | Place
   | View
+  | PictureLook
+  | DrawPicture
   | Clutch
   | Threshold
   | Otsu
@@ -1794,6 +1907,20 @@ const isOutline = record({
   problem: nullable(text()),
 });
 
+const isDrawnPicture = record({
+  type: oneOf("drawn_picture"),
+  number: whole(),
+  size: tuple(whole(), whole()),
+  divisor: real(),
+  samples: whole(),
+  finished: flag,
+  milliseconds: real(),
+  colours: bytes,
+  depths: bytes,
+  nearest: real(),
+  farthest: real(),
+});
+
 const isCutPreview = record({
   type: oneOf("cut_preview"),
   id: isSegmentId,
@@ -1873,6 +2000,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["notice", isNotice],
   ["gap", isGap],
   ["outline", isOutline],
+  ["drawn_picture", isDrawnPicture],
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],

@@ -39,7 +39,9 @@ export class Mailbox {
 /** The memory that letters with many bytes hold: it can be handed over instead of copied. */
 export function memoryOf(letters: readonly Letter[]): ArrayBuffer[] {
   const views = letters.flatMap(({ message }) =>
-    message.type === "changed"
+    message.type === "drawn_picture"
+      ? [message.colours, message.depths]
+      : message.type === "changed"
       ? [
           message.displaced?.moved ?? null,
           ...message.voxels.flatMap(({ stored, labels }) => [stored, labels]),

@@ -51,6 +51,8 @@ export interface RayMarcherOptions {
   readonly lightCells: number;
 }
 
+type PlaceUniform = "nearFar" | "parallel" | "surfaceColour" | "surfaceDepth" | "surfaceLead";
+
 const formatDefines: Readonly<Record<FieldFormat, string>> = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" };
 
 /** Shift within the pixel [texels], and the number of the noise pattern. */
@@ -333,6 +335,16 @@ export class RayMarcher {
       ...(!this.labelled ? {} : { LABELS: "" }),
       ...(this.deforming ? { DISPLACED: "" } : {}),
     };
+  }
+
+  /** Where near, far and surfaces of triangles stand for what else draws the scan. */
+  get placeUniforms(): Pick<MarchUniforms, PlaceUniform> {
+    return this.uniforms;
+  }
+
+  /** Surfaces of triangles stand in the picture. */
+  get hasSurfaces(): boolean {
+    return this.layers >= 0;
   }
 
   /** Which textures are read beside those of surfaces. */

@@ -11,7 +11,7 @@ import type { Appearance } from "../../core/appearance/appearance";
 import { isGrey } from "../../core/appearance/optics";
 import type { Rect } from "../../core/view/picture_layout";
 import { firstQuality, restingPictures, type QualityChoice } from "../../core/view/quality";
-import type { MovedPose, Segment } from "../../core/protocol";
+import type { DrawnPicture, DrawPicture, MovedPose, PictureLook, Segment } from "../../core/protocol";
 import type { ScanVolume } from "../../core/scan/scan_volume";
 import { drawnFromVoxels, type InsideModes } from "../../core/segments/shown_segments";
 import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../../core/view/stereo";
@@ -19,6 +19,7 @@ import type { SurfaceChange } from "../../core/surfaces/surface_patches";
 import type { Vec3 } from "../../core/geometry/vector";
 import type { Box, LabelVolume } from "../../core/scan/voxel_change";
 import { Compositor } from "./compositor";
+import { EngineDrawing } from "../engine_pictures/engine_drawing";
 import { DrawnScan } from "../textures/drawn_scan";
 import { DrawnScreen } from "./drawn_screen";
 import { fieldFormatFor, type FieldFormat } from "../textures/field_texture";
@@ -45,6 +46,10 @@ export interface PictureOptions {
   readonly mostPixelRatio: number;
   /** Another format for the scan's values than the GPU's best. */
   readonly format?: FieldFormat;
+  /** Asks the engine for pictures; it draws none where this is left out. */
+  readonly askEngine?: (message: DrawPicture | PictureLook) => void;
+  /** The engine draws from the start. */
+  readonly engineDraws?: boolean;
 }
 
 export class Picture {
@@ -60,8 +65,13 @@ export class Picture {
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
   private readonly scan: DrawnScan;
+  private readonly engine: EngineDrawing;
+  /** The engine draws, and not the ray caster. */
+  private byEngine: boolean;
+  /** The GPU has what it needs for whoever draws. */
+  private composes = false;
   /** The GPU has the programs for a first picture, or cannot have them before it. */
-  private prepared = false;
+  private prepared: boolean | "soon" = false;
   private quality: QualityChoice;
   private deforming = false;
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
@@ -96,6 +106,8 @@ export class Picture {
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
+    this.engine = new EngineDrawing(this.renderer, this.marcher, this.surfaces, options.askEngine ?? (() => undefined));
+    this.byEngine = options.engineDraws ?? false;
     this.quality = firstQuality(support.software);
     const means = { software: support.software, halfFloat: support.halfFloatTarget };
     this.refiner = new Refiner(
@@ -112,14 +124,41 @@ export class Picture {
     this.setQuality(this.quality);
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
     this.screen = new DrawnScreen(this.renderer, this.pane, this.slices, support.software, options.mostPixelRatio);
-    const programs = [this.refiner.prepare(this.scan.format), this.compositor.prepare(this.renderer)];
+    const programs = [this.engine.prepare(), this.compositor.prepare(this.renderer)];
     void Promise.allSettled(programs).then(() => {
-      this.prepared = true;
+      this.composes = true;
     });
+    if (!this.byEngine) {
+      this.prepare();
+    }
   }
 
   get isPrepared(): boolean {
-    return this.prepared;
+    return this.composes && (this.byEngine || this.prepared === true);
+  }
+
+  /** Who draws. */
+  get engineDraws(): boolean {
+    return this.byEngine;
+  }
+
+  set engineDraws(on: boolean) {
+    if (on !== this.byEngine) {
+      this.byEngine = on;
+      this.engine.pictures.forget();
+      this.refiner.restart();
+    }
+  }
+
+  /** Takes a picture that the engine has drawn. */
+  takeDrawn(picture: DrawnPicture): void {
+    this.engine.take(picture);
+  }
+
+  /** Another engine has greeted the page, or the same again. */
+  forgetEngine(): void {
+    this.engine.pictures.forget();
+    this.refiner.restart();
   }
 
   /** Share of the scan that is on the GPU. */
@@ -134,7 +173,7 @@ export class Picture {
 
   /** A picture of the scan, with all of the values that were given, is on the screen. */
   get hasPicture(): boolean {
-    return !this.scan.isLoading && this.scan.ready && this.refiner.drawnPieces > 0;
+    return this.byEngine ? this.pieces > 0 : !this.scan.isLoading && this.scan.ready && this.pieces > 0;
   }
 
   /** With what the picture on display was drawn, and whether it is final. */
@@ -145,18 +184,22 @@ export class Picture {
       !this.screen.stale &&
       !this.slices.isStale &&
       !this.marcher.second.isAwaited;
-    return { ...this.refiner.shown, finished: this.refiner.finished && whole };
+    return this.byEngine
+      ? { ...this.engine.shown, finished: this.engine.pictures.finished && !this.refiner.isStale && whole }
+      : { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
   /** How fine pictures are at rest, those that are saved too, and how long they may take while the view moves. */
   setQuality(quality: QualityChoice): void {
     this.quality = quality;
     this.refiner.setQuality(restingPictures[quality.quality], quality.frameBudget);
+    this.engine.pictures.resting = restingPictures[quality.quality];
   }
 
   set jitter(on: boolean) {
     if (on !== this.refiner.jitter) {
       this.refiner.jitter = on;
+      this.engine.pictures.jitter = on;
       this.refiner.restart();
     }
   }
@@ -171,6 +214,7 @@ export class Picture {
     }
     const field = this.scan.begin(volume);
     this.refiner.recount();
+    this.engine.pictures.recount();
     this.marcher.setField(field, bricks);
     this.slices.follow(volume.frame);
     this.surfaces.setFrame(volume.frame);
@@ -192,6 +236,7 @@ export class Picture {
 
   setAppearance(appearance: Appearance): void {
     this.marcher.setAppearance(appearance);
+    this.engine.setAppearance(appearance);
     this.compositor.bendsHighlights = !isGrey(appearance.optics.blend);
     this.refiner.restart();
   }
@@ -224,6 +269,7 @@ export class Picture {
     this.marcher.setLabelColours(this.colours);
     this.surfaces.setSegments(segments, modes);
     this.slices.setSegments(segments);
+    this.engine.setSegments({ segments, modes });
     this.refiner.restart();
   }
 
@@ -283,6 +329,7 @@ export class Picture {
   setClip(planes: readonly Plane[]): void {
     this.marcher.setClip(planes);
     this.surfaces.setClip(planes);
+    this.engine.setClip(planes);
     this.refiner.restart();
   }
 
@@ -324,7 +371,12 @@ export class Picture {
   /** Does the work of one frame; `now` [ms]. */
   advance(now: number): void {
     this.upload();
-    if (!this.scan.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
+    if (this.byEngine) {
+      this.advanceByEngine(now);
+      return;
+    }
+    this.prepare();
+    if (!this.scan.ready || !this.isPrepared || this.view === null || this.suspended || this.snapping) {
       return;
     }
     if (this.scan.comesWhole && !this.refiner.isStale) {
@@ -338,12 +390,44 @@ export class Picture {
       }
       return;
     }
-    const drawn = this.refiner.advance(now);
-    this.screen.fit(this.refiner.shown.divisor);
+    this.show(this.refiner.advance(now), this.refiner.shown.divisor);
+  }
+
+  private advanceByEngine(now: number): void {
+    const { engine, view } = this;
+    if (this.scan.frame === null || !this.composes || view === null || this.suspended || this.snapping) {
+      return;
+    }
+    const drawn = engine.advance(now, {
+      changed: this.refiner.takeChange(),
+      view,
+      target: this.refiner.pictureOf(0),
+      aim: ({ camera, extent }) => {
+        const { width, height } = this.pane.rect;
+        this.pane.shownCamera = camera;
+        this.aim(camera, extent, width / height);
+      },
+    });
+    this.show(drawn, engine.shown.divisor);
+  }
+
+  /** Brings what was drawn to the screen, and what else has changed there. */
+  private show(drawn: boolean, divisor: number): void {
+    this.screen.fit(divisor);
     if (this.begun) {
-      this.screen.draw(drawn, () => (this.surfaces.stray ? null : this.marcher.outline));
+      this.screen.draw(drawn, () => (this.surfaces.stray || this.byEngine ? null : this.marcher.outline));
     } else {
       this.begin(drawn);
+    }
+  }
+
+  /** Has the GPU make what the ray caster needs; once. */
+  private prepare(): void {
+    if (this.prepared === false) {
+      this.prepared = "soon";
+      void this.refiner.prepare(this.scan.format).finally(() => {
+        this.prepared = true;
+      });
     }
   }
 
@@ -380,7 +464,7 @@ export class Picture {
 
   /** Pictures and strips that the GPU has drawn to the end. */
   get pieces(): number {
-    return this.refiner.drawnPieces;
+    return this.byEngine ? this.engine.pictures.count : this.refiner.drawnPieces;
   }
 
   /** Draws the view once, away from the screen; null before there is one. */
@@ -397,6 +481,7 @@ export class Picture {
   dispose(): void {
     this.closing.abort(new Error("the graphics were reset"));
     this.refiner.dispose();
+    this.engine.dispose();
     this.marcher.dispose();
     this.surfaces.dispose();
     this.slices.dispose();
@@ -423,7 +508,9 @@ export class Picture {
     if (taken.isWhole) {
       this.marcher.light.changed();
       this.refiner.recount();
-      this.refiner.restart();
+      if (!this.byEngine) {
+        this.refiner.restart();
+      }
     } else {
       this.refiner.renew();
     }
@@ -458,7 +545,7 @@ export class Picture {
     if (drawn) {
       this.screen.drawPicture();
     }
-    this.begun = this.refiner.drawnPieces > 0;
+    this.begun = this.pieces > 0;
     this.screen.stale = this.begun;
   }
 }

@@ -186,6 +186,13 @@ export class Refiner {
     return this.stale;
   }
 
+  /** Whether something has changed since this was asked; for what draws in place of this. */
+  takeChange(): boolean {
+    const changed = this.stale;
+    this.stale = false;
+    return changed;
+  }
+
   /** Counts pieces from here on: what the GPU has not drawn to the end yet is not counted. */
   recount(): void {
     this.clock.forget();

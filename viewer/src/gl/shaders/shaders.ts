@@ -10,6 +10,7 @@ import cells from "./light/cells.glsl?raw";
 import clip from "./march/clip.glsl?raw";
 import compositeFrag from "./picture/composite.frag?raw";
 import displaced from "./scan/displacements.glsl?raw";
+import engineFrag from "./picture/engine.frag?raw";
 import enlargeFrag from "./picture/upscale.frag?raw";
 import facing from "./march/facing.glsl?raw";
 import field from "./scan/field.glsl?raw";
@@ -100,6 +101,7 @@ export const shaders = {
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
+  engine: joined(surfaces, engineFrag),
   enlarge: joined(enlargeFrag),
   anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, second, secondGrey, secondSlice, secondLines, sliceFrag),

@@ -22,6 +22,7 @@ import { ThresholdPreview } from "../features/segments/threshold_preview.svelte"
 import { SliceControl } from "../features/slices/slice_control.svelte";
 import { TouchMarkers } from "../features/touch/touch_markers.svelte";
 import { ClipControl } from "../features/view/clip_control.svelte";
+import { DrawerControl } from "../features/view/drawer_control.svelte";
 import { QualityControl } from "../features/view/quality_control.svelte";
 import { StereoControl } from "../features/view/stereo_control.svelte";
 import { ViewControl } from "../features/view/view_control.svelte";
@@ -55,6 +56,8 @@ interface ViewControls {
   readonly stereo: StereoControl;
   /** How fine the picture is. */
   readonly quality: QualityControl;
+  /** Who draws the 3-D view. */
+  readonly drawer: DrawerControl;
   /** What of the 3-D view is cut away. */
   readonly clips: ClipControl;
   /** How the scan is shown. */
@@ -109,6 +112,7 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
     slices,
     stereo: new StereoControl(() => view.camera, () => slices.panes.view),
     quality: new QualityControl(support.software),
+    drawer: new DrawerControl(support.software),
     clips: new ClipControl(steps),
     appearance: new AppearanceControl(steps),
     editRate: new EditRateControl(session),

@@ -14,6 +14,7 @@ import type { EditRateControl } from "../features/scan/edit_rate_control.svelte"
 import type { ScanLoader } from "../features/scan/scan_loader.svelte";
 import type { ShownEdits } from "../features/scan/shown_edits.svelte";
 import type { TouchMarkers } from "../features/touch/touch_markers.svelte";
+import type { DrawerControl } from "../features/view/drawer_control.svelte";
 import type { StereoControl } from "../features/view/stereo_control.svelte";
 import type { ViewControl } from "../features/view/view_control.svelte";
 import type { Session } from "../state/session.svelte";
@@ -29,6 +30,7 @@ interface Sources extends SyncedControls {
   readonly scene: DrawnScene;
   readonly view: ViewControl;
   readonly stereo: StereoControl;
+  readonly drawer: DrawerControl;
   readonly appearance: AppearanceControl;
   readonly edits: ShownEdits;
   readonly editRate: EditRateControl;
@@ -44,6 +46,8 @@ export class PictureHost {
   private picture: Picture | null = null;
   private canvas: HTMLCanvasElement | null = null;
   private drawnCamera: Camera | null = null;
+  /** Greetings of engines that the picture knows of. */
+  private greetings = 0;
   private readonly sync: PictureSync;
 
   constructor(
@@ -51,6 +55,7 @@ export class PictureHost {
     readonly support: GpuSupport,
   ) {
     this.sync = new PictureSync(sources, support.software);
+    sources.session.onDrawn((drawn) => this.picture?.takeDrawn(drawn));
   }
 
   /** Takes a canvas and draws on it until the returned function is called. */
@@ -149,11 +154,18 @@ export class PictureHost {
       return;
     }
     this.drop();
-    const { loader, touch } = this.sources;
+    const { drawer, loader, session, touch } = this.sources;
     const { support } = this;
     loader.endPreview();
     try {
-      this.picture = new Picture(this.canvas, { support, mostPixelRatio: support.software ? 1 : 2 });
+      this.picture = new Picture(this.canvas, {
+        support,
+        mostPixelRatio: support.software ? 1 : 2,
+        askEngine: (message) => {
+          session.send(message);
+        },
+        engineDraws: drawer.wantsEngine,
+      });
     } catch (error) {
       loader.failure = `the graphics did not start: ${error instanceof Error ? error.message : String(error)}`;
       return;
@@ -189,10 +201,27 @@ export class PictureHost {
       return;
     }
     this.sync.pass(picture, now, loader.held !== null);
+    this.chooseDrawer(picture);
     this.show(picture);
     picture.advance(now);
     loader.follow(picture);
     markVisibility.follow(picture.shown.finished);
+  }
+
+  /** Has the engine draw, or this browser. */
+  private chooseDrawer(picture: Picture): void {
+    const { drawer, edits, scene, second, session, stereo } = this.sources;
+    picture.engineDraws = drawer.follow({
+      connected: session.connection.kind === "open",
+      stereo: stereo.choice.mode,
+      second: second.shown !== null,
+      deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,
+      segments: scene.segments,
+    });
+    if (session.greetings !== this.greetings) {
+      this.greetings = session.greetings;
+      picture.forgetEngine();
+    }
   }
 
   /** Passes what moves from frame to frame: the camera, poses, and what of touch is drawn. */

@@ -11,6 +11,7 @@ import {
   type CutPreview,
   type DeformationModel,
   type DeviceLimits,
+  type DrawnPicture,
   type FromPage,
   type Gap,
   type Hello,
@@ -44,7 +45,7 @@ const readingPace = { usual: 80, calm: 200 } as const;
 /** An answer of the engine that comes while a slider still moves waits this long [ms]. */
 const answerRest = 250;
 /** What is sent all the time and changes nothing that is taken back, and what asks whether all is done. */
-const passing: ReadonlySet<FromPage["type"]> = new Set(["hand", "view", "turn_grabbed", "fence"]);
+const passing: ReadonlySet<FromPage["type"]> = new Set(["hand", "view", "turn_grabbed", "fence", "picture_look", "draw_picture"]);
 const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
 
 export class Session {
@@ -95,6 +96,7 @@ export class Session {
   private secondListeners: readonly ((second: SecondScan) => void)[] = [];
   private registrationListeners: readonly ((registration: Registration) => void)[] = [];
   private outlineListener: (outline: Outline) => void = () => undefined;
+  private drawnListener: (picture: DrawnPicture) => void = () => undefined;
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -157,6 +159,11 @@ export class Session {
   /** Calls back with outlines that were asked for. */
   onOutline(listener: (outline: Outline) => void): void {
     this.outlineListener = listener;
+  }
+
+  /** Calls back with pictures that the engine has drawn for this page. */
+  onDrawn(listener: (picture: DrawnPicture) => void): void {
+    this.drawnListener = listener;
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -308,6 +315,9 @@ export class Session {
         break;
       case "outline":
         this.outlineListener(message);
+        break;
+      case "drawn_picture":
+        this.drawnListener(message);
         break;
       case "cut_preview":
         this.cutPreview = message;

@@ -1,0 +1,99 @@
+"""Pictures of a session as it is now, for several who ask: one is drawn at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import count
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate import _core
+from palpate.pictures.appearance import Appearance
+from palpate.pictures.camera import Camera
+from palpate.session.session import Session
+
+__all__ = ["DrawnArrays", "Fineness", "SessionPictures"]
+
+NEVER_GIVEN_UP = 2**64 - 1
+"""Number of a picture that is newer than all others."""
+
+
+@dataclass(frozen=True)
+class DrawnArrays:
+    """A picture; rows from the upper edge, columns from the left."""
+
+    colours: NDArray[np.float32]
+    """Linear RGB multiplied by opacity, and opacity; shape [rows, columns, 4]."""
+    depths: NDArray[np.float32]
+    """From the eye along the direction of view [mm], infinite where nothing is;
+    shape [rows, columns]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fineness:
+    """How finely a picture is drawn."""
+
+    steps_per_voxel: float = 1.0
+    """Steps for each smallest voxel edge."""
+    samples: int = 1
+    """Pictures that are averaged, with rays through other places of each pixel."""
+    jitter: bool = False
+    """Rays start at different fractions of a step."""
+    haste: bool = False
+    """Without the occlusion by the nearest voxels."""
+
+
+class SessionPictures:
+    """The renderer of a session; every method may be called from any thread."""
+
+    def __init__(self, session: Session) -> None:
+        """Draws nothing until it is asked to."""
+        self._session = session
+        self._turn = Lock()
+        self._numbers = count(1)
+        self._renderer: _core.Renderer | None = None
+
+    def give_up(self) -> None:
+        """Gives up the picture that is drawn, unless it is to be drawn to its end."""
+        if self._renderer is not None:
+            self._renderer.supersede(next(self._numbers))
+
+    def draw(
+        self,
+        appearance: Appearance,
+        camera: Camera,
+        size: tuple[int, int],
+        *,
+        fineness: Fineness,
+        may_be_given_up: bool,
+    ) -> DrawnArrays | None:
+        """Draws the voxels as they are, in columns and rows; returns None where it was given up.
+
+        Raises:
+            ValueError: Appearance, camera or size are not allowed.
+            RuntimeError: The session has ended.
+        """
+        with self._turn:
+            renderer = self._following()
+            renderer.set_appearance(appearance)
+            picture = renderer.draw(
+                camera,
+                size,
+                steps_per_voxel=fineness.steps_per_voxel,
+                samples=fineness.samples,
+                jitter=fineness.jitter,
+                haste=fineness.haste,
+                number=next(self._numbers) if may_be_given_up else NEVER_GIVEN_UP,
+            )
+        return None if picture is None else DrawnArrays(picture.colours(), picture.depths())
+
+    def _following(self) -> _core.Renderer:
+        """Returns the renderer with the voxels as they are now."""
+        engine = self._session._engine  # noqa: SLF001  # the binding reads the engine's voxels itself
+        if self._renderer is None:
+            self._renderer = _core.Renderer.of_session(engine)
+        else:
+            self._renderer.follow(engine)
+        return self._renderer

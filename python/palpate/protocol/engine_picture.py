@@ -1,0 +1,133 @@
+"""Messages on pictures of the 3-D view that the engine draws, for pages that are slower at it.
+
+Structures of a look and a camera have the fields that ``_core.Renderer`` reads, as those of
+``palpate.pictures`` do. Colours are linear here.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+
+from palpate.pictures.appearance import Mode, Shown
+from palpate.protocol.types import (
+    Coordinate,
+    LinearColour,
+    Message,
+    SegmentId,
+    Share,
+    Value,
+    Vector,
+)
+
+__all__ = ["DrawPicture", "DrawnPicture", "LookLight", "LookSegment", "PictureLook", "SeenFrom"]
+
+Length = Annotated[float, msgspec.Meta(gt=0.0, le=1e6)]
+Factor = Annotated[float, msgspec.Meta(ge=0.0, le=1e6)]
+PixelCount = Annotated[int, msgspec.Meta(ge=1, le=8192)]
+
+
+class SeenFrom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A camera; see ``palpate.pictures.camera`` and ``camera.ts``."""
+
+    target: Vector
+    distance: Length
+    right: Vector
+    up: Vector
+    back: Vector
+    field: Annotated[float, msgspec.Meta(gt=0.0, lt=3.14)]
+    parallel: Length | None
+    aside: Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)]
+
+
+class LookLight(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Factors on the light of the picture; see ``palpate.pictures.appearance``."""
+
+    ambient: Factor
+    diffuse: Factor
+    specular: Factor
+    shininess: Factor
+    edges: Share
+    occlusion: Share
+    shadow: Share
+
+
+class LookSegment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A segment that does not look as the scan does.
+
+    ``range`` has the limits of the threshold that made it, both included; null where its voxels
+    alone tell.
+    """
+
+    id: SegmentId
+    range: tuple[Value, Value] | None
+    edited: bool
+    shown: Shown
+    colour: LinearColour
+    ambient: Factor
+    specular: Factor
+
+
+class PictureLook(Message, frozen=True, tag="picture_look"):
+    """Sets how the engine's pictures for this page look from now on: all but the camera.
+
+    ``transfer`` has value, colour and extinction [1/mm] of each point; ``window`` width and middle;
+    ``slab`` is in mm; ``clip`` has planes, a unit normal toward what is cut away, and
+    ``normal · point`` of their points [mm].
+    """
+
+    mode: Mode
+    density: Factor
+    transfer: Annotated[
+        list[tuple[Value, LinearColour, Factor]], msgspec.Meta(min_length=2, max_length=256)
+    ]
+    edge_gradient: Annotated[float, msgspec.Meta(gt=0.0, le=1e9)]
+    window: tuple[Value, Value]
+    iso_value: Value
+    iso_colour: LinearColour
+    tissue_from: Value
+    slab: Length | None
+    lighting: LookLight
+    segments: Annotated[list[LookSegment], msgspec.Meta(max_length=255)]
+    clip: Annotated[list[tuple[Vector, Coordinate]], msgspec.Meta(max_length=16)]
+
+
+class DrawPicture(Message, frozen=True, tag="draw_picture"):
+    """Requests pictures of the 3-D view in the last ``PictureLook``; see ``DrawnPicture``.
+
+    One at once; where the view does not move (``moving``) finer ones follow, until another is
+    requested. ``size`` has columns and rows [pixels]. The last picture is the mean of ``samples``,
+    of ``steps_per_voxel`` steps for each smallest voxel edge. With ``jitter`` rays start at
+    different fractions of a step.
+    """
+
+    number: Annotated[int, msgspec.Meta(ge=0)]
+    camera: SeenFrom
+    size: tuple[PixelCount, PixelCount]
+    moving: bool
+    steps_per_voxel: Annotated[float, msgspec.Meta(ge=0.1, le=16.0)]
+    samples: Annotated[int, msgspec.Meta(ge=1, le=64)]
+    jitter: bool
+
+
+class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
+    """A picture for the ``DrawPicture`` with this number; ``finished``: it is the last one.
+
+    ``size`` has columns and rows: those requested, divided by ``divisor``, rounded up. ``colours``
+    are linear RGB multiplied by opacity, and opacity, as float16, shape [rows, columns, 4];
+    ``depths`` distances from the eye along the direction of view as uint16 from ``nearest`` (0)
+    to ``farthest`` (65534) [mm], 65535 where nothing is, shape [rows, columns]. Rows from the upper
+    edge, little-endian. ``milliseconds`` is how long it was drawn.
+    """
+
+    number: int
+    size: tuple[int, int]
+    divisor: float
+    samples: int
+    finished: bool
+    milliseconds: float
+    colours: bytes
+    depths: bytes
+    nearest: float
+    farthest: float

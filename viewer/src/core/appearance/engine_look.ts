@@ -1,0 +1,59 @@
+/**
+ * How the scan is drawn as the engine is told it: appearance, segments and clip planes in one message.
+ */
+import { linearFromSrgb } from "../base/colour";
+import type { LookSegment, PictureLook, Segment } from "../protocol";
+import { drawnFromVoxels, shownByValue, type InsideModes, type ShownRange } from "../segments/shown_segments";
+import type { Plane } from "../view/clip";
+import type { Appearance } from "./appearance";
+import { sample } from "./transfer_function";
+
+/** What of segments decides how voxels look. */
+export interface LookedSegments {
+  readonly segments: readonly Segment[];
+  readonly modes: InsideModes;
+}
+
+export function engineLook(appearance: Appearance, shown: LookedSegments, clip: readonly Plane[]): PictureLook {
+  const { edgeGradient, lighting, optics, ranges, transferFunction } = appearance;
+  const { ambient, diffuse, specular, shininess, edges, occlusion, shadow } = lighting;
+  return {
+    type: "picture_look",
+    mode: optics.blend,
+    density: optics.density,
+    transfer: transferFunction.points.map(({ value, colour, extinction }) => [value, colour, extinction]),
+    edge_gradient: edgeGradient,
+    window: [optics.window.window, optics.window.level],
+    iso_value: optics.isoValue,
+    iso_colour: sample(transferFunction.points, optics.isoValue).colour,
+    tissue_from: optics.tissueFrom,
+    slab: optics.slab,
+    lighting: { ambient, diffuse, specular, shininess, edges, occlusion, shadow },
+    segments: [...byValue(ranges, shown.segments), ...byLabel(shown)],
+    clip: clip.map(({ normal, offset }) => [normal, offset]),
+  };
+}
+
+/** Segments that their values tell of, in the order of the ranges. */
+function byValue(ranges: readonly ShownRange[], segments: readonly Segment[]): LookSegment[] {
+  return ranges.flatMap(({ id, colour, label, material = [1, 1], tinted, visible }) => {
+    const segment = segments.find((other) => other.id === id);
+    const range = segment?.range ?? segment?.made_by ?? null;
+    const shown = !visible ? "hidden" : tinted === true ? "tinted" : "solid";
+    const [ambient, specular] = material;
+    return range === null ? [] : [{ id, range, edited: label > 0, shown, colour, ambient, specular }];
+  });
+}
+
+/** Segments that only their voxels tell of; hidden ones look as the scan does. */
+function byLabel({ segments, modes }: LookedSegments): LookSegment[] {
+  const told = new Set(shownByValue(segments).map(({ id }) => id));
+  return segments
+    .filter(({ id, range, visible }) => !told.has(id) && range === null && visible)
+    .flatMap((segment) => {
+      const { id, ambient, specular } = segment;
+      const mode = drawnFromVoxels(segment) ? (modes[id] ?? "solid") : "hidden";
+      const colour = linearFromSrgb(segment.colour);
+      return mode === "plain" ? [] : [{ id, range: null, edited: false, shown: mode, colour, ambient, specular }];
+    });
+}

@@ -1,0 +1,106 @@
+/**
+ * Draws the 3-D view with pictures of the engine instead of the ray caster: into the same cached picture with its depth,
+ * so that all that stands over it goes on as it is.
+ */
+import type * as THREE from "three";
+import type { Appearance } from "../../core/appearance/appearance";
+import { engineLook, type LookedSegments } from "../../core/appearance/engine_look";
+import type { DrawnPicture, DrawPicture, PictureLook } from "../../core/protocol";
+import type { Plane } from "../../core/view/clip";
+import type { PictureTarget } from "../base/picture_target";
+import type { RayMarcher } from "../march/ray_marcher";
+import type { Shown } from "../picture/refiner";
+import type { Surfaces } from "../surfaces/surfaces";
+import { EnginePass } from "./engine_pass";
+import { EnginePictures, type EngineView } from "./engine_pictures";
+
+export class EngineDrawing {
+  readonly pictures: EnginePictures;
+  shown: Shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
+  private readonly pass: EnginePass;
+  private appearance: Appearance | null = null;
+  private segments: LookedSegments = { segments: [], modes: {} };
+  private clip: readonly Plane[] = [];
+
+  constructor(
+    private readonly renderer: THREE.WebGLRenderer,
+    marcher: RayMarcher,
+    private readonly surfaces: Surfaces,
+    send: (message: DrawPicture | PictureLook) => void,
+  ) {
+    this.pass = new EnginePass(marcher);
+    this.pictures = new EnginePictures(send);
+  }
+
+  async prepare(): Promise<void> {
+    await this.pass.prepare(this.renderer);
+  }
+
+  setAppearance(appearance: Appearance): void {
+    this.appearance = appearance;
+    this.tell();
+  }
+
+  setSegments(segments: LookedSegments): void {
+    this.segments = segments;
+    this.tell();
+  }
+
+  setClip(clip: readonly Plane[]): void {
+    this.clip = clip;
+    this.tell();
+  }
+
+  take(picture: DrawnPicture): void {
+    this.pictures.take(picture);
+  }
+
+  /**
+   * Asks for what is due, and draws what has come; true where the cached picture has changed.
+   *
+   * @param changed the view or what is seen has changed since the last call.
+   * @param aim turns surfaces and markers to a view.
+   */
+  advance(
+    now: number,
+    { changed, view, target, aim }: {
+      readonly changed: boolean;
+      readonly view: EngineView;
+      readonly target: PictureTarget;
+      readonly aim: (view: EngineView) => void;
+    },
+  ): boolean {
+    const size = [target.target.width, target.target.height] as const;
+    this.pictures.ask(changed, view, size, now);
+    const next = this.pictures.next(size);
+    if (next === null) {
+      return false;
+    }
+    const { picture } = next;
+    const { divisor, samples } = picture;
+    const { stepsPerVoxel } = this.pictures.resting;
+    target.useLevel(divisor);
+    target.useRows(0, target.height);
+    aim(next.view);
+    const triangles = this.surfaces.draw(this.renderer, target, {
+      divisor,
+      stepsPerVoxel,
+      shift: [0, 0, 0],
+      depth: 0,
+      detail: "all",
+    });
+    this.pass.draw(this.renderer, target, picture);
+    this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: triangles.drawn };
+    return true;
+  }
+
+  dispose(): void {
+    this.pass.dispose();
+  }
+
+  private tell(): void {
+    if (this.appearance !== null) {
+      this.pictures.setLook(engineLook(this.appearance, this.segments, this.clip));
+    }
+  }
+}
