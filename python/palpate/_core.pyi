@@ -19,6 +19,8 @@ from palpate.bench.results import (
     SoftTissueStressResult,
     StressResult,
 )
+from palpate.pictures.appearance import Appearance
+from palpate.pictures.camera import Camera
 from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun
 from palpate.session.deformation_state import DeformationState, ModelOffer, ModelParts
 from palpate.session.frame_state import FrameState, LatenessState
@@ -28,6 +30,8 @@ from palpate.session.segment_state import SegmentState, SettingsState
 
 __all__ = [
     "Ground",
+    "Picture",
+    "Renderer",
     "Segment",
     "Session",
     "Surface",
@@ -519,6 +523,83 @@ class KeptSurface:
 
     def thin_parts(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What is thin: places [patient], shape [n, 3]; volumes expected and kept, [n, 2]."""
+
+class Renderer:
+    """Draws pictures of a scan, on all cores, on threads that give way to a session's."""
+
+    def __init__(self, volume: Volume, segments: Sequence[tuple[int, Segment]] = ()) -> None:
+        """Reads each value once.
+
+        Raises:
+            ValueError: There are too many voxels, or a segment is of another scan.
+        """
+
+    @staticmethod
+    def of_session(session: Session) -> Renderer:
+        """Draws what a session has, as it is now.
+
+        Raises:
+            RuntimeError: The session has ended.
+        """
+
+    def follow(self, session: Session) -> bool:
+        """Takes what a session has now, and reads what was changed; true where something was."""
+
+    def set_appearance(self, appearance: Appearance) -> None:
+        """Shows the scan in another way.
+
+        Raises:
+            ValueError: It is none; the sentence tells what is allowed.
+        """
+
+    def supersede(self, number: int) -> None:
+        """Gives up pictures of lower numbers that are being drawn or still wait."""
+
+    def draw(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        *,
+        steps_per_voxel: float = 1.0,
+        samples: int = 1,
+        jitter: bool = False,
+        haste: bool = False,
+        number: int = ...,
+    ) -> Picture | None:
+        """Draws a picture of so many columns and rows; None where it was given up.
+
+        ``samples`` pictures are averaged, with rays through other places of each pixel; ``jitter`` starts rays at different
+        shares of a step; ``haste`` leaves out the occlusion by the nearest voxels.
+
+        Raises:
+            ValueError: Camera, size or steps are not allowed, or there is no appearance yet.
+        """
+
+class Picture:
+    """A picture; rows from the upper edge, columns from the left."""
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Columns and rows."""
+
+    def colours(self) -> NDArray[np.float32]:
+        """Linear colour multiplied by opacity, and opacity; shape [rows, columns, 4]."""
+
+    def depths(self) -> NDArray[np.float32]:
+        """Distance from the eye along the direction of view [mm], infinite where nothing is; shape [rows, columns]."""
+
+    def segments(self) -> NDArray[np.uint8]:
+        """Number of the segment at each pixel, 0 of none; shape [rows, columns]."""
+
+    def on_screen(
+        self,
+        ground: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None,
+        bends: bool = True,
+    ) -> NDArray[np.uint8]:
+        """sRGB and opacity, shape [rows, columns, 4]; over a ground (linear colours of its middle and edge) where one is given.
+
+        ``bends``: highlights are bent instead of clipped, as the page does but in modes of grey.
+        """
 
 class Surface:
     """The triangles of a segment."""

@@ -7,6 +7,8 @@ use palpate_bench::haptics::BenchError;
 use palpate_device::scripted::PathError;
 use palpate_device::simulated::SettingsError;
 use palpate_engine::error::SessionError;
+use palpate_render::checks::CheckError;
+use palpate_render::scene::SceneError;
 use palpate_surface::SettingsError as SurfaceSettingsError;
 use palpate_surface::voxelise::MeshError;
 use palpate_tools::journal::JournalError;
@@ -14,6 +16,7 @@ use palpate_tools::tool::ToolError;
 use palpate_volume::grid::GridError;
 use palpate_volume::intensities::IntensitiesError;
 use palpate_volume::segment::SegmentError;
+use palpate_volume::voxels::VoxelsError;
 use pyo3::PyErr;
 use pyo3::exceptions::{PyBlockingIOError, PyOSError, PyRuntimeError, PyValueError};
 
@@ -80,5 +83,8 @@ value_errors!(
     SettingsError,
     SurfaceSettingsError,
     ToolError,
-    MeshError
+    MeshError,
+    SceneError,
+    CheckError,
+    VoxelsError
 );

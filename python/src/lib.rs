@@ -20,6 +20,7 @@ mod parallel;
 mod phantom;
 mod picture;
 mod recording;
+mod render;
 mod running;
 mod scenario;
 mod segment;
@@ -57,6 +58,8 @@ mod _core {
     use super::phantom::make_phantom;
     #[pymodule_export]
     use super::recording::{build, replay_recording};
+    #[pymodule_export]
+    use super::render::{PyPicture, PyRenderer};
     #[pymodule_export]
     use super::scenario::{drive_drill, drive_needle, needle_tissues, press};
     #[pymodule_export]

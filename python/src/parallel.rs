@@ -30,20 +30,47 @@ pub fn parallel<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
 
 /// The pool of a forked child; none where rayon's own works.
 fn own_pool() -> Option<&'static ThreadPool> {
-    if !is_forked() {
-        return None;
-    }
+    is_forked().then(|| pool_of_process(&OWN, |_| ()))
+}
+
+/// The pool that is kept in a place, or one that is made for this process.
+fn pool_of_process(
+    place: &Mutex<Option<(u32, &'static ThreadPool)>>,
+    begin: fn(usize),
+) -> &'static ThreadPool {
     let here = std::process::id();
-    let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
-    match *own {
-        Some((process, pool)) if process == here => Some(pool),
+    let mut kept = place.lock().unwrap_or_else(PoisonError::into_inner);
+    match *kept {
+        Some((process, pool)) if process == here => pool,
         _ => {
             let pool = ThreadPoolBuilder::new()
+                .start_handler(begin)
                 .build()
                 .expect("a process may start threads");
             let pool: &'static ThreadPool = Box::leak(Box::new(pool));
-            *own = Some((here, pool));
-            Some(pool)
+            *kept = Some((here, pool));
+            pool
         }
     }
 }
+
+/// The pool of pictures with its process; its threads give way to all others.
+static BACKGROUND: Mutex<Option<(u32, &'static ThreadPool)>> = Mutex::new(None);
+
+/// Works without the GIL on threads that give way to a session's.
+pub fn in_background<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
+    py.detach(|| pool_of_process(&BACKGROUND, give_way).install(work))
+}
+
+/// Lowers the priority of this thread; where that is refused, pictures only take a little from a session.
+fn give_way(_: usize) {
+    #[cfg(target_os = "linux")]
+    // SAFETY: a system call on numbers; 0 is the calling thread
+    unsafe {
+        libc::setpriority(libc::PRIO_PROCESS, 0, NICE);
+    }
+}
+
+/// How much pictures give way: the scheduler's half of the way to the least.
+#[cfg(target_os = "linux")]
+const NICE: i32 = 10;

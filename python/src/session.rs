@@ -46,7 +46,7 @@ type Voxel = (i32, i32, i32);
 /// A running session.
 #[pyclass(name = "Session", module = "palpate._core", frozen)]
 pub struct PySession {
-    session: Arc<Session>,
+    pub session: Arc<Session>,
 }
 
 #[pymethods]

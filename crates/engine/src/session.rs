@@ -227,6 +227,14 @@ impl Session {
         !self.shared.stopping()
     }
 
+    /// The true voxels as they are now. Bricks are shared, so little is copied.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn voxels(&self) -> Result<Voxels, SessionError> {
+        self.ask(|simulation| simulation.voxels().clone())
+    }
+
     /// Has the simulation answer; waits for it.
     fn ask<R: Send + 'static>(
         &self,
@@ -257,7 +265,7 @@ impl Session {
         commit: impl Fn(&mut Simulation, C) -> Result<R, SessionError> + Copy + Send + 'static,
     ) -> Result<R, SessionError> {
         for _ in 0..BUILDS {
-            let snapshot = self.ask(|simulation| simulation.voxels().clone())?;
+            let snapshot = self.voxels()?;
             let number = snapshot.edit_number();
             let change = build(&snapshot)?;
             let committed = self.ask(move |simulation| {

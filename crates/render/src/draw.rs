@@ -1,6 +1,6 @@
 //! Draws a picture: bands of rows on all threads, each in packets of eight rays.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use palpate_volume::simd_dispatch;
 use palpate_volume::simd_dispatch::SimdLevel;
 use rayon::prelude::*;
@@ -77,6 +77,46 @@ pub fn draw(
         },
     );
     stopped.is_ok().then_some(picture)
+}
+
+/// Draws the mean of several pictures, each with rays through another place of every pixel and, where there is noise, with
+/// another pattern; none where `stop` said so meanwhile.
+pub fn draw_averaged(
+    scene: &Scene,
+    prepared: &Prepared,
+    light: Option<&LightVolume>,
+    request: &Request,
+    samples: u32,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Picture> {
+    let mut sum = draw(scene, prepared, light, request, stop)?;
+    for sample in 1..samples {
+        let shifted = Request {
+            shift: (halton(sample, 2) - 0.5, halton(sample, 3) - 0.5),
+            noise: request.noise.map(|first| first + sample),
+            ..*request
+        };
+        let picture = draw(scene, prepared, light, &shifted, stop)?;
+        for (sum, colour) in sum.colours.iter_mut().zip(picture.colours) {
+            *sum = (Vec4::from(*sum) + Vec4::from(colour)).into();
+        }
+    }
+    let share = 1.0 / samples.max(1) as f32;
+    for colour in &mut sum.colours {
+        *colour = (Vec4::from(*colour) * share).into();
+    }
+    Some(sum)
+}
+
+/// Numbers that cover 0 to 1 evenly, however many of them are taken. Source: Halton, Numerische Mathematik 2 (1960).
+fn halton(index: u32, base: u32) -> f32 {
+    let (mut left, mut share, mut number) = (index, 1.0, 0.0);
+    while left > 0 {
+        share /= base as f32;
+        number += share * (left % base) as f32;
+        left /= base;
+    }
+    number
 }
 
 /// Some rows of a picture.

@@ -8,6 +8,7 @@
 pub mod appearance;
 mod bricks;
 pub mod camera;
+pub mod checks;
 pub mod draw;
 mod field;
 mod labels;

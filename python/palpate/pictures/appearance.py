@@ -1,0 +1,67 @@
+"""How a scan is drawn: everything but the camera. Values in the scan's unit, lengths in mm, colours linear RGB, 0 to 1."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+__all__ = ["Appearance", "Lighting", "Mode", "Shown", "ShownSegment"]
+
+Colour = tuple[float, float, float]
+Mode = Literal["shaded", "composite", "absorption", "emission", "mip", "minip", "average", "iso"]
+Shown = Literal["solid", "tinted", "hidden"]
+
+
+class Lighting(msgspec.Struct, frozen=True, kw_only=True):
+    """Factors on the light of the picture, as the page has them (appearance.ts)."""
+
+    ambient: float = 1.0
+    diffuse: float = 1.0
+    specular: float = 1.0
+    shininess: float = 1.0
+    """On the exponent of highlights."""
+    edges: float = 0.94
+    """Fraction of its extinction that homogeneous tissue loses (Levoy, IEEE CG&A 8, 1988)."""
+    occlusion: float = 0.8
+    """How much of ambient occlusion and of shadows is seen, 0 to 1."""
+    shadow: float = 0.6
+
+
+class ShownSegment(msgspec.Struct, frozen=True, kw_only=True):
+    """A segment that does not look as the scan does."""
+
+    id: int
+    range: tuple[float, float] | None
+    """Limits of the threshold that made it, both included; None where its voxels alone tell."""
+    edited: bool = False
+    """It was edited after its threshold."""
+    shown: Shown = "solid"
+    colour: Colour
+    ambient: float = 1.0
+    specular: float = 1.0
+
+
+class Appearance(msgspec.Struct, frozen=True, kw_only=True):
+    """Everything but the camera that decides how a scan is drawn."""
+
+    mode: Mode = "shaded"
+    density: float = 1.0
+    """Factor on all extinction."""
+    transfer: tuple[tuple[float, Colour, float], ...]
+    """Value, colour and extinction [1/mm] of at least two points by rising value."""
+    edge_gradient: float
+    """Gradient from which on a boundary of tissue has its full strength [value per mm]."""
+    window: tuple[float, float]
+    """Width and middle of the window in modes of grey."""
+    iso_value: float
+    iso_colour: Colour
+    tissue_from: float
+    """MinIP and average count from the first to the last place of a ray with this value or more."""
+    slab: float | None = None
+    """Thickness of what is looked at around the middle of the view [mm]; None: everything."""
+    lighting: Lighting = Lighting()
+    segments: tuple[ShownSegment, ...] = ()
+    """In the order in which they win where several claim a value."""
+    clip: tuple[tuple[Colour, float], ...] = ()
+    """Planes: unit normal toward what is cut away, and ``normal · point`` of its points [mm]; LPS."""

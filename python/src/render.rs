@@ -1,0 +1,420 @@
+//! `_core.Renderer` and `_core.Picture`: pictures of a scan, drawn here.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use glam::{DVec3, Vec3};
+use numpy::ndarray::{Array2, Array3};
+use numpy::{PyArray2, PyArray3, ToPyArray};
+use palpate_render::appearance::{
+    Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment,
+};
+use palpate_render::camera::Camera;
+use palpate_render::draw::{Request, draw_averaged};
+use palpate_render::picture::{Ground, Picture};
+use palpate_render::prepared::Prepared;
+use palpate_render::scene::{Scene, SceneError};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::simd_dispatch::SimdLevel;
+use palpate_volume::voxels::Voxels;
+use pyo3::prelude::*;
+
+use crate::arrays::{Triple, vector};
+use crate::errors::CoreError;
+use crate::parallel::{in_background, parallel};
+use crate::segment::PySegment;
+use crate::session::PySession;
+use crate::volume::PyVolume;
+
+/// Most pixels of a picture along an edge.
+const MOST_PIXELS: u32 = 16_384;
+
+/// A scan that is drawn.
+#[pyclass(name = "Renderer", module = "palpate._core", frozen)]
+pub struct PyRenderer {
+    drawn: Mutex<Drawn>,
+    /// Pictures of lower numbers are given up.
+    newest: AtomicU64,
+}
+
+/// A scene and how it looks.
+struct Drawn {
+    scene: Scene,
+    appearance: Option<Appearance>,
+    /// Of this appearance and the scene as it is; none until a picture is asked for.
+    prepared: Option<Prepared>,
+}
+
+/// A picture.
+#[pyclass(name = "Picture", module = "palpate._core", frozen)]
+pub struct PyPicture {
+    picture: Picture,
+}
+
+/// A colour as Python has it.
+type Colour = (f32, f32, f32);
+
+/// A camera as Python has it, see `palpate.pictures.camera`.
+#[derive(FromPyObject)]
+pub struct GivenCamera {
+    target: Triple,
+    distance: f64,
+    right: Triple,
+    up: Triple,
+    back: Triple,
+    field: f64,
+    parallel: Option<f64>,
+    aside: f64,
+}
+
+/// Light as Python has it, see `palpate.pictures.appearance`.
+#[derive(FromPyObject)]
+struct GivenLighting {
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    shininess: f32,
+    edges: f32,
+    occlusion: f32,
+    shadow: f32,
+}
+
+/// A segment as Python has it, see `palpate.pictures.appearance`.
+#[derive(FromPyObject)]
+struct GivenSegment {
+    id: u8,
+    range: Option<(f64, f64)>,
+    edited: bool,
+    shown: String,
+    colour: Colour,
+    ambient: f32,
+    specular: f32,
+}
+
+/// An appearance as Python has it, see `palpate.pictures.appearance`.
+#[derive(FromPyObject)]
+pub struct GivenAppearance {
+    mode: String,
+    density: f32,
+    transfer: Vec<(f64, Colour, f32)>,
+    edge_gradient: f64,
+    window: (f64, f64),
+    iso_value: f64,
+    iso_colour: Colour,
+    tissue_from: f64,
+    slab: Option<f64>,
+    lighting: GivenLighting,
+    segments: Vec<GivenSegment>,
+    clip: Vec<(Triple, f64)>,
+}
+
+#[pymethods]
+impl PyRenderer {
+    #[new]
+    #[pyo3(signature = (volume, segments = Vec::new()))]
+    fn new(
+        py: Python<'_>,
+        volume: &PyVolume,
+        segments: Vec<(u8, PyRef<'_, PySegment>)>,
+    ) -> Result<Self, CoreError> {
+        let mut voxels = Voxels::new(volume.grid, volume.intensities.clone())?;
+        for (id, segment) in segments {
+            voxels.insert_segment(SegmentId(id), segment.segment.clone())?;
+        }
+        Self::of(parallel(py, || Scene::new(voxels)))
+    }
+
+    /// Draws what a session has, as it is now.
+    #[staticmethod]
+    fn of_session(py: Python<'_>, session: &PySession) -> Result<Self, CoreError> {
+        let session = &session.session;
+        let voxels = py.detach(|| session.voxels())?;
+        Self::of(parallel(py, || Scene::new(voxels)))
+    }
+
+    /// Takes what a session has now; true where something had changed.
+    fn follow(&self, py: Python<'_>, session: &PySession) -> Result<bool, CoreError> {
+        let session = &session.session;
+        let voxels = py.detach(|| session.voxels())?;
+        Ok(parallel(py, || {
+            let mut drawn = self.lock();
+            if drawn.scene.voxels().edit_number() == voxels.edit_number() {
+                return false;
+            }
+            drawn.scene.follow(voxels);
+            drawn.prepared = None;
+            true
+        }))
+    }
+
+    /// Shows the scan in another way.
+    fn set_appearance(&self, py: Python<'_>, appearance: GivenAppearance) -> Result<(), CoreError> {
+        let appearance = appearance.checked()?;
+        py.detach(|| {
+            let mut drawn = self.lock();
+            if drawn.appearance.as_ref() != Some(&appearance) {
+                drawn.appearance = Some(appearance);
+                drawn.prepared = None;
+            }
+        });
+        Ok(())
+    }
+
+    /// Gives up pictures of lower numbers that are being drawn or still wait.
+    fn supersede(&self, number: u64) {
+        self.newest.fetch_max(number, Relaxed);
+    }
+
+    /// Draws a picture; None where it was given up.
+    #[pyo3(signature = (camera, size, *, steps_per_voxel = 1.0, samples = 1, jitter = false, haste = false, number = u64::MAX))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "they are keywords in Python and options of one struct in the engine"
+    )]
+    fn draw(
+        &self,
+        py: Python<'_>,
+        camera: GivenCamera,
+        size: (u32, u32),
+        steps_per_voxel: f32,
+        samples: u32,
+        jitter: bool,
+        haste: bool,
+        number: u64,
+    ) -> Result<Option<PyPicture>, CoreError> {
+        let camera = camera.checked()?;
+        check_size(size)?;
+        if !(0.01..=100.0).contains(&steps_per_voxel) {
+            return Err(CoreError::value(format!(
+                "steps_per_voxel {steps_per_voxel} given; allowed: 0.01 to 100"
+            )));
+        }
+        let request = Request {
+            camera,
+            size,
+            steps_per_voxel,
+            shift: (0.0, 0.0),
+            noise: jitter.then_some(0),
+            is_in_haste: haste,
+            level: SimdLevel::widest(),
+        };
+        let picture = in_background(py, || {
+            let stop = || self.newest.load(Relaxed) > number;
+            let mut drawn = self.lock();
+            let Drawn {
+                scene,
+                appearance,
+                prepared,
+            } = &mut *drawn;
+            let appearance = appearance.as_ref().ok_or_else(|| {
+                CoreError::value("no appearance given; allowed: set_appearance first")
+            })?;
+            let prepared = prepared.get_or_insert_with(|| Prepared::new(scene, appearance.clone()));
+            Ok::<_, CoreError>(draw_averaged(
+                scene, prepared, None, &request, samples, &stop,
+            ))
+        })?;
+        Ok(picture.map(|picture| PyPicture { picture }))
+    }
+}
+
+impl PyRenderer {
+    fn of(scene: Result<Scene, SceneError>) -> Result<Self, CoreError> {
+        Ok(Self {
+            drawn: Mutex::new(Drawn {
+                scene: scene?,
+                appearance: None,
+                prepared: None,
+            }),
+            newest: AtomicU64::new(0),
+        })
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Drawn> {
+        // what a panic left is a scene and an appearance, each whole
+        self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl PyPicture {
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        self.picture.size
+    }
+
+    /// Linear colour multiplied by opacity, and opacity; shape [rows, columns, 4].
+    fn colours<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
+        let (columns, rows) = self.shape();
+        let flat = self.picture.colours.as_flattened().to_vec();
+        Array3::from_shape_vec((rows, columns, 4), flat)
+            .expect("there is one colour per pixel")
+            .to_pyarray(py)
+    }
+
+    /// Depth [mm], infinite where nothing is; shape [rows, columns].
+    fn depths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f32>> {
+        let (columns, rows) = self.shape();
+        Array2::from_shape_vec((rows, columns), self.picture.depths.clone())
+            .expect("there is one depth per pixel")
+            .to_pyarray(py)
+    }
+
+    /// The segment at each pixel, 0 of none; shape [rows, columns].
+    fn segments<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u8>> {
+        let (columns, rows) = self.shape();
+        Array2::from_shape_vec((rows, columns), self.picture.segments.clone())
+            .expect("there is one segment per pixel")
+            .to_pyarray(py)
+    }
+
+    /// sRGB with opacity as bytes, shape [rows, columns, 4].
+    #[pyo3(signature = (ground = None, bends = true))]
+    fn on_screen<'py>(
+        &self,
+        py: Python<'py>,
+        ground: Option<(Colour, Colour)>,
+        bends: bool,
+    ) -> Bound<'py, PyArray3<u8>> {
+        let (columns, rows) = self.shape();
+        let ground = ground.map(|(centre, edge)| Ground {
+            centre: centre.into(),
+            edge: edge.into(),
+        });
+        let bytes = parallel(py, || self.picture.to_screen(ground, bends));
+        Array3::from_shape_vec((rows, columns, 4), bytes.into_flattened())
+            .expect("there are four bytes per pixel")
+            .to_pyarray(py)
+    }
+}
+
+impl PyPicture {
+    fn shape(&self) -> (usize, usize) {
+        let (columns, rows) = self.picture.size;
+        (columns as usize, rows as usize)
+    }
+}
+
+fn check_size(size: (u32, u32)) -> Result<(), CoreError> {
+    let allowed = 1..=MOST_PIXELS;
+    if allowed.contains(&size.0) && allowed.contains(&size.1) {
+        return Ok(());
+    }
+    Err(CoreError::value(format!(
+        "picture of {} × {} pixels given; allowed: 1 to {MOST_PIXELS} along each edge",
+        size.0, size.1
+    )))
+}
+
+impl GivenCamera {
+    fn checked(&self) -> Result<Camera, CoreError> {
+        let camera = Camera {
+            target: vector(self.target),
+            distance: self.distance,
+            right: vector(self.right),
+            up: vector(self.up),
+            back: vector(self.back),
+            field: self.field,
+            parallel: self.parallel,
+            aside: self.aside,
+        };
+        camera.check()?;
+        Ok(camera)
+    }
+}
+
+impl GivenAppearance {
+    fn checked(self) -> Result<Appearance, CoreError> {
+        let appearance = Appearance {
+            blend: mode(&self.mode)?,
+            density: self.density,
+            transfer: self.transfer.into_iter().map(control_point).collect(),
+            edge_gradient: self.edge_gradient,
+            window: self.window,
+            iso_value: self.iso_value,
+            iso_colour: self.iso_colour.into(),
+            tissue_from: self.tissue_from,
+            slab: self.slab,
+            lighting: self.lighting.into(),
+            segments: self
+                .segments
+                .into_iter()
+                .map(ShownSegment::try_from)
+                .collect::<Result<_, _>>()?,
+            clip: self.clip.into_iter().map(plane).collect(),
+        };
+        appearance.check()?;
+        Ok(appearance)
+    }
+}
+
+fn mode(name: &str) -> Result<Blend, CoreError> {
+    Ok(match name {
+        "shaded" => Blend::Shaded,
+        "composite" => Blend::Composite,
+        "absorption" => Blend::Absorption,
+        "emission" => Blend::Emission,
+        "mip" => Blend::Mip,
+        "minip" => Blend::MinIp,
+        "average" => Blend::Average,
+        "iso" => Blend::Iso,
+        _ => {
+            return Err(CoreError::value(format!(
+                "mode {name} given; allowed: shaded, composite, absorption, emission, mip, minip, average, iso"
+            )));
+        }
+    })
+}
+
+fn control_point((value, colour, extinction): (f64, Colour, f32)) -> ControlPoint {
+    ControlPoint {
+        value,
+        colour: Vec3::from(colour),
+        extinction,
+    }
+}
+
+fn plane((normal, offset): (Triple, f64)) -> Plane {
+    let normal: DVec3 = vector(normal);
+    Plane { normal, offset }
+}
+
+impl From<GivenLighting> for Lighting {
+    fn from(given: GivenLighting) -> Self {
+        Self {
+            ambient: given.ambient,
+            diffuse: given.diffuse,
+            specular: given.specular,
+            shininess: given.shininess,
+            edges: given.edges,
+            occlusion: given.occlusion,
+            shadow: given.shadow,
+        }
+    }
+}
+
+impl TryFrom<GivenSegment> for ShownSegment {
+    type Error = CoreError;
+
+    fn try_from(given: GivenSegment) -> Result<Self, CoreError> {
+        let shown = match given.shown.as_str() {
+            "solid" => Shown::Solid,
+            "tinted" => Shown::Tinted,
+            "hidden" => Shown::Hidden,
+            name => {
+                return Err(CoreError::value(format!(
+                    "segment shown as {name} given; allowed: solid, tinted, hidden"
+                )));
+            }
+        };
+        Ok(Self {
+            id: given.id,
+            range: given.range,
+            is_edited: given.edited,
+            shown,
+            colour: given.colour.into(),
+            ambient: given.ambient,
+            specular: given.specular,
+        })
+    }
+}
