@@ -191,8 +191,8 @@ class EnginePictures:
 
     def add_to(self, table: MessageTable) -> None:
         """Adds the rows of pictures."""
-        table.add(protocol.PictureLook, self._look, runs=Runs.ON_LOOP)
-        table.add(protocol.DrawPicture, self._draw, runs=Runs.ON_LOOP)
+        table.add(protocol.PictureLook, self.look, runs=Runs.ON_LOOP)
+        table.add(protocol.DrawPicture, self.draw, runs=Runs.ON_LOOP)
 
     def leave(self, page: Outbox) -> None:
         """Ends what is drawn for a page that has gone."""
@@ -200,10 +200,12 @@ class EnginePictures:
         if painter is not None:
             painter.end()
 
-    def _look(self, look: protocol.PictureLook, page: Outbox) -> None:
+    def look(self, look: protocol.PictureLook, page: Outbox) -> None:
+        """Draws so for a page from now on."""
         self._painter(page).look(look)
 
-    def _draw(self, request: protocol.DrawPicture, page: Outbox) -> None:
+    def draw(self, request: protocol.DrawPicture, page: Outbox) -> None:
+        """Draws this next for a page."""
         self._painter(page).ask(request)
 
     def _painter(self, page: Outbox) -> PagePainter:

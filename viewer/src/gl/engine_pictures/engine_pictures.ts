@@ -88,6 +88,11 @@ export class EnginePictures {
     }
   }
 
+  /** A picture of a view that has moved since is on its way: what stands over the picture moves with it. */
+  get isTurning(): boolean {
+    return this.moving && this.asked.length > 1;
+  }
+
   /** Takes a picture that has come; one that was asked for earlier than one on display is none any more. */
   take(picture: DrawnPicture): void {
     this.arrived = picture;

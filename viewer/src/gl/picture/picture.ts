@@ -408,7 +408,9 @@ export class Picture {
         this.aim(camera, extent, width / height);
       },
     });
-    this.show(drawn, engine.shown.divisor);
+    if (drawn || !engine.pictures.isTurning) {
+      this.show(drawn, engine.shown.divisor);
+    }
   }
 
   /** Brings what was drawn to the screen, and what else has changed there. */

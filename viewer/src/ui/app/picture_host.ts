@@ -212,7 +212,8 @@ export class PictureHost {
   private chooseDrawer(picture: Picture): void {
     const { drawer, edits, scene, second, session, stereo } = this.sources;
     picture.engineDraws = drawer.follow({
-      connected: session.connection.kind === "open",
+      // at first it is about to be
+      connected: session.greetings === 0 || session.connection.kind === "open",
       stereo: stereo.choice.mode,
       second: second.shown !== null,
       deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,

@@ -15,6 +15,7 @@ import {
 } from "../../core/protocol";
 import type { Vec3 } from "../../core/geometry/vector";
 import { benchHooks, type BenchHooks } from "./bench_hooks";
+import type { DrawerChoice } from "../../core/view/who_draws";
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import type { Shown } from "../../gl/picture/refiner";
 import type { ShownSlice } from "../../gl/picture/slices";
@@ -36,6 +37,8 @@ export interface TestHooks {
   readonly finished: boolean;
   /** With what the picture on display was drawn; null before there is one. */
   readonly shown: Shown | null;
+  /** Who draws; where it is not who should, `obstacle` tells why. */
+  readonly drawer: { readonly choice: DrawerChoice; readonly engine: boolean; readonly obstacle: string | null };
   /** What is now; null before the engine has reported. */
   readonly state: State | null;
   /** As the page shows them; null before the engine has reported. */
@@ -119,6 +122,10 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
       return stage.picture.shown?.finished ?? false;
     },
     get shown() { return stage.picture.shown; },
+    get drawer() {
+      const { choice, engineDraws: engine, obstacle } = stage.drawer;
+      return { choice, engine, obstacle };
+    },
     get state() {
       return session.latest;
     },

@@ -1,0 +1,215 @@
+"""Pictures that the engine draws for pages: they come, newer requests win, edits are seen."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Iterator
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from made_scans import make_ball
+from numpy.typing import NDArray
+from palpate import protocol
+from palpate.server.messages.engine_pictures import MOST_PIXELS, EnginePictures
+from palpate.server.messages.outbox import Outbox
+from palpate.server.messages.picture_pace import COARSEST, FINEST, FIRST_DIVISOR, PicturePace
+from palpate.session.session import Session
+
+Told = dict[str, Any]
+Ask = Callable[[EnginePictures, Outbox], Awaitable[list[Told]]]
+
+
+@pytest.fixture
+def session() -> Iterator[Session]:
+    with Session(make_ball()) as running:
+        yield running
+
+
+def look(**changes: Any) -> protocol.PictureLook:
+    """Everything above the ball's threshold is opaque."""
+    usual = protocol.PictureLook(
+        mode="shaded",
+        density=1.0,
+        transfer=[(0.0, (0.0, 0.0, 0.0), 0.0), (1.0, (1.0, 1.0, 1.0), 0.0)],
+        edge_gradient=1.0,
+        window=(400.0, 40.0),
+        iso_value=250.0,
+        iso_colour=(1.0, 1.0, 1.0),
+        tissue_from=-300.0,
+        slab=None,
+        lighting=protocol.LookLight(1.0, 1.0, 1.0, 1.0, 0.94, 0.0, 0.0),
+        segments=[protocol.LookSegment(1, None, False, "solid", (1.0, 1.0, 1.0), 1.0, 1.0)],  # noqa: FBT003
+        clip=[],
+    )
+    return msgspec.structs.replace(usual, **changes)
+
+
+def request(session: Session, number: int, *, moving: bool, **changes: Any) -> protocol.DrawPicture:
+    """A view from the front of the middle of the scan."""
+    volume = session.scene.volume
+    middle = volume.patient_from_grid @ [*(np.array(volume.shape[::-1]) / 2), 1.0]
+    x, y, z = middle[:3].tolist()
+    camera = protocol.SeenFrom(
+        (x, y, z), 400.0, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), 0.3, None, 0.0
+    )
+    usual = protocol.DrawPicture(number, camera, (60, 48), moving, 1.0, 2, jitter=False)
+    return msgspec.structs.replace(usual, **changes)
+
+
+def told(session: Session, ask: Ask) -> list[Told]:
+    """Returns what a page is told by what it asks for."""
+
+    async def run() -> list[Told]:
+        pictures, page = EnginePictures(session), Outbox()
+        async with asyncio.timeout(60.0):
+            try:
+                return await ask(pictures, page)
+            finally:
+                pictures.leave(page)
+
+    return asyncio.run(run())
+
+
+async def next_of(page: Outbox) -> Told:
+    packed = await page.next()
+    assert isinstance(packed, bytes)
+    message: Told = msgspec.msgpack.decode(packed)
+    return message
+
+
+async def until_finished(page: Outbox) -> list[Told]:
+    messages = [await next_of(page)]
+    while not messages[-1].get("finished", True):
+        messages.append(await next_of(page))
+    return messages
+
+
+def colours_of(message: Told) -> NDArray[np.float32]:
+    columns, rows = message["size"]
+    flat = np.frombuffer(message["colours"], "<f2").astype(np.float32)
+    return flat.reshape(rows, columns, 4)
+
+
+def depths_of(message: Told) -> NDArray[np.float64]:
+    columns, rows = message["size"]
+    steps = np.frombuffer(message["depths"], "<u2").reshape(rows, columns)
+    share = steps / 65534.0
+    depths = message["nearest"] + share * (message["farthest"] - message["nearest"])
+    return np.where(steps == 65535, np.inf, depths)
+
+
+def test_a_view_at_rest_is_drawn_finer_and_finer(session: Session) -> None:
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        pictures.look(look(), page)
+        pictures.draw(request(session, 7, moving=False), page)
+        return await until_finished(page)
+
+    pictures = told(session, ask)
+    last = pictures[-1]
+    assert (last["number"], last["divisor"], last["samples"]) == (7, 1.0, 2)
+    assert last["size"] == [60, 48]
+    # those before may have been replaced by it on their way
+    assert [each["divisor"] for each in pictures] in (
+        [2.0, 1.0, 1.0],
+        [2.0, 1.0],
+        [1.0, 1.0],
+        [1.0],
+    )
+    depths, colours = depths_of(last), colours_of(last)
+    assert colours[24, 30, 3] == pytest.approx(1.0, abs=1e-3)
+    assert colours[0, 0, 3] == 0.0
+    assert np.isinf(depths[0, 0])
+    # the middle of a ball is nearer than its rim
+    assert depths[24, 30] < 400.0
+    assert depths[24, 30] == pytest.approx(depths.min(), abs=0.5)
+
+
+def test_a_view_that_moves_gets_one_picture_in_haste(session: Session) -> None:
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        pictures.look(look(), page)
+        pictures.draw(request(session, 1, moving=True), page)
+        return [await next_of(page)]
+
+    (picture,) = told(session, ask)
+    assert (picture["divisor"], picture["finished"]) == (FIRST_DIVISOR, False)
+    assert picture["size"] == [20, 16]
+
+
+def test_a_newer_request_wins_and_what_waited_is_forgotten(session: Session) -> None:
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        pictures.look(look(), page)
+        pictures.draw(request(session, 1, moving=False, size=(900, 700), samples=64), page)
+        first = await next_of(page)
+        for number in range(2, 30):
+            pictures.draw(request(session, number, moving=False), page)
+        return [first, *await until_number(page, 29)]
+
+    messages = told(session, ask)
+    numbers = [message["number"] for message in messages]
+    assert numbers[0] == 1
+    assert not any(message["finished"] for message in messages if message["number"] == 1)
+    assert len(set(numbers)) < 10, "most of those that waited were never drawn"
+
+
+async def until_number(page: Outbox, number: int) -> list[Told]:
+    messages = [await next_of(page)]
+    while not (messages[-1]["number"] == number and messages[-1]["finished"]):
+        messages.append(await next_of(page))
+    return messages
+
+
+def test_an_edit_is_seen_by_the_next_picture(session: Session) -> None:
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        pictures.look(look(), page)
+        pictures.draw(request(session, 1, moving=False), page)
+        before = (await until_finished(page))[-1]
+        session.remove_segment(1)
+        pictures.draw(request(session, 2, moving=False), page)
+        return [before, (await until_number(page, 2))[-1]]
+
+    before, after = told(session, ask)
+    assert colours_of(before)[..., 3].max() > 0.9
+    assert colours_of(after)[..., 3].max() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("asked", "sentence"),
+    [
+        ({}, "picture requested before its look; allowed: picture_look first"),
+        ({"size": (8192, 8192)}, f"allowed: {MOST_PIXELS} in all"),
+        ({"camera": {"up": (0.0, 0.0, 2.0)}}, "allowed: unit vectors at right angles"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused_in_one_line(
+    session: Session, asked: dict[str, Any], sentence: str
+) -> None:
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        changes = dict(asked)
+        if "camera" in changes:
+            camera = request(session, 1, moving=False).camera
+            changes["camera"] = msgspec.structs.replace(camera, **changes["camera"])
+        if changes:
+            pictures.look(look(), page)
+        wanted = request(session, 1, moving=False, **changes)
+        pictures.draw(wanted, page)
+        refused = await next_of(page)
+        pictures.look(look(), page)
+        pictures.draw(request(session, 2, moving=True), page)
+        return [refused, await next_of(page)]
+
+    refused, picture = told(session, ask)
+    assert refused["type"] == "notice"
+    assert sentence in refused["text"]
+    assert "\n" not in refused["text"]
+    assert picture["type"] == "drawn_picture", "what follows is drawn as always"
+
+
+@pytest.mark.parametrize(("seconds", "divisor"), [(0.001, FINEST), (0.075, 3.0), (10.0, COARSEST)])
+def test_pictures_become_coarser_where_they_take_longer(seconds: float, divisor: float) -> None:
+    pace = PicturePace()
+    assert pace.divisor == FIRST_DIVISOR
+    for _ in range(20):
+        pace.learn(3.0, seconds)
+    assert pace.divisor == divisor

@@ -1,0 +1,65 @@
+import { expect, test } from "vitest";
+import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
+import { engineLook } from "../../../src/core/appearance/engine_look";
+import { shadedOptics } from "../../../src/core/appearance/optics";
+import type { Segment } from "../../../src/core/protocol";
+import { rangesInside, shownRanges, type InsideModes } from "../../../src/core/segments/shown_segments";
+import { segment } from "../../support/volumes";
+
+const rescale = { slope: 2, intercept: -1000 };
+const points = [
+  { value: 0, colour: [0, 0, 0], extinction: 0 },
+  { value: 100, colour: [1, 0.5, 0], extinction: 2 },
+] as const;
+
+function lookOf(segments: readonly Segment[], modes: InsideModes = {}): ReturnType<typeof engineLook> {
+  const appearance: Appearance = {
+    transferFunction: { points },
+    ranges: rangesInside(shownRanges(segments, rescale), modes),
+    edgeGradient: 30,
+    lighting: firstLighting,
+    optics: { ...shadedOptics, isoValue: 50 },
+  };
+  return engineLook(appearance, { segments, modes }, [{ normal: [1, 0, 0], offset: 5 }]);
+}
+
+const bone: Segment = { ...segment, id: 1, visible: true, shown_as: "volume", range: [100, 300] };
+const painted: Segment = { ...segment, id: 2, visible: true, shown_as: "volume", range: null, made_by: null };
+
+test("values, light and planes go out in physical units", () => {
+  const look = lookOf([]);
+  expect(look).toMatchObject({
+    mode: "shaded",
+    transfer: [[0, [0, 0, 0], 0], [100, [1, 0.5, 0], 2]],
+    window: [400, 40],
+    iso_colour: [0.5, 0.25, 0],
+    edge_gradient: 30,
+    slab: null,
+    clip: [[[1, 0, 0], 5]],
+    segments: [],
+  });
+});
+
+test("a threshold goes out by its limits, a painted segment by its voxels", () => {
+  const { segments } = lookOf([bone, painted]);
+  expect(segments.map(({ id, range, edited, shown }) => ({ id, range, edited, shown }))).toEqual([
+    { id: 1, range: [100, 300], edited: false, shown: "solid" },
+    { id: 2, range: null, edited: false, shown: "solid" },
+  ]);
+});
+
+test("an edited threshold keeps the limits that made it", () => {
+  const { segments } = lookOf([{ ...bone, range: null, made_by: [100, 300] }]);
+  expect(segments).toMatchObject([{ id: 1, range: [100, 300], edited: true, shown: "solid" }]);
+});
+
+test("hidden ones, tinted ones, plain ones and surfaces", () => {
+  const surface = { ...painted, id: 3, shown_as: "surface" as const };
+  const hidden = { ...bone, id: 4, visible: false };
+  const { segments } = lookOf([bone, painted, surface, hidden], { 1: "tinted", 2: "plain" });
+  expect(segments.map(({ id, shown }) => [id, shown])).toEqual([[1, "tinted"], [4, "hidden"], [3, "hidden"]]);
+});
+
+test("a painted segment that is hidden looks as the scan does", () => {
+  expect(lookOf([{ ...painted, visible: false }]).segments).toEqual([]);
+});
