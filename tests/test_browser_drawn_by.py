@@ -1,0 +1,91 @@
+"""The 3-D view as the engine draws it, beside the same as the browser draws it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import ROOT, Browser, browser, palpate
+
+pytestmark = pytest.mark.browser
+
+OUTPUT = ROOT / "tests" / "output"
+SIZE = {"width": 1000, "height": 460}
+"""Small: one of both is drawn in software."""
+
+
+@pytest.fixture(scope="module")
+def page(data_folder: Path) -> Iterator[Browser]:
+    path = data_folder / "cthead_stanford" / "CThead.mha"
+    with palpate("open", path) as command, browser() as opened:
+        opened.do("open", url=command.url, **SIZE)
+        # the browser works light out in coarse cells
+        light = json.dumps({"occlusion": 0, "shadow": 0})
+        opened.read(f"localStorage.setItem('palpate.lighting.CThead', {json.dumps(light)})")
+        assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        opened.do("clickText", text="Quality")
+        opened.do("clickText", text="Stereo")
+        yield opened
+
+
+def drawn_by(page: Browser, drawer: str) -> None:
+    page.do("choose", testid="drawer", value=drawer)
+    page.frames()
+
+
+@pytest.mark.data
+def test_where_the_browser_draws_by_the_cpu_the_engine_draws(page: Browser) -> None:
+    assert page.read("window.palpate.drawer") == {
+        "choice": "auto",
+        "engine": True,
+        "obstacle": None,
+    }
+    assert page.text("drawn-by") == "the engine"
+    assert page.read("window.palpate.shown.divisor") <= 4
+    page.finish()
+    assert page.read("window.palpate.shown.divisor") == 1
+
+
+@pytest.mark.data
+def test_both_draw_the_same_picture(page: Browser) -> None:
+    engine = page.picture(OUTPUT / "drawn-by-engine.png")
+    drawn_by(page, "browser")
+    own = page.picture(OUTPUT / "drawn-by-browser.png")
+    drawn_by(page, "auto")
+    off = np.abs(engine - own)[:, 90:-10]
+    assert own.std() > 0.1
+    assert off.mean() <= 4 / 255
+
+
+@pytest.mark.data
+def test_a_segment_that_is_hidden_is_gone_from_the_picture(page: Browser) -> None:
+    before = page.picture(OUTPUT / "drawn-by-engine-bone.png")
+    page.do("click", testid="visible-1")
+    after = page.picture(OUTPUT / "drawn-by-engine-hidden.png")
+    page.do("click", testid="visible-1")
+    assert np.abs(after - before).mean() > 0.02
+
+
+@pytest.mark.data
+def test_what_the_engine_cannot_draw_the_browser_draws(page: Browser) -> None:
+    page.do("choose", testid="stereo", value="side")
+    page.wait("window.palpate.drawer.engine === false")
+    assert page.text("drawer-obstacle") == "Drawn by this browser: stereo is shown"
+    page.do("choose", testid="stereo", value="off")
+    page.wait("window.palpate.drawer.engine")
+    page.finish()
+
+
+@pytest.mark.data
+def test_a_choice_is_remembered(page: Browser) -> None:
+    drawn_by(page, "browser")
+    page.do("open", url=page.read("location.href"), **SIZE)
+    assert page.read("window.palpate.drawer.choice") == "browser"
+    drawn_by(page, "auto")
+    page.do("open", url=page.read("location.href"), **SIZE)
+    assert page.read("window.palpate.drawer.engine")
+    page.finish()
+    assert page.complaints == []
