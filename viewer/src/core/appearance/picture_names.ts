@@ -2,7 +2,7 @@
  * Blend modes, qualities and modes of stereo as people choose them, with the field's terms.
  */
 import { restingPictures, type Quality } from "../view/quality";
-import type { DrawerChoice } from "../view/who_draws";
+import type { DrawerChoice } from "./who_draws";
 import type { StereoMode } from "../view/stereo";
 import type { Blend } from "./optics";
 

@@ -1,6 +1,6 @@
 /**
- * Draws the 3-D view with pictures of the engine instead of the ray caster: into the same cached picture with its depth,
- * so that all that stands over it goes on as it is.
+ * Draws the 3-D view with pictures of the engine instead of the ray caster: into the same cached picture with its
+ * depth, so that all that stands over it goes on as it is.
  */
 import type * as THREE from "three";
 import type { Appearance } from "../../core/appearance/appearance";
@@ -9,14 +9,14 @@ import type { DrawnPicture, DrawPicture, PictureLook } from "../../core/protocol
 import type { Plane } from "../../core/view/clip";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
-import type { Shown } from "../picture/refiner";
 import type { Surfaces } from "../surfaces/surfaces";
 import { EnginePass } from "./engine_pass";
 import { EnginePictures, type EngineView } from "./engine_pictures";
 
 export class EngineDrawing {
   readonly pictures: EnginePictures;
-  shown: Shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
+  /** With what the picture on display was drawn. */
+  shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
   private readonly pass: EnginePass;
   private appearance: Appearance | null = null;
   private segments: LookedSegments = { segments: [], modes: {} };

@@ -34,10 +34,9 @@ export class EnginePass {
   draw(renderer: THREE.WebGLRenderer, target: PictureTarget, picture: DrawnPicture): void {
     const u = this.uniforms;
     const [width, height] = picture.size;
-    const colours = halves(picture.colours);
-    const depths = halves(picture.depths);
-    u.engineColour.value = filled(u.engineColour.value, [width, height], () => colourTexture(colours, width, height), colours);
-    u.engineDepth.value = filled(u.engineDepth.value, [width, height], () => depthTexture(depths, width, height), depths);
+    const size = [width, height] as const;
+    u.engineColour.value = filled(u.engineColour.value, size, colourTexture, halves(picture.colours));
+    u.engineDepth.value = filled(u.engineDepth.value, size, depthTexture, halves(picture.depths));
     u.depthSpan.value.set(picture.nearest, picture.farthest);
     const defines = this.marcher.hasSurfaces ? withSurfaces : noSurfaces;
     if (this.pass.material.defines !== defines) {
@@ -63,12 +62,12 @@ function halves(bytes: Uint8Array): Uint16Array {
 function filled(
   texture: THREE.DataTexture | null,
   [width, height]: readonly [number, number],
-  make: () => THREE.DataTexture,
+  make: (values: Uint16Array, width: number, height: number) => THREE.DataTexture,
   values: Uint16Array,
 ): THREE.DataTexture {
   if (texture?.image.width !== width || texture.image.height !== height) {
     texture?.dispose();
-    texture = make();
+    texture = make(values, width, height);
   }
   texture.image.data = values;
   texture.needsUpdate = true;

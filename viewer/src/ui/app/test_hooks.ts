@@ -15,7 +15,7 @@ import {
 } from "../../core/protocol";
 import type { Vec3 } from "../../core/geometry/vector";
 import { benchHooks, type BenchHooks } from "./bench_hooks";
-import type { DrawerChoice } from "../../core/view/who_draws";
+import type { DrawerChoice } from "../../core/appearance/who_draws";
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import type { Shown } from "../../gl/picture/refiner";
 import type { ShownSlice } from "../../gl/picture/slices";
@@ -122,10 +122,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
       return stage.picture.shown?.finished ?? false;
     },
     get shown() { return stage.picture.shown; },
-    get drawer() {
-      const { choice, engineDraws: engine, obstacle } = stage.drawer;
-      return { choice, engine, obstacle };
-    },
+    get drawer() { return drawerOf(stage); },
     get state() {
       return session.latest;
     },
@@ -199,6 +196,10 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
       return stage.marks.all;
     },
   };
+}
+
+function drawerOf({ drawer: { choice, engineDraws: engine, obstacle } }: Stage): TestHooks["drawer"] {
+  return { choice, engine, obstacle };
 }
 
 /** Waits until the engine has done all that was asked for. */

@@ -45,7 +45,14 @@ const readingPace = { usual: 80, calm: 200 } as const;
 /** An answer of the engine that comes while a slider still moves waits this long [ms]. */
 const answerRest = 250;
 /** What is sent all the time and changes nothing that is taken back, and what asks whether all is done. */
-const passing: ReadonlySet<FromPage["type"]> = new Set(["hand", "view", "turn_grabbed", "fence", "picture_look", "draw_picture"]);
+const passing: ReadonlySet<FromPage["type"]> = new Set([
+  "hand",
+  "view",
+  "turn_grabbed",
+  "fence",
+  "picture_look",
+  "draw_picture",
+]);
 const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
 
 export class Session {

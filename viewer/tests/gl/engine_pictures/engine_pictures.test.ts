@@ -3,10 +3,11 @@ import type { DrawnPicture, DrawPicture, PictureLook } from "../../../src/core/p
 import { EnginePictures, type EngineView } from "../../../src/gl/engine_pictures/engine_pictures";
 
 const size = [300, 200] as const;
+const axes = { right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0] } as const;
 
 function viewAt(distance: number): EngineView {
   return {
-    camera: { target: [0, 0, 0], distance, right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0], field: 0.4, parallel: null },
+    camera: { ...axes, target: [0, 0, 0], distance, field: 0.4, parallel: null },
     extent: { outline: [], centre: [0, 0, 0], radius: 1 },
   };
 }

@@ -7,7 +7,7 @@ import {
   wantsEngine,
   type DrawerChoice,
   type ShownThings,
-} from "../../../core/view/who_draws";
+} from "../../../core/appearance/who_draws";
 import { recall, remember } from "../../state/remembered";
 
 export class DrawerControl {

@@ -4,7 +4,7 @@
  */
 import type { Segment } from "../protocol";
 import { drawnAsSurface } from "../segments/shown_segments";
-import type { Stereo } from "./stereo";
+import type { Stereo } from "../view/stereo";
 
 export const drawerChoices = ["auto", "browser", "engine"] as const;
 export type DrawerChoice = (typeof drawerChoices)[number];
