@@ -29,6 +29,7 @@ from palpate.base.progress import Progress, silent
 from palpate.reconstruction.beams import WATER, Beam
 from palpate.reconstruction.parallel_beams import back_projected
 from palpate.reconstruction.scanner import Grid, Scanner, fitted_grid
+from palpate.reconstruction.views import View
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Volume, VolumeTraits
 
@@ -107,15 +108,15 @@ def _by_rtk(
     # its modules are large: the first time may take half a minute
     progress("loading RTK", None)
     rtk = _Rtk(scanner)
-    given, angles = _all_round(given, scanner)
-    weighted = rtk.weighted(given, angles)
+    given, views = _all_round(given, scanner)
+    weighted = rtk.weighted(given, views)
     x, y, z = grid.size
     # patient to device: x, z, y
     image = rtk.empty((x, z, y), (grid.voxel[0], grid.voxel[2], grid.voxel[1]))
-    for first in range(0, len(angles), AT_ONCE):
-        progress(f"reconstructing from {count} projections", first / len(angles))
+    for first in range(0, len(views), AT_ONCE):
+        progress(f"reconstructing from {count} projections", first / len(views))
         some = slice(first, first + AT_ONCE)
-        image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), angles[some], onto=image)
+        image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), views[some], onto=image)
     # [z, y, x] of the device to [z, y, x] of the patient: a mirror image, as its projections are,
     # unless the source begins in front
     found = np.transpose(rtk.values(image), (1, 0, 2))
@@ -140,14 +141,22 @@ def _scan(
     )
 
 
-def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[float]]:
-    """Returns projections and angles extended to a full circle, which RTK assumes."""
-    arc = scanner.arc
+def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[View]]:
+    """Returns projections and views extended to a full circle, which RTK assumes."""
+    if scanner.views:
+        return given, list(scanner.views)
+    # beams from very far away are parallel: they part by 0.01 mm within 100 mm
+    near, far = FAR, FAR
+    if scanner.beam == "cone":
+        near, far = scanner.source_to_axis, scanner.source_to_detector
     angles = [float(angle) for angle in scanner.angles]
-    if arc is None or arc > 270.0:
-        return given, angles
-    # parallel beams see the same from behind, mirrored
-    return np.concatenate([given, given[:, :, ::-1]]), [*angles, *(a + 180.0 for a in angles)]
+    arc = scanner.arc
+    if arc is not None and arc <= 270.0:
+        # parallel beams see the same from behind, mirrored
+        given = np.concatenate([given, given[:, :, ::-1]])
+        angles += [angle + 180.0 for angle in angles]
+    views = [View(angle=angle, source_to_axis=near, source_to_detector=far) for angle in angles]
+    return given, views
 
 
 class _Rtk:
@@ -181,11 +190,11 @@ class _Rtk:
         source.Update()
         return source.GetOutput()
 
-    def weighted(self, projections: Values, angles: Sequence[float]) -> Values:
+    def weighted(self, projections: Values, views: Sequence[View]) -> Values:
         """Returns projections weighted for oblique rays and for the angle that each covers."""
         weight = self._rtk.FDKWeightProjectionFilter[self._kind].New()
         weight.SetInput(self._taken(projections))
-        weight.SetGeometry(self._geometry(angles))
+        weight.SetGeometry(self._geometry(views))
         weight.Update()
         return self.values(weight.GetOutput())
 
@@ -198,12 +207,12 @@ class _Rtk:
         ramp.Update()
         return ramp.GetOutput()
 
-    def smeared_back(self, projections: Any, angles: Sequence[float], *, onto: Any) -> Any:  # noqa: ANN401
+    def smeared_back(self, projections: Any, views: Sequence[View], *, onto: Any) -> Any:  # noqa: ANN401
         """Adds projections to an image, along their rays."""
         back = self._rtk.FDKBackProjectionImageFilter[self._kind, self._kind].New()
         back.SetInput(0, onto)
         back.SetInput(1, projections)
-        back.SetGeometry(self._geometry(angles))
+        back.SetGeometry(self._geometry(views))
         back.Update()
         done = back.GetOutput()
         done.DisconnectPipeline()
@@ -217,15 +226,18 @@ class _Rtk:
         image.SetOrigin([*np.add(corner, self._scanner.offset).tolist(), 0.0])
         return image
 
-    def _geometry(self, angles: Sequence[float]) -> Any:  # noqa: ANN401
+    def _geometry(self, views: Sequence[View]) -> Any:  # noqa: ANN401
         geometry = self._rtk.ThreeDCircularProjectionGeometry.New()
-        scanner = self._scanner
-        # beams from very far away are parallel: they part by 0.01 mm within 100 mm
-        distances = (FAR, FAR)
-        if scanner.beam == "cone":
-            distances = scanner.source_to_axis, scanner.source_to_detector
-        for angle in angles:
-            geometry.AddProjection(*distances, angle)
+        for view in views:
+            geometry.AddProjection(
+                view.source_to_axis,
+                view.source_to_detector,
+                view.angle,
+                *view.detector_offset,
+                view.out_of_plane,
+                view.in_plane,
+                *view.source_offset,
+            )
         return geometry
 
 
