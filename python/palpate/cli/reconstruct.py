@@ -23,7 +23,8 @@ Examples:
     --geometry geometry.xml
 
 Projections are images of line integrals, one for each angle, evenly spaced over the arc or where
---geometry says; with --intensities, images of detector counts. Cone beams need RTK: install the extra "reconstruct".
+--geometry says; with --intensities, images of detector counts. Cone beams need RTK: install the
+extra "reconstruct".
 """
 
 
