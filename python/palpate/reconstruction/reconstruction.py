@@ -109,6 +109,8 @@ def _by_rtk(
     progress("loading RTK", None)
     rtk = _Rtk(scanner)
     given, views = _all_round(given, scanner)
+    if scanner.beam == "cone":
+        given = rtk.completed(given, views)
     weighted = rtk.weighted(given, views)
     x, y, z = grid.size
     # patient to device: x, z, y
@@ -143,19 +145,16 @@ def _scan(
 
 def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[View]]:
     """Returns projections and views extended to a full circle, which RTK assumes."""
-    if scanner.views:
-        return given, list(scanner.views)
-    # beams from very far away are parallel: they part by 0.01 mm within 100 mm
-    near, far = FAR, FAR
     if scanner.beam == "cone":
-        near, far = scanner.source_to_axis, scanner.source_to_detector
+        return given, list(scanner.all_views())
     angles = [float(angle) for angle in scanner.angles]
     arc = scanner.arc
     if arc is not None and arc <= 270.0:
         # parallel beams see the same from behind, mirrored
         given = np.concatenate([given, given[:, :, ::-1]])
         angles += [angle + 180.0 for angle in angles]
-    views = [View(angle=angle, source_to_axis=near, source_to_detector=far) for angle in angles]
+    # beams from very far away are parallel: they part by 0.01 mm within 100 mm
+    views = [View(angle=angle, source_to_axis=FAR, source_to_detector=FAR) for angle in angles]
     return given, views
 
 
@@ -173,7 +172,9 @@ class _Rtk:
         self._itk = import_module("itk")
         self._rtk = self._itk.RTK
         self._kind = self._itk.Image[self._itk.F, 3]
-        self._scanner = scanner
+        self._pixel = scanner.pixel
+        self._middle = scanner.offset
+        """Place of the images' middle [mm]."""
 
     def values(self, image: Any) -> Values:  # noqa: ANN401  # ITK has no types
         """Returns an image as an array [z, y, x]."""
@@ -189,6 +190,21 @@ class _Rtk:
         source.SetConstant(0.0)
         source.Update()
         return source.GetOutput()
+
+    def completed(self, projections: Values, views: Sequence[View]) -> Values:
+        """Returns projections of a detector that stands aside with its other side, as zeros.
+
+        What both sides show is weighted (Wang, Med. Phys. 29(7), 2002); others stay as they are.
+        """
+        wide = self._rtk.DisplacedDetectorImageFilter[self._kind].New()
+        wide.SetInput(self._taken(projections))
+        wide.SetGeometry(self._geometry(views))
+        wide.Update()
+        image = wide.GetOutput()
+        values = self.values(image)
+        first = image.TransformIndexToPhysicalPoint(image.GetLargestPossibleRegion().GetIndex())
+        self._middle = first[0] + 0.5 * (values.shape[2] - 1) * self._pixel[0], self._middle[1]
+        return values
 
     def weighted(self, projections: Values, views: Sequence[View]) -> Values:
         """Returns projections weighted for oblique rays and for the angle that each covers."""
@@ -221,9 +237,9 @@ class _Rtk:
     def _taken(self, projections: Values) -> Any:  # noqa: ANN401
         """Returns projections as an image in the plane of the detector."""
         image = self._itk.image_from_array(np.ascontiguousarray(projections))
-        image.SetSpacing([*self._scanner.pixel, 1.0])
-        corner = _corner(projections.shape[:0:-1], self._scanner.pixel)
-        image.SetOrigin([*np.add(corner, self._scanner.offset).tolist(), 0.0])
+        image.SetSpacing([*self._pixel, 1.0])
+        corner = _corner(projections.shape[:0:-1], self._pixel)
+        image.SetOrigin([*np.add(corner, self._middle).tolist(), 0.0])
         return image
 
     def _geometry(self, views: Sequence[View]) -> Any:  # noqa: ANN401

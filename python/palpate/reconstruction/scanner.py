@@ -62,6 +62,13 @@ class Scanner:
         even = bool(np.allclose(steps, steps[0], rtol=1e-3, atol=1e-6))
         return abs(float(steps[0])) * len(self.angles) if even else None
 
+    def all_views(self) -> Sequence[View]:
+        """Returns where source and detector are at each projection of a cone beam."""
+        near, far = self.source_to_axis, self.source_to_detector
+        return self.views or [
+            View(angle=angle, source_to_axis=near, source_to_detector=far) for angle in self.angles
+        ]
+
     def check(self, shape: tuple[int, ...]) -> None:
         """Refuses a geometry that does not fit projections of a shape.
 
@@ -162,19 +169,13 @@ def _check(size: Size | None, voxel: Lengths | None) -> None:
 def _seen(shape: tuple[int, ...], scanner: Scanner) -> tuple[Lengths, Lengths]:
     """Returns the size of a pixel at the axis, and the size of what is seen from all sides [mm]."""
     u, v = scanner.pixel
-    if scanner.views:
-        near = min(view.source_to_axis / view.source_to_detector for view in scanner.views)
-        size = (shape[2] * u, shape[1] * v)
-        radius, high = seen_by_all(scanner.views, size, scanner.offset)
+    if scanner.beam == "cone":
+        views = scanner.all_views()
+        near = min(view.source_to_axis / view.source_to_detector for view in views)
+        radius, high = seen_by_all(views, (shape[2] * u, shape[1] * v), scanner.offset)
         return (u * near, u * near, v * near), (2.0 * radius, 2.0 * radius, high)
     wide = shape[2] * u - 2.0 * abs(scanner.offset[0])
     high = shape[1] * v
-    if scanner.beam == "cone":
-        shrunk = scanner.source_to_axis / scanner.source_to_detector
-        # the circle that the outermost rays touch
-        angle = np.arctan2(0.5 * wide, scanner.source_to_detector)
-        wide = 2.0 * scanner.source_to_axis * float(np.sin(angle))
-        u, v, high = u * shrunk, v * shrunk, high * shrunk
     if wide <= 0.0:
         raise OptionError(
             f"offset of {scanner.offset[0]:g} mm given; allowed: less than half of the detector"

@@ -7,7 +7,7 @@ Source: RTK's documentation, "3D Circular Projection Geometry", and IEC 61217.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +17,12 @@ from palpate.base.errors import OptionError
 
 __all__ = ["View", "largest_gap", "seen_by_all"]
 
+ASIDE = 0.12
+"""Difference between the sides of a detector, as a share of it, from which on it counts as one that
+stands aside; RTK completes its projections from 0.1 on."""
 AROUND = np.radians(np.arange(0.0, 360.0, 2.0))
 """Places on a circle that are projected to find whether all of it is seen."""
-HALVINGS = 24
+HALVINGS = 30
 """Steps to the radius that is seen, to a micrometre."""
 
 Values = NDArray[np.float64]
@@ -101,6 +104,10 @@ def seen_by_all(
 ) -> tuple[float, float]:
     """Returns the radius and the height around the axis that all views see [mm].
 
+    A detector that stands aside (half-fan) shows one side of the axis farther than the other. Each
+    point is on that side for about half of the views, which is enough (Wang, Med. Phys. 29(7),
+    2002).
+
     Args:
         views: Views of a cone beam.
         size: Lengths of the detector along u and v [mm].
@@ -111,26 +118,40 @@ def seen_by_all(
     """
     matrices = np.array([view.matrix for view in views])
 
-    def sees(points: Values) -> NDArray[np.bool_]:
+    def met(points: Values) -> Values:
+        """Returns u and v from the detector's middle, as shares of its half, [2, view, point]."""
         u, v, scale = np.moveaxis(matrices[:, :, :3] @ points + matrices[:, :, 3:], 1, 0)
-        off = np.abs(u / scale - middle[0]) * 2.0, np.abs(v / scale - middle[1]) * 2.0
-        seen = (scale < 0.0) & (off[0] <= size[0]) & (off[1] <= size[1])
-        return np.asarray(seen.all(axis=1))
+        # what lies behind the source is nowhere
+        scale = np.where(scale < 0.0, scale, np.nan)
+        places = u / scale - middle[0], v / scale - middle[1]
+        return np.asarray(np.array(places) / (0.5 * np.reshape(size, (2, 1, 1))))
 
-    here = sees(np.zeros((3, 1)))
-    if not here.all():
+    axis = met(np.zeros((3, 1)))
+    hidden = ~(np.abs(axis) <= 1.0).all(axis=(0, 2))
+    if hidden.any():
         raise OptionError(
-            f"projection {np.argmin(here) + 1} does not show the middle of the rotation axis; "
+            f"projection {np.argmax(hidden) + 1} does not show the middle of the rotation axis; "
             "allowed: a detector that the ray through it meets"
         )
+    less, more = 1.0 + axis[0].min(), 1.0 - axis[0].max()
+    begin = axis[0] if abs(more - less) >= ASIDE * (less + more) else np.zeros_like(axis[0])
+
+    def sees(points: Values) -> bool:
+        u, v = met(points)
+        return bool(((np.abs(u - begin) <= 1.0 + np.abs(begin)) & (np.abs(v) <= 1.0)).all())
+
+    most = min(view.source_to_axis for view in views)
     circle = np.array([np.sin(AROUND), np.zeros(len(AROUND)), np.cos(AROUND)])
     ends = np.array([[0.0, 0.0], [1.0, -1.0], [0.0, 0.0]])
-    farthest = min(view.source_to_axis for view in views)
-    found = []
-    for shape in (circle, ends):
-        low, high = 0.0, farthest
-        for _ in range(HALVINGS):
-            middling = 0.5 * (low + high)
-            low, high = (middling, high) if sees(middling * shape).all() else (low, middling)
-        found.append(low)
-    return found[0], 2.0 * found[1]
+    radius = _largest(lambda by: sees(by * circle), most)
+    half = _largest(lambda by: sees(by * ends), most)
+    return radius, 2.0 * half
+
+
+def _largest(holds: Callable[[float], bool], most: float) -> float:
+    """Returns the largest number up to another that something holds for, as for all below it."""
+    low, high = 0.0, most
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low

@@ -17,6 +17,7 @@ import pytest
 import SimpleITK
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.cli.commands import run
+from palpate.recipes.recipe import read_recipe
 from palpate.reconstruction import read_geometry, reconstruct
 from palpate.reconstruction.projections import stack_at
 from palpate.reconstruction.request import ReconstructionRequest, grid_of
@@ -166,6 +167,37 @@ def test_the_example_of_the_documentation_agrees_with_itself(tmp_path: Path) -> 
         read_geometry(path, pixel=PIXEL)
 
 
+def test_a_detector_that_stands_aside_shows_as_far_as_its_longer_side(tmp_path: Path) -> None:
+    path = write_geometry(tmp_path / "g.xml", circle(ProjectionOffsetX=60.0))
+    grid = fitted_grid((60, *SHAPE), read_geometry(path, pixel=PIXEL))
+    # 96 + 60 mm at the detector: the outermost ray passes the axis at 400 sin(atan(156 / 600))
+    edge = grid.size[0] * grid.voxel[0]
+    assert abs(edge - 2.0 * 400.0 * np.sin(np.arctan(156.0 / 600.0))) < grid.voxel[0]
+    # as do options without a file
+    same = Scanner(
+        beam="cone",
+        angles=[6.0 * number for number in range(60)],
+        pixel=PIXEL,
+        offset=(60.0, 0.0),
+        source_to_axis=400.0,
+        source_to_detector=600.0,
+    )
+    assert fitted_grid((60, *SHAPE), same) == grid
+
+
+@needs_rtk
+@pytest.mark.parametrize("aside", [-50.0, 50.0])
+def test_a_detector_that_stands_aside_is_completed(aside: float, tmp_path: Path) -> None:
+    # wider than what all projections show: 43 mm
+    stated = circle(120, ProjectionOffsetX=aside)
+    images = ball_images(stated, (0.0, 0.0, 0.0), 60.0, pixel=PIXEL, shape=(8, 96))
+    scanner = read_geometry(write_geometry(tmp_path / "g.xml", stated), pixel=PIXEL)
+    scan = reconstruct(images, scanner, size=(72, 72, 3), voxel=(2.0, 2.0, 2.0))
+    y, x = np.indices((72, 72)) - 35.5
+    values = (scan.slope * scan.array + scan.intercept)[1]
+    np.testing.assert_allclose(values[np.hypot(2.0 * x, 2.0 * y) < 54.0], 0.0, atol=25.0)
+
+
 @needs_rtk
 def test_rtk_writes_what_is_read(tmp_path: Path) -> None:
     itk = import_module("itk")
@@ -191,14 +223,13 @@ def test_all_that_every_projection_shows_is_reconstructed(tmp_path: Path) -> Non
         beam="cone", angles=plain.angles, pixel=PIXEL, source_to_axis=400, source_to_detector=600
     )
     assert fitted_grid(shape, plain) == fitted_grid(shape, same)
-    # source and detector stand aside: the axis is seen 16 mm off the detector's middle
+    # source and detector stand aside: the axis is seen 5 mm off the detector's middle
     aside = write_geometry(
-        tmp_path / "aside.xml", circle(SourceOffsetX=20.0, ProjectionOffsetX=6.0)
+        tmp_path / "aside.xml", circle(SourceOffsetX=20.0, ProjectionOffsetX=-5.0)
     )
-    scanner = read_geometry(aside, pixel=PIXEL)
-    assert fitted_grid(shape, scanner).size[0] < fitted_grid(shape, same).size[0] * 0.9
+    assert fitted_grid(shape, read_geometry(aside, pixel=PIXEL)).size == (89, 89, 48)
     # where the images lie around another place
-    moved = read_geometry(aside, pixel=PIXEL, offset=(-16.0, 0.0))
+    moved = read_geometry(aside, pixel=PIXEL, offset=(-5.0, 0.0))
     assert fitted_grid(shape, moved).size == (94, 94, 48)
     assert fitted_grid(shape, same).size == (95, 95, 48)
     away = write_geometry(tmp_path / "away.xml", circle(ProjectionOffsetX=97.0))
@@ -371,6 +402,30 @@ def asked(projections: Path, **given: Any) -> ReconstructionRequest:
     beam = given.pop("beam", "parallel")
     geometry = projections.with_name("geometry.xml")
     return ReconstructionRequest(beam=beam, pixel=PIXEL, geometry=geometry, **given)
+
+
+def test_a_recipe_takes_the_file_and_checks_it(projections: Path) -> None:
+    recipe = projections.with_name("recipe.yaml")
+    text = """reconstruct:
+  path: projections.mha
+  beam: parallel
+  pixel: [2, 2]
+  geometry: geometry.xml
+segment:
+  - {threshold: -300, name: ball}
+"""
+    recipe.write_text(text)
+    found, _ = read_recipe(recipe)
+    assert found.reconstruct is not None
+    assert found.reconstruct.geometry == projections.with_name("geometry.xml")
+    for old, new, said in (
+        ("geometry.xml", "none.xml", "recipe.yaml, line 5: .*none.xml does not exist"),
+        ("  pixel", "  zero: back\n  pixel", "zero given with a geometry file; allowed: one of"),
+        ("parallel", "cone", "beam cone given, and .*geometry.xml describes parallel beams"),
+    ):
+        recipe.write_text(text.replace(old, new))
+        with pytest.raises(OptionError, match=said):
+            read_recipe(recipe)
 
 
 def test_a_file_of_other_projections_is_refused(projections: Path) -> None:
