@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,10 @@ JAWS = ("CollimationUInf", "CollimationUSup", "CollimationVInf", "CollimationVSu
 
 
 def read_geometry(
-    path: Path, *, pixel: tuple[float, float], offset: tuple[float, float] = (0.0, 0.0)
+    path: str | PathLike[str],
+    *,
+    pixel: tuple[float, float],
+    offset: tuple[float, float] = (0.0, 0.0),
 ) -> Scanner:
     """Reads the geometry of projections from a file of RTK.
 
@@ -53,9 +57,10 @@ def read_geometry(
         FileNotFoundError: ``path`` does not exist.
         VolumeFormatError: It is no such file, contradicts itself, or cannot be reconstructed from.
     """
+    path = Path(path)
     views = [
         _view(stated, f"{path}, projection {number}")
-        for number, stated in enumerate(stated_in(Path(path)), 1)
+        for number, stated in enumerate(stated_in(path), 1)
     ]
     parallel = views[0].source_to_detector == 0.0
     for number, view in enumerate(views, 1):

@@ -20,9 +20,9 @@ __all__ = ["View", "largest_gap", "seen_by_all"]
 ASIDE = 0.12
 """Difference between the sides of a detector, as a share of it, from which on it counts as one that
 stands aside; RTK completes its projections from 0.1 on."""
-AROUND = np.radians(np.arange(0.0, 360.0, 2.0))
+AROUND = np.radians(np.arange(0.0, 360.0, 3.0))
 """Places on a circle that are projected to find whether all of it is seen."""
-HALVINGS = 30
+HALVINGS = 20
 """Steps to the radius that is seen, to a micrometre."""
 
 Values = NDArray[np.float64]
