@@ -94,6 +94,7 @@ export class RayMarcher {
    */
   async prepare(renderer: THREE.WebGLRenderer, target: PictureTarget, format: FieldFormat): Promise<void> {
     this.format = formatDefines[format];
+    this.second.format = format;
     this.compile();
     await this.program.prepareFirst(renderer, target);
   }
