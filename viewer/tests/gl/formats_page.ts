@@ -34,7 +34,9 @@ export function reading({ format, aside }: Reading): number[] {
   renderer.autoClear = false;
   const volume = volumeOf(scanOf([edge, edge, 1], [1, 1, 1]), ([x, y]) => Math.floor(x) + edge * Math.floor(y) - 32768);
   const texture = new FieldTexture(volume, format);
-  while (!texture.uploadSlab(renderer));
+  // as edits are sent, box by box
+  texture.uploadBox(renderer, { low: [0, 0, 0], high: [100, edge, 1] });
+  texture.uploadBox(renderer, { low: [100, 0, 0], high: [edge, edge, 1] });
   const marcher = new RayMarcher();
   marcher.setField(texture, volume.bricks);
   const pass = new FullscreenPass(reader, {
