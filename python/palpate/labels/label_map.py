@@ -33,7 +33,7 @@ from palpate.labels.grid import (
     told_of,
 )
 from palpate.labels.label_values import label_codes, label_values
-from palpate.labels.name_table import ENDINGS, tables_beside
+from palpate.labels.name_table import ENDINGS, NAMES, NUMBERS, tables_beside
 from palpate.labels.segments_told import SegmentsTold
 from palpate.volumes.anatomical_colour import colour_of_name
 from palpate.volumes.label_like import MOST_LABELS
@@ -43,8 +43,6 @@ __all__ = ["ENDINGS", "read_label_map", "read_mask_folder"]
 
 LARGEST_TABLE = 1 << 20
 """Of a NIfTI file [bytes]."""
-NAMES = ("structure", "name", "label", "segment")
-NUMBERS = ("id", "value", "index", "number")
 COLOURS = ("red", "green", "blue")
 """Each 0..1."""
 
