@@ -67,6 +67,10 @@ class CarryOptions:
     """DICOM series of a scan."""
     of: Volume | None = None
     """The scan that segments of DICOM belong to."""
+    resample: bool = False
+    """Whether those may lie on another grid than the scan."""
+    another_patient: bool = False
+    """Whether those may be another patient's."""
     frame: Frame | None = None
     """Of a mesh whose file does not tell it."""
     unit: Unit | None = None
@@ -216,7 +220,13 @@ def _carry_segments(
             "SEG and RTSTRUCT"
         )
     source = own_grid(path, progress=progress) if options.of is None else options.of
-    found = read_labels(path, source, progress=progress)
+    found = read_labels(
+        path,
+        source,
+        resample=options.resample,
+        another_patient=options.another_patient,
+        progress=progress,
+    )
     segments, told = carrier.segments([one.segment for one in found.labels])
     scene = Scene(carrier.require_grid())
     for label, segment in zip(found.labels, segments, strict=True):

@@ -18,8 +18,7 @@ from palpate.export.carried_file import carried_kind, carried_table, check_endin
 from palpate.export.dicom_source import dicom_source
 from palpate.export.kinds import FROM_DICOM
 from palpate.export.request import ExportRequest
-from palpate.labels.labels import read_labels
-from palpate.recipes.register_step import read_moving
+from palpate.recipes.register_step import read_mask, read_moving
 from palpate.recipes.source import Source
 from palpate.recipes.steps import Recipe, ReconstructStep, RegisterStep, TransformStep
 from palpate.reconstruction.projections import stack_at
@@ -218,7 +217,7 @@ def _check_masks(
     ):
         if path is not None and volume is not None:
             with source.at(f"$.register.{name}"):
-                read_labels(path, volume)
+                read_mask(path, volume, step, progress=silent)
 
 
 def _check_on(recipe: Recipe, scan: Volume, source: Source, *, progress: Progress) -> None:
