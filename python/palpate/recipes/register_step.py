@@ -36,7 +36,7 @@ class Registered:
     """As ``palpate.registration.report.report_of`` makes it."""
     written: tuple[Path, ...]
     warnings: tuple[str, ...]
-    """Of the masks."""
+    """Of the masks, and what speaks against the answer."""
 
 
 def read_moving(request: RegisterRequest, *, progress: Progress) -> Volume:
@@ -80,6 +80,7 @@ def registered(
         progress=progress,
     )
     progress("writing", None)
+    warnings += [] if found.doubt is None else [found.doubt]
     report = report_of(found, fixed, moving, landmarks=pairs)
     if request.output is not None:
         found.save(request.output)
