@@ -293,6 +293,17 @@ def test_damaged_segmentations_are_refused(scan: Volume, tmp_path: Path) -> None
 # --- DICOM segmentations ------------------------------------------------------------------
 
 
+@pytest.mark.filterwarnings("ignore:::pydicom")
+def test_what_a_damaged_file_tells_as_its_modality_is_shortened(
+    scan: Volume, write_series: Any
+) -> None:
+    # a wrong length makes the rest of the file its modality
+    path = next(write_series(Modality="RTSTRUCT" + "x" * 3000).iterdir())
+    with pytest.raises(OptionError, match=r"modality 'RTSTRUCT.*; allowed: SEG or RT") as caught:
+        palpate.read_labels(path, scan)
+    assert len(str(caught.value)) < 100 + len(str(path))
+
+
 @pytest.fixture
 def liver_scan(data_folder: Path) -> Volume:
     return palpate.read(data_folder / "dcmqi_seg" / "ct-3slice")
