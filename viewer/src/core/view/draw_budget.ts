@@ -72,8 +72,9 @@ export class DrawBudget {
   /** Pictures since then that were meant to be as fine, and how many of them there are until a trial. */
   private alike = 0;
   private pause = firstPause;
-  /** Samples of a piece that takes its budget. */
+  /** Samples of a piece that takes its budget, and of the last picture that moved. */
   private fitting = 0;
+  private movedSamples = 0;
 
   /**
    * @param frameBudget time for a picture while the view moves [ms].
@@ -89,6 +90,7 @@ export class DrawBudget {
   /** Learns from a picture that moved. */
   learnMoving(work: Workload, milliseconds: number): void {
     this.moving.learn(work, milliseconds);
+    this.movedSamples = work.samples;
     this.fitting = (work.samples * this.pieceBudget) / Math.max(milliseconds, 1);
   }
 
@@ -162,9 +164,12 @@ export class DrawBudget {
     return other;
   }
 
-  /** Rows of a picture at rest, of so many pixels each, that are a piece of it. */
+  /**
+   * Rows of a picture at rest, of so many pixels each, that are a piece of it. None is smaller than the last picture
+   * that moved: a view that is turned waits as long for that.
+   */
   pieceRows(width: number, height: number, stepsPerVoxel: number): number {
-    const fitting = Math.floor(this.fitting / (width * stepsPerVoxel));
+    const fitting = Math.floor(Math.max(this.fitting, this.movedSamples) / (width * stepsPerVoxel));
     return Math.min(height, Math.max(Math.ceil(height / (mostPieces * stepsPerVoxel)), fitting));
   }
 }

@@ -567,7 +567,10 @@ export class Refiner {
     target.useRows(from, to, ...columns);
     this.march(target, stepsPerVoxel, shift);
     this.time((milliseconds) => {
-      this.pace.learnPiece(width * (to - from) * stepsPerVoxel, milliseconds);
+      if (width === target.width) {
+        // a part of the view may be so small that it tells of waits alone
+        this.pace.learnPiece(width * (to - from) * stepsPerVoxel, milliseconds);
+      }
       done(whole);
     });
   }

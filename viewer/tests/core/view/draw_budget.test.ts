@@ -156,6 +156,16 @@ test("pieces take the time that is meant for them, also where air is followed by
   expect(taken.reduce((sum, time) => sum + time, 0) / taken.length).toBeGreaterThan(0.5 * pieceBudget);
 });
 
+test("where each piece is waited for long, none is smaller than a picture that moves", () => {
+  const pace = new DrawBudget(firstQuality(true).frameBudget, guess);
+  pace.learnMoving({ waits: 1, samples: 2300, triangles: 0 }, 150);
+  for (let i = 0; i < 20; ++i) {
+    pace.learnPiece(100, 150);
+  }
+  // half of all steps in a quarter of a view
+  expect(pace.pieceRows(202, 184, 0.5)).toBe(Math.floor(2300 / 101));
+});
+
 test("the last rows of a picture do not make the pieces of the next one small", () => {
   const pace = new DrawBudget(33, guess);
   pace.learnPiece(900 * 300, 33);
