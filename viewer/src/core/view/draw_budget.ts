@@ -58,9 +58,9 @@ const mostOfTrial = 2;
 const restingStep = 0.5;
 
 /** Most pieces that a picture at rest is drawn in, for each step per voxel edge. */
-const mostPieces = 64;
+const mostPieces = 32;
 /** Time for a piece at rest, at most: a view that is turned again waits for it [ms]. */
-const mostOfPiece = 60;
+const mostOfPiece = 100;
 /** From one piece to the next they change by these factors at most: of one there is air, of the next a skull. */
 const [leastChange, mostChange] = [0.1, 2];
 
