@@ -71,7 +71,7 @@ const settleMilliseconds = 90;
 /** Without an edit before light is worked out again [ms]: while one drills it would come too late. */
 const settleOfEdits = 400;
 /** Between two looks at a picture whose pieces come one by one [ms]: each costs time on the screen. */
-const pauseOfPieces = 400;
+const pauseOfPieces = 600;
 
 /** Layers of the light volume that are worked out at once, at first; then as many as fit into a piece's time. */
 const firstLayers = 4;
