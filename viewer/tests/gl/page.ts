@@ -3,7 +3,7 @@
  */
 import { arriving } from "./arriving_page";
 import { edit } from "./edit_page";
-import { reading, usualFormat } from "./formats_page";
+import { errorOf, reading, usualFilter } from "./formats_page";
 import { light } from "./light_page";
 import { march } from "./march_page";
 import { programs } from "./programs_page";
@@ -24,9 +24,9 @@ import { cancelled, snapshot } from "./snapshot_page";
 import { coarseLevel, detailed, drawnTriangles, embodied } from "./surface_page";
 
 const glTests = {
-  ...{ arriving, programs, march, light, second, reading, usualFormat, screen, show, hasty, snapshot, cancelled },
+  ...{ arriving, programs, march, light, second, screen, show, hasty, snapshot, cancelled },
   ...{ refined, resizedEyes, resizedMiddle, edit, drawnTriangles, coarseLevel, detailed, embodied, turned },
-  ...{ bored, steps, withoutFrames },
+  ...{ reading, errorOf, usualFilter, bored, steps, withoutFrames },
 };
 
 declare global {

@@ -22,7 +22,7 @@ import { add, addScaled, dot, multiply, scale, type Vec3 } from "../../core/geom
 import type { Box } from "../../core/scan/voxel_change";
 import { DisplacementTexture } from "../textures/displacement_texture";
 import { EmptySpace } from "./empty_space";
-import type { FieldFormat, FieldTexture } from "../textures/field_texture";
+import { formatDefines, type FieldFormat, type FieldTexture } from "../textures/field_texture";
 import { transferTextures } from "../textures/lookup_textures";
 import { LightVolume } from "./light_volume";
 import { MarchProgram } from "./march_program";
@@ -50,8 +50,6 @@ export interface RayMarcherOptions {
   /** Cells along the scan's longest edge in which light is worked out. */
   readonly lightCells: number;
 }
-
-const formatDefines: Readonly<Record<FieldFormat, string>> = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" };
 
 /** Shift within the pixel [texels], and the number of the noise pattern. */
 export type Shift = readonly [number, number, number];
@@ -96,6 +94,7 @@ export class RayMarcher {
    */
   async prepare(renderer: THREE.WebGLRenderer, target: PictureTarget, format: FieldFormat): Promise<void> {
     this.format = formatDefines[format];
+    this.second.format = format;
     this.compile();
     await this.program.prepareFirst(renderer, target);
   }

@@ -21,12 +21,13 @@ import type { Box, LabelVolume } from "../../core/scan/voxel_change";
 import { Compositor } from "./compositor";
 import { DrawnScan } from "../textures/drawn_scan";
 import { DrawnScreen } from "./drawn_screen";
-import { fieldFormatFor, type FieldFormat } from "../textures/field_texture";
+import type { FieldFormat } from "../textures/field_texture";
 import { GpuClock } from "../base/gpu_clock";
 import type { GpuSupport } from "../base/gpu_support";
 import { LabelTexture } from "../textures/label_texture";
 import { labelColours } from "../textures/lookup_textures";
 import type { MarkerState } from "../markers/markers";
+import { chooseFilter, type FieldFilter } from "../march/field_filter";
 import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
@@ -44,7 +45,7 @@ export interface PictureOptions {
   readonly support: GpuSupport;
   /** Device pixels per CSS pixel, at most. */
   readonly mostPixelRatio: number;
-  /** Another format for the scan's values than the GPU's best. */
+  /** Another format for the scan's values than the one that is measured to be the best. */
   readonly format?: FieldFormat;
 }
 
@@ -58,6 +59,8 @@ export class Picture {
   private readonly slices: Slices;
   private readonly screen: DrawnScreen;
   private readonly support: GpuSupport;
+  /** How the GPU filters the scan's values. */
+  readonly filter: FieldFilter;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
   private readonly scan: DrawnScan;
@@ -81,7 +84,6 @@ export class Picture {
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
     this.support = support;
-    this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
     this.marcher = new RayMarcher({
       software: support.software,
       lightCells: support.software ? lightCells.software : lightCells.gpu,
@@ -99,6 +101,8 @@ export class Picture {
     });
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
+    this.filter = options.format === undefined ? chooseFilter(this.renderer) : { format: options.format, errors: {} };
+    this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
     this.quality = firstQuality(support.software);
     const means = { software: support.software, halfFloat: support.halfFloatTarget };

@@ -47,6 +47,7 @@ import stretchFrag from "./picture/stretch.frag?raw";
 import surfaceFrag from "./surfaces/surface.frag?raw";
 import surfaceVert from "./surfaces/surface.vert?raw";
 import surfaces from "./surfaces/surfaces.glsl?raw";
+import toldValues from "./scan/told_values.frag?raw";
 import tissue from "./march/tissue.glsl?raw";
 import transfer from "./march/transfer.glsl?raw";
 
@@ -98,6 +99,7 @@ export const shaders = {
     alongRays,
     marchFrag,
   ),
+  toldValues: joined(displaced, field, toldValues),
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
