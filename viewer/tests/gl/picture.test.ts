@@ -413,7 +413,7 @@ test("a hole is seen first where it was made, and nothing becomes coarser meanwh
   expect(difference(first, last).pixels).toBeLessThan(difference(before, last).pixels);
 });
 
-test("at rest a GPU goes on without waiting for frames, and is final once on the screen; a CPU waits", async () => {
+test("at rest a GPU goes on without waiting for frames, and is final once on the screen; a CPU shows first", async () => {
   const drawn = await browser.page.evaluate(
     async (scene) =>
       [await window.glTests?.withoutFrames(scene, false), await window.glTests?.withoutFrames(scene, true)] as const,
@@ -423,7 +423,9 @@ test("at rest a GPU goes on without waiting for frames, and is final once on the
   // one level and all pictures that are averaged after it, in a strip each at least
   expect(gpu?.pieces).toBeGreaterThanOrEqual(restingPictures.balanced.passes);
   expect(gpu?.finished).toEqual([false, true]);
-  expect(cpu).toEqual({ pieces: 1, finished: [false, false] });
+  // the first whole picture waits for a frame, before those that are averaged with it
+  expect(cpu?.pieces).toBeGreaterThanOrEqual(1);
+  expect(cpu?.finished).toEqual([false, false]);
 });
 
 test.each([true, false])(
