@@ -413,7 +413,7 @@ test("a hole is seen first where it was made, and nothing becomes coarser meanwh
   expect(difference(first, last).pixels).toBeLessThan(difference(before, last).pixels);
 });
 
-test("at rest a GPU goes on without waiting for frames, and is final once on the screen; a CPU shows first", async () => {
+test("at rest a GPU does not wait for frames, and is final once on the screen; a CPU shows first", async () => {
   const drawn = await browser.page.evaluate(
     async (scene) =>
       [await window.glTests?.withoutFrames(scene, false), await window.glTests?.withoutFrames(scene, true)] as const,
