@@ -168,6 +168,7 @@ LYING_PLY = (
         ("points.obj", b"v 0 0 0\nv 1 0 0\n", "allowed"),
         ("far.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "allowed"),
         ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "allowed"),
+        ("plane.obj", b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "three numbers each"),
         ("flat.obj", b"v 0 0 0\nv 9 0 0\nv 9 0 0\nf 1 2 3\n", "area|no triangles"),
         ("mesh.xyz", b"0 0 0", "allowed: a file with .stl"),
     ],
