@@ -43,6 +43,7 @@ import segments from "./scan/segments.glsl?raw";
 import shells from "./march/shells.glsl?raw";
 import sliceFrag from "./picture/slice.frag?raw";
 import solid from "./march/solid.glsl?raw";
+import stretchFrag from "./picture/stretch.frag?raw";
 import surfaceFrag from "./surfaces/surface.frag?raw";
 import surfaceVert from "./surfaces/surface.vert?raw";
 import surfaces from "./surfaces/surfaces.glsl?raw";
@@ -103,6 +104,7 @@ export const shaders = {
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
   enlarge: joined(enlargeFrag),
+  stretch: joined(stretchFrag),
   anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, second, secondGrey, secondSlice, secondLines, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
