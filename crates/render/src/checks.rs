@@ -80,13 +80,11 @@ impl Camera {
             return Err(CheckError::Axes { right, up, back });
         }
         let near = |length: f64| length > 0.0 && length < FARTHEST;
-        let farthest = self.target.abs().max_element();
-        number(
-            "camera target",
-            farthest,
-            self.target.is_finite() && farthest < FARTHEST,
-            "within 10 km [mm]",
-        )?;
+        for place in self.target.to_array() {
+            // what is no number is not below
+            let is_near = place.abs() < FARTHEST;
+            number("camera target", place, is_near, "within 10 km [mm]")?;
+        }
         number(
             "camera distance",
             self.distance,

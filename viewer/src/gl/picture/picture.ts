@@ -22,12 +22,13 @@ import { Compositor } from "./compositor";
 import { EngineDrawing } from "../engine_pictures/engine_drawing";
 import { DrawnScan } from "../textures/drawn_scan";
 import { DrawnScreen } from "./drawn_screen";
-import { fieldFormatFor, type FieldFormat } from "../textures/field_texture";
+import type { FieldFormat } from "../textures/field_texture";
 import { GpuClock } from "../base/gpu_clock";
 import type { GpuSupport } from "../base/gpu_support";
 import { LabelTexture } from "../textures/label_texture";
 import { labelColours } from "../textures/lookup_textures";
 import type { MarkerState } from "../markers/markers";
+import { chooseFilter, type FieldFilter } from "../march/field_filter";
 import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
@@ -35,6 +36,7 @@ import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
+import { ThreeCamera } from "./three_camera";
 import { ViewPane } from "./view_pane";
 
 /** Cells along the scan's longest edge in which its light is worked out. */
@@ -44,7 +46,7 @@ export interface PictureOptions {
   readonly support: GpuSupport;
   /** Device pixels per CSS pixel, at most. */
   readonly mostPixelRatio: number;
-  /** Another format for the scan's values than the GPU's best. */
+  /** Another format for the scan's values than the one that is measured to be the best. */
   readonly format?: FieldFormat;
   /** Asks the engine for pictures; it draws none where this is left out. */
   readonly askEngine?: (message: DrawPicture | PictureLook) => void;
@@ -62,6 +64,8 @@ export class Picture {
   private readonly slices: Slices;
   private readonly screen: DrawnScreen;
   private readonly support: GpuSupport;
+  /** How the GPU filters the scan's values. */
+  readonly filter: FieldFilter;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
   private readonly scan: DrawnScan;
@@ -77,6 +81,9 @@ export class Picture {
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
   private begun = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
+  /** What was last drawn, or is. */
+  private aimed: { readonly camera: Camera; readonly extent: Extent } | null = null;
+  private readonly eyeCamera = new ThreeCamera();
   /** A snapshot is drawn: the screen waits. */
   private snapping = false;
   private readonly closing = new AbortController();
@@ -87,7 +94,6 @@ export class Picture {
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
     this.support = support;
-    this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
     this.marcher = new RayMarcher({
       software: support.software,
       lightCells: support.software ? lightCells.software : lightCells.gpu,
@@ -105,6 +111,8 @@ export class Picture {
     });
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
+    this.filter = options.format === undefined ? chooseFilter(this.renderer) : { format: options.format, errors: {} };
+    this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
     this.engine = new EngineDrawing(this.renderer, this.marcher, this.surfaces, options.askEngine ?? (() => undefined));
     this.byEngine = options.engineDraws ?? false;
@@ -116,10 +124,12 @@ export class Picture {
       this.marcher,
       this.surfaces,
       means,
-      (eye) => {
-        this.aimEye(eye);
+      {
+        aim: (eye) => { this.aimEye(eye); },
+        present: () => { this.present(); },
+        mayGoOn: () => this.begun && !this.suspended && !this.snapping,
+        isLoaded: () => this.begun && !this.scan.isLoading,
       },
-      () => this.begun && !this.suspended && !this.snapping,
     );
     this.setQuality(this.quality);
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
@@ -173,7 +183,10 @@ export class Picture {
 
   /** A picture of the scan, with all of the values that were given, is on the screen. */
   get hasPicture(): boolean {
-    return this.byEngine ? this.pieces > 0 : !this.scan.isLoading && this.scan.ready && this.pieces > 0;
+    const { refiner, scan } = this;
+    return this.byEngine
+      ? this.pieces > 0
+      : !scan.isLoading && scan.ready && refiner.drawnPieces > 0 && !refiner.awaitsFrame;
   }
 
   /** With what the picture on display was drawn, and whether it is final. */
@@ -243,13 +256,19 @@ export class Picture {
 
   /** Segments that are no threshold; null where there are none. */
   setLabels(volume: LabelVolume | null): void {
+    const isFirst = this.labels === null;
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
     this.marcher.setLabels(
       volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks },
     );
     this.slices.follow(this.scan.frame);
-    this.refiner.restart();
+    if (isFirst) {
+      // they come with an edit that is seen already, and show the same as thresholds did
+      this.refiner.renew();
+    } else {
+      this.refiner.restart();
+    }
   }
 
   /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
@@ -287,7 +306,12 @@ export class Picture {
     }
     this.marcher.changeVoxels(box, this.renderer);
     this.slices.changed();
-    this.refiner.restart();
+    const region = this.pane.regionOf(this.marcher.cornersOf(box));
+    if (region === null || this.deforming) {
+      this.refiner.restart();
+    } else {
+      this.refiner.change(region);
+    }
   }
 
   /** Exchanges patches of surfaces. */
@@ -390,7 +414,7 @@ export class Picture {
       }
       return;
     }
-    this.show(this.refiner.advance(now), this.refiner.shown.divisor);
+    this.show(this.refiner.advance(now));
   }
 
   private advanceByEngine(now: number): void {
@@ -404,18 +428,18 @@ export class Picture {
       target: this.refiner.pictureOf(0),
       aim: ({ camera, extent }) => {
         const { width, height } = this.pane.rect;
-        this.pane.shownCamera = camera;
         this.aim(camera, extent, width / height);
+        this.pane.look(camera, extent);
       },
     });
     if (drawn || !engine.pictures.isTurning) {
-      this.show(drawn, engine.shown.divisor);
+      this.show(drawn);
     }
   }
 
   /** Brings what was drawn to the screen, and what else has changed there. */
-  private show(drawn: boolean, divisor: number): void {
-    this.screen.fit(divisor);
+  private show(drawn: boolean): void {
+    this.screen.fit();
     if (this.begun) {
       this.screen.draw(drawn, () => (this.surfaces.stray || this.byEngine ? null : this.marcher.outline));
     } else {
@@ -450,7 +474,7 @@ export class Picture {
     const eyes = eyesOf(stereo, size);
     const seen = viewportOf(stereo, size);
     const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, quality, (eye) => {
-      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height, eye);
+      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
     });
     this.snapping = true;
     try {
@@ -518,24 +542,30 @@ export class Picture {
     }
   }
 
-  /** Turns to what an eye sees: picture and markers change their view in the same frame. */
+  /** Turns ray caster and surfaces to what an eye sees. */
   private aimEye(eye: number): void {
     const { rect, stereo } = this.pane;
     const place = eyesOf(stereo, rect)[eye];
     if (this.view !== null && place !== undefined) {
       const { camera, extent } = this.view;
       const { width, height } = viewportOf(stereo, rect);
-      this.pane.shownCamera = camera;
-      this.aim(eyeCamera(camera, place.aside), extent, width / height, eye);
+      this.aimed = this.view;
+      this.aim(eyeCamera(camera, place.aside), extent, width / height);
     }
   }
 
-  /** Takes ray caster, surfaces and markers to a view. */
-  private aim(camera: Camera, extent: Extent, aspect: number, eye = 0): void {
-    const drawn = this.pane.cameraOf(eye);
+  /** What was aimed at last is on display: markers are seen in the same view from the same frame on. */
+  private present(): void {
+    if (this.aimed !== null) {
+      this.pane.look(this.aimed.camera, this.aimed.extent);
+    }
+  }
+
+  /** Takes ray caster and surfaces to a view. */
+  private aim(camera: Camera, extent: Extent, aspect: number): void {
     this.marcher.setCamera(camera, extent, aspect);
-    drawn.update(camera, extent, aspect);
-    this.surfaces.setCamera(camera, drawn.camera);
+    this.eyeCamera.update(camera, extent, aspect);
+    this.surfaces.setCamera(camera, this.eyeCamera.camera);
   }
 
   private get gl(): WebGL2RenderingContext {
