@@ -129,9 +129,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get state() {
       return session.latest;
     },
-    get settings() {
-      return session.settings;
-    },
+    get settings() { return session.settings; },
     get settingsHold() {
       return session.settingsHold;
     },
