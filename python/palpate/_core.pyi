@@ -596,7 +596,7 @@ class Picture:
         ground: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None,
         bends: bool = True,
     ) -> NDArray[np.uint8]:
-        """sRGB and opacity, shape [rows, columns, 4]; over a ground (linear colours of its middle and edge) where one is given.
+        """Returns sRGB and opacity, shape [rows, columns, 4]; over a ground (linear colours of its middle and edge) where one is given.
 
         ``bends``: highlights are bent instead of clipped, as the page does but in modes of grey.
         """

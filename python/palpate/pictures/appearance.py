@@ -1,4 +1,7 @@
-"""How a scan is drawn: everything but the camera. Values in the scan's unit, lengths in mm, colours linear RGB, 0 to 1."""
+"""How a scan is drawn: everything but the camera.
+
+Values are in the scan's unit, lengths in mm, colours linear RGB, 0 to 1.
+"""
 
 from __future__ import annotations
 
@@ -64,4 +67,4 @@ class Appearance(msgspec.Struct, frozen=True, kw_only=True):
     segments: tuple[ShownSegment, ...] = ()
     """In the order in which they win where several claim a value."""
     clip: tuple[tuple[Colour, float], ...] = ()
-    """Planes: unit normal toward what is cut away, and ``normal · point`` of its points [mm]; LPS."""
+    """Planes: unit normal toward what is cut away, ``normal · point`` of its points [mm]; LPS."""

@@ -10,7 +10,7 @@ Point = tuple[float, float, float]
 
 
 class Camera(msgspec.Struct, frozen=True, kw_only=True):
-    """A point that is looked at, and from where. Frame: patient, LPS mm; as the page has it (camera.ts)."""
+    """A point that is looked at, and from where. Frame: patient, LPS mm, as on the page."""
 
     target: Point
     """Point in the middle of the picture."""
@@ -23,7 +23,7 @@ class Camera(msgspec.Struct, frozen=True, kw_only=True):
     field: float
     """Vertical angle of view [rad]."""
     parallel: float | None = None
-    """Orthographic: how far before the target rays begin, side by side [mm]; the picture is as high as one in
-    perspective is at the target. None: in perspective."""
+    """Orthographic: how far before the target rays begin, side by side [mm]; the picture is as high
+    as one in perspective is at the target. None: in perspective."""
     aside: float = 0.0
     """One of two eyes: so far to the right [fraction of the distance], looking straight ahead."""
