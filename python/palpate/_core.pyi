@@ -568,8 +568,9 @@ class Renderer:
     ) -> Picture | None:
         """Draws a picture of so many columns and rows; None where it was given up.
 
-        ``samples`` pictures are averaged, with rays through other places of each pixel; ``jitter`` starts rays at different
-        shares of a step; ``haste`` leaves out the occlusion by the nearest voxels.
+        ``samples`` pictures are averaged, with rays through other places of each pixel; ``jitter``
+        starts rays at different shares of a step; ``haste`` leaves out the occlusion by the nearest
+        voxels.
 
         Raises:
             ValueError: Camera, size or steps are not allowed, or there is no appearance yet.
@@ -586,7 +587,10 @@ class Picture:
         """Linear colour multiplied by opacity, and opacity; shape [rows, columns, 4]."""
 
     def depths(self) -> NDArray[np.float32]:
-        """Distance from the eye along the direction of view [mm], infinite where nothing is; shape [rows, columns]."""
+        """Distance from the eye along the direction of view [mm], infinite where nothing is.
+
+        Shape [rows, columns].
+        """
 
     def segments(self) -> NDArray[np.uint8]:
         """Number of the segment at each pixel, 0 of none; shape [rows, columns]."""
@@ -596,9 +600,10 @@ class Picture:
         ground: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None,
         bends: bool = True,
     ) -> NDArray[np.uint8]:
-        """Returns sRGB and opacity, shape [rows, columns, 4]; over a ground (linear colours of its middle and edge) where one is given.
+        """Colours on a screen: sRGB and opacity, shape [rows, columns, 4].
 
-        ``bends``: highlights are bent instead of clipped, as the page does but in modes of grey.
+        ``ground``: linear colours behind, in the middle and at the edge. ``bends``: highlights are
+        bent instead of clipped, as the page does but in modes of grey.
         """
 
 class Surface:

@@ -8,6 +8,7 @@ use palpate_device::scripted::PathError;
 use palpate_device::simulated::SettingsError;
 use palpate_engine::error::SessionError;
 use palpate_render::checks::CheckError;
+use palpate_render::renderer::NoAppearance;
 use palpate_render::scene::SceneError;
 use palpate_surface::SettingsError as SurfaceSettingsError;
 use palpate_surface::voxelise::MeshError;
@@ -86,5 +87,6 @@ value_errors!(
     MeshError,
     SceneError,
     CheckError,
+    NoAppearance,
     VoxelsError
 );

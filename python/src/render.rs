@@ -10,10 +10,10 @@ use palpate_render::appearance::{
     Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment,
 };
 use palpate_render::camera::Camera;
-use palpate_render::draw::{Request, draw_averaged};
+use palpate_render::draw::Request;
 use palpate_render::picture::{Ground, Picture};
-use palpate_render::prepared::Prepared;
-use palpate_render::scene::{Scene, SceneError};
+use palpate_render::renderer::Renderer;
+use palpate_render::scene::SceneError;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::simd_dispatch::SimdLevel;
 use palpate_volume::voxels::Voxels;
@@ -32,17 +32,9 @@ const MOST_PIXELS: u32 = 16_384;
 /// A scan that is drawn.
 #[pyclass(name = "Renderer", module = "palpate._core", frozen)]
 pub struct PyRenderer {
-    drawn: Mutex<Drawn>,
+    renderer: Mutex<Renderer>,
     /// Pictures of lower numbers are given up.
     newest: AtomicU64,
-}
-
-/// A scene and how it looks.
-struct Drawn {
-    scene: Scene,
-    appearance: Option<Appearance>,
-    /// Of this appearance and the scene as it is; none until a picture is asked for.
-    prepared: Option<Prepared>,
 }
 
 /// A picture.
@@ -121,7 +113,7 @@ impl PyRenderer {
         for (id, segment) in segments {
             voxels.insert_segment(SegmentId(id), segment.segment.clone())?;
         }
-        Self::of(parallel(py, || Scene::new(voxels)))
+        Self::of(parallel(py, || Renderer::new(voxels)))
     }
 
     /// Draws what a session has, as it is now.
@@ -129,34 +121,20 @@ impl PyRenderer {
     fn of_session(py: Python<'_>, session: &PySession) -> Result<Self, CoreError> {
         let session = &session.session;
         let voxels = py.detach(|| session.voxels())?;
-        Self::of(parallel(py, || Scene::new(voxels)))
+        Self::of(parallel(py, || Renderer::new(voxels)))
     }
 
     /// Takes what a session has now; true where something had changed.
     fn follow(&self, py: Python<'_>, session: &PySession) -> Result<bool, CoreError> {
         let session = &session.session;
         let voxels = py.detach(|| session.voxels())?;
-        Ok(parallel(py, || {
-            let mut drawn = self.lock();
-            if drawn.scene.voxels().edit_number() == voxels.edit_number() {
-                return false;
-            }
-            drawn.scene.follow(voxels);
-            drawn.prepared = None;
-            true
-        }))
+        Ok(parallel(py, || self.lock().follow(voxels)))
     }
 
     /// Shows the scan in another way.
     fn set_appearance(&self, py: Python<'_>, appearance: GivenAppearance) -> Result<(), CoreError> {
         let appearance = appearance.checked()?;
-        py.detach(|| {
-            let mut drawn = self.lock();
-            if drawn.appearance.as_ref() != Some(&appearance) {
-                drawn.appearance = Some(appearance);
-                drawn.prepared = None;
-            }
-        });
+        py.detach(|| self.lock().set_appearance(appearance));
         Ok(())
     }
 
@@ -200,39 +178,23 @@ impl PyRenderer {
         };
         let picture = in_background(py, || {
             let stop = || self.newest.load(Relaxed) > number;
-            let mut drawn = self.lock();
-            let Drawn {
-                scene,
-                appearance,
-                prepared,
-            } = &mut *drawn;
-            let appearance = appearance.as_ref().ok_or_else(|| {
-                CoreError::value("no appearance given; allowed: set_appearance first")
-            })?;
-            let prepared = prepared.get_or_insert_with(|| Prepared::new(scene, appearance.clone()));
-            Ok::<_, CoreError>(draw_averaged(
-                scene, prepared, None, &request, samples, &stop,
-            ))
+            self.lock().draw(&request, samples, &stop)
         })?;
         Ok(picture.map(|picture| PyPicture { picture }))
     }
 }
 
 impl PyRenderer {
-    fn of(scene: Result<Scene, SceneError>) -> Result<Self, CoreError> {
+    fn of(renderer: Result<Renderer, SceneError>) -> Result<Self, CoreError> {
         Ok(Self {
-            drawn: Mutex::new(Drawn {
-                scene: scene?,
-                appearance: None,
-                prepared: None,
-            }),
+            renderer: Mutex::new(renderer?),
             newest: AtomicU64::new(0),
         })
     }
 
-    fn lock(&self) -> MutexGuard<'_, Drawn> {
-        // what a panic left is a scene and an appearance, each whole
-        self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Renderer> {
+        // whatever a panic left is made anew with the next picture
+        self.renderer.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

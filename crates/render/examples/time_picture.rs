@@ -1,4 +1,4 @@
-//! Draws raw values and says how long it took: FILE NX NY NZ SX SY SZ WIDTH HEIGHT OUT.ppm [MODE] [plain]
+//! Draws raw values and says how long it took: FILE NX NY NZ SX SY SZ WIDTH HEIGHT OUT.ppm [MODE] [light=CELLS] [plain]
 #![allow(
     clippy::print_stdout,
     clippy::unwrap_used,
@@ -9,12 +9,14 @@ use glam::{DMat3, DVec3, UVec3, Vec3};
 use palpate_render::appearance::{Appearance, Blend, ControlPoint, Lighting};
 use palpate_render::camera::Camera;
 use palpate_render::draw::{Request, draw};
+use palpate_render::light_volume::LightVolume;
 use palpate_render::picture::Ground;
 use palpate_render::prepared::Prepared;
 use palpate_render::scene::Scene;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::simd_dispatch::SimdLevel;
+use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 use std::io::Write;
 use std::time::Instant;
@@ -125,13 +127,31 @@ fn main() {
         is_in_haste: false,
         level,
     };
+    let cells = a.iter().find_map(|arg| arg.strip_prefix("light="));
+    let light = cells.map(|cells| {
+        let t = Instant::now();
+        let go = || false;
+        let most = cells.parse().unwrap();
+        let light = LightVolume::new(&scene, &prepared, camera.lamp(), most, &go).unwrap();
+        println!("light of {} {:?}", light.counts(), t.elapsed());
+        let t = Instant::now();
+        let turned = light.turn_lamp(&scene, &prepared, camera.lamp() + DVec3::X, &go);
+        println!("another lamp {:?}", t.elapsed());
+        let middle = dims.as_ivec3() / 2;
+        let t = Instant::now();
+        let edited = VoxelBox::new(middle, middle + 10);
+        let followed = light.follow(&scene, &prepared, &edited, &go);
+        println!("an edit {:?}", t.elapsed());
+        assert!(turned.is_some() && followed.is_some());
+        light
+    });
     for divisor in [1, 1, 2, 3] {
         let request = Request {
             size: (n(8) / divisor, n(9) / divisor),
             ..request
         };
         let t = Instant::now();
-        let picture = draw(&scene, &prepared, None, &request, &|| false).unwrap();
+        let picture = draw(&scene, &prepared, light.as_ref(), &request, &|| false).unwrap();
         println!("1/{divisor} {:?}", t.elapsed());
         if divisor == 1 {
             let ground = Ground {

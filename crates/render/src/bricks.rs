@@ -100,6 +100,12 @@ impl EmptySpace {
         Self { counts, distances }
     }
 
+    /// Bricks from one to the nearest in which something is drawn; the nearest one outside the scan.
+    pub fn distance(&self, brick: IVec3) -> u8 {
+        let brick = brick.clamp(IVec3::ZERO, self.counts - 1);
+        self.distances[(brick.x + self.counts.x * (brick.y + self.counts.y * brick.z)) as usize]
+    }
+
     /// Length that can be leapt over from a place along a ray [mm], 0 in a filled brick. `inverse`: mm for each
     /// brick along each axis, without sign; `is_forward` where the ray runs toward higher numbers.
     #[inline(always)]

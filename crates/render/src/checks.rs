@@ -57,6 +57,13 @@ fn number(
     })
 }
 
+fn colour(name: &'static str, given: Vec3) -> Result<(), CheckError> {
+    given.to_array().into_iter().try_for_each(|channel| {
+        let is_light = channel >= 0.0 && channel.is_finite();
+        number(name, f64::from(channel), is_light, "from 0 on, finite")
+    })
+}
+
 impl Camera {
     /// Refuses a camera that sees nothing.
     ///
@@ -77,7 +84,7 @@ impl Camera {
         number(
             "camera target",
             farthest,
-            farthest < FARTHEST,
+            self.target.is_finite() && farthest < FARTHEST,
             "within 10 km [mm]",
         )?;
         number(
@@ -141,8 +148,10 @@ impl Appearance {
         let gradient = self.edge_gradient;
         let is_gradient = gradient.is_finite() && gradient > 0.0;
         number("edge gradient", gradient, is_gradient, "above 0, finite")?;
+        let window = self.window.0;
+        let is_window = window.is_finite() && window > 0.0;
+        number("window", window, is_window, "above 0, finite")?;
         for (name, value) in [
-            ("window", self.window.0),
             ("level", self.window.1),
             ("value of the iso-surface", self.iso_value),
             ("value of tissue", self.tissue_from),
@@ -151,7 +160,13 @@ impl Appearance {
         }
         let slab = self.slab.unwrap_or(1.0);
         number("slab", slab, slab > 0.0 && slab.is_finite(), "above 0 [mm]")?;
+        colour("colour of the iso-surface", self.iso_colour)?;
         for segment in &self.segments {
+            let id = segment.id;
+            number("segment", f64::from(id), id > 0, "1 to 255")?;
+            colour("colour of a segment", segment.colour)?;
+            rising("ambient light of a segment", segment.ambient)?;
+            rising("specular light of a segment", segment.specular)?;
             let (low, high) = segment.range.unwrap_or((0.0, 0.0));
             number("lower limit", low, !low.is_nan(), "a number")?;
             number("upper limit", high, !high.is_nan(), "a number")?;

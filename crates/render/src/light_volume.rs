@@ -1,138 +1,190 @@
 //! The light that reaches each place through what is drawn around it, in coarse cells: fractions of the
-//! sky and of the lamp.
+//! sky and of the lamp. First how much passes each cell, then what comes through all of them.
 //!
+//! The page's shaders have the same (`shaders/light/cell_opacity.frag`, `cell_light.frag`).
 //! Source: Hernell et al., "Local ambient occlusion", IEEE TVCG 16 (2010); for the light from a direction
 //! Behrens and Ratering, "Adding shadows to a texture-based volume renderer", IEEE VolVis (1998).
 
-use glam::{IVec3, Vec3};
+use std::sync::Arc;
 
-use crate::lanes::{Floats, Gather, Ints, Vector};
-use crate::lighting::Reaching;
+use glam::{DVec3, IVec3, Vec3};
+use palpate_volume::simd_dispatch::SimdLevel;
+use palpate_volume::voxel_box::VoxelBox;
+use rayon::prelude::*;
 
-/// A place is looked up so far before its surface [cells], so that it does not shade itself.
-const LEAD: f32 = 1.5;
+use crate::prepared::Prepared;
+use crate::scene::Scene;
+
+mod cells;
+mod clarity;
+mod lamp;
+mod lookup;
+mod opacity;
+mod sky;
+mod stale;
+
+use cells::CellGrid;
+use clarity::{Clarity, Scratch};
+use sky::Sky;
+use stale::Stale;
+
+pub(crate) use lookup::LightLookup;
 
 /// All of the light.
-pub(crate) const WHOLE: f32 = 32767.0;
+const WHOLE: f32 = 32767.0;
 
-/// Fractions of sky and lamp in cells that cover the scan.
+/// Asked between rows whether the work is still wanted.
+type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Fractions of sky and lamp in cells that cover the scan. Nothing of a volume is changed once it is whole:
+/// another lamp or an edit gives another volume, so that pictures can be drawn by the one before.
 #[derive(Clone, Debug)]
 pub struct LightVolume {
-    pub(crate) counts: IVec3,
-    /// Edge of a cell [mm].
-    pub(crate) edge: f32,
+    grid: CellGrid,
+    clarity: Arc<Clarity>,
+    /// Unit vector along the grid's axes.
+    lamp: Vec3,
     /// Sky and lamp of each cell in turn, in units of [`WHOLE`], x fastest.
-    pub(crate) cells: Vec<i16>,
-}
-
-/// How the light of a volume is looked up.
-#[derive(Clone, Copy)]
-pub(crate) struct LightLookup<'a> {
-    volume: Option<&'a LightVolume>,
-    /// Cells for each voxel along each axis.
-    scale: Vec3,
-    /// From a surface to where its light is looked up [voxels along each axis for a unit vector].
-    lead: Vec3,
-    occlusion: f32,
-    shadow: f32,
-}
-
-impl<'a> LightLookup<'a> {
-    pub fn new(
-        volume: Option<&'a LightVolume>,
-        dimensions: Vec3,
-        spacing: Vec3,
-        (occlusion, shadow): (f32, f32),
-    ) -> Self {
-        let volume = volume.filter(|_| occlusion > 0.0 || shadow > 0.0);
-        let (counts, edge) = volume.map_or((IVec3::ONE, 0.0), |it| (it.counts, it.edge));
-        Self {
-            volume,
-            scale: counts.as_vec3() / dimensions,
-            lead: LEAD * edge / spacing,
-            occlusion,
-            shadow,
-        }
-    }
-
-    /// What reaches a surface; `away`: from it, along the grid's axes, at most 1 long.
-    #[inline(always)]
-    pub fn at<L: Gather>(&self, grid: Vector<L>, away: Vector<L>) -> Reaching<L> {
-        let one = L::Float::splat(1.0);
-        let Some(volume) = self.volume else {
-            return Reaching {
-                sky: one,
-                lamp: one,
-            };
-        };
-        let place = (grid + away.times(Vector::splat(self.lead))).times(Vector::splat(self.scale));
-        let [sky, lamp] = volume.mixed::<L>(place);
-        Reaching {
-            sky: one + (sky - one) * Floats::splat(self.occlusion),
-            lamp: one + (lamp - one) * Floats::splat(self.shadow),
-        }
-    }
+    cells: Vec<i16>,
 }
 
 impl LightVolume {
-    /// Trilinear between the middles of cells; `place` in cells.
-    #[inline(always)]
-    fn mixed<L: Gather>(&self, place: Vector<L>) -> [L::Float; 2] {
-        let (x0, x1, x) = between::<L>(place.x, self.counts.x);
-        let (y0, y1, y) = between::<L>(place.y, self.counts.y);
-        let (z0, z1, z) = between::<L>(place.z, self.counts.z);
-        let rows = Ints::splat(self.counts.x);
-        let layers = L::Int::splat(self.counts.x * self.counts.y);
-        let (y0, y1) = (y0 * rows, y1 * rows);
-        let (z0, z1) = (z0 * layers, z1 * layers);
-        let near = mix::<L>(
-            self.row::<L>(x0, x1, x, y0 + z0),
-            self.row::<L>(x0, x1, x, y1 + z0),
-            y,
-        );
-        let far = mix::<L>(
-            self.row::<L>(x0, x1, x, y0 + z1),
-            self.row::<L>(x0, x1, x, y1 + z1),
-            y,
-        );
-        mix::<L>(near, far, z)
+    /// Works out the light of a scene; none where `stop` said so meanwhile. `lamp`: toward it, patient frame;
+    /// `most`: cells along the scan's longest edge, none of which is smaller than a voxel and a half.
+    ///
+    /// # Panics
+    /// Where the lamp has no direction.
+    #[must_use]
+    pub fn new(
+        scene: &Scene,
+        prepared: &Prepared,
+        lamp: DVec3,
+        most: u32,
+        stop: Stop<'_>,
+    ) -> Option<Self> {
+        let level = SimdLevel::widest();
+        Self::at_level(scene, prepared, (lamp, most), stop, level)
     }
 
-    #[inline(always)]
-    fn row<L: Gather>(
+    fn at_level(
+        scene: &Scene,
+        prepared: &Prepared,
+        (lamp, most): (DVec3, u32),
+        stop: Stop<'_>,
+        level: SimdLevel,
+    ) -> Option<Self> {
+        let grid = CellGrid::new(scene.grid(), most);
+        let all = grid.all();
+        let mut clarity = Clarity::whole(grid.counts);
+        opacity::look_at(&mut clarity, &grid, (scene, prepared), &all, (level, stop))?;
+        let mut light = Self {
+            clarity: Arc::new(clarity),
+            lamp: lamp_in_grid(scene, lamp),
+            cells: vec![WHOLE as i16; 2 * grid.counts.element_product() as usize],
+            grid,
+        };
+        light.renew(prepared, &Stale::everywhere(all), stop)?;
+        Some(light)
+    }
+
+    /// The light of the same scene with the lamp in another direction; only its part is worked out.
+    ///
+    /// # Panics
+    /// Where the lamp has no direction.
+    #[must_use]
+    pub fn turn_lamp(
         &self,
-        x0: L::Int,
-        x1: L::Int,
-        share: L::Float,
-        row: L::Int,
-    ) -> [L::Float; 2] {
-        mix::<L>(self.cell::<L>(x0 + row), self.cell::<L>(x1 + row), share)
+        scene: &Scene,
+        prepared: &Prepared,
+        lamp: DVec3,
+        stop: Stop<'_>,
+    ) -> Option<Self> {
+        let mut light = self.clone();
+        light.lamp = lamp_in_grid(scene, lamp);
+        light.renew(prepared, &Stale::of_lamp(self.grid.all()), stop)?;
+        Some(light)
     }
 
-    #[inline(always)]
-    fn cell<L: Gather>(&self, index: L::Int) -> [L::Float; 2] {
-        // SAFETY: each coordinate was clamped to the cells, which have two numbers each
-        let both = unsafe { L::pairs(&self.cells, index + index) };
-        let unit = L::Float::splat(1.0 / WHOLE);
-        [
-            both.shifted_left::<16>().shifted_right::<16>().to_float() * unit,
-            both.shifted_right::<16>().to_float() * unit,
-        ]
+    /// The light after an edit that changed voxels of a box: what passes the cells there is looked at again, and
+    /// what reaches those around and those in their shadow. `prepared` must be that of the scene after the edit.
+    #[must_use]
+    pub fn follow(
+        &self,
+        scene: &Scene,
+        prepared: &Prepared,
+        changed: &VoxelBox,
+        stop: Stop<'_>,
+    ) -> Option<Self> {
+        let mut light = self.clone();
+        if changed.is_empty() {
+            return Some(light);
+        }
+        let cells = self.grid.reached_by(changed);
+        let mut clarity = Clarity::clone(&self.clarity);
+        let how = (SimdLevel::widest(), stop);
+        opacity::look_at(&mut clarity, &self.grid, (scene, prepared), &cells, how)?;
+        light.clarity = Arc::new(clarity);
+        light.renew(prepared, &Stale::by_edit(cells, &self.grid), stop)?;
+        Some(light)
+    }
+
+    /// Cells along the scan's axes.
+    #[must_use]
+    pub fn counts(&self) -> IVec3 {
+        self.grid.counts
+    }
+
+    /// Fractions of sky and lamp, 0 to 1, in a cell.
+    ///
+    /// # Panics
+    /// Where there is no such cell.
+    #[must_use]
+    pub fn at_cell(&self, cell: IVec3) -> (f32, f32) {
+        let counts = self.grid.counts;
+        assert!(
+            cell.cmpge(IVec3::ZERO).all() && cell.cmplt(counts).all(),
+            "cell {cell} given; allowed: below {counts}"
+        );
+        let index = 2 * (cell.x + counts.x * (cell.y + counts.y * cell.z)) as usize;
+        let share = |stored: i16| f32::from(stored) / WHOLE;
+        (share(self.cells[index]), share(self.cells[index + 1]))
+    }
+
+    /// Works out the light of stale cells.
+    fn renew(&mut self, prepared: &Prepared, stale: &Stale, stop: Stop<'_>) -> Option<()> {
+        let Self {
+            grid,
+            clarity,
+            lamp,
+            cells,
+        } = self;
+        let (columns, rows) = (grid.counts.x as usize, grid.counts.y);
+        let sky = Sky::new(grid);
+        let stride = *lamp * grid.cells_per_edge();
+        let renewed = cells
+            .par_chunks_mut(2 * columns)
+            .enumerate()
+            .try_for_each_init(
+                || Scratch::new(columns),
+                |scratch, (index, cells)| {
+                    let row = (index as i32 % rows, index as i32 / rows);
+                    let seen = grid.seen_cells(prepared, row, stale.sky(row));
+                    sky::reach_row(&sky, clarity, row, &seen.span, scratch);
+                    seen.put(scratch.found(), cells, 0);
+                    let seen = grid.seen_cells(prepared, row, stale.lamp(row, stride));
+                    lamp::reach_row(stride, clarity, row, &seen.span, scratch);
+                    seen.put(scratch.found(), cells, 1);
+                    if stop() { Err(()) } else { Ok(()) }
+                },
+            );
+        renewed.ok()
     }
 }
 
-/// The two cells between whose middles a place lies, and the fraction of the way.
-#[inline(always)]
-fn between<L: Gather>(place: L::Float, count: i32) -> (L::Int, L::Int, L::Float) {
-    let inside = (place - Floats::splat(0.5))
-        .max(Floats::splat(0.0))
-        .min(Floats::splat((count - 1) as f32));
-    let first = inside.truncated();
-    let second = (first + Ints::splat(1)).min(Ints::splat(count - 1));
-    (first, second, inside - first.to_float())
-}
-
-#[inline(always)]
-fn mix<L: Gather>(a: [L::Float; 2], b: [L::Float; 2], share: L::Float) -> [L::Float; 2] {
-    [a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share]
+/// Toward the lamp along the grid's axes.
+fn lamp_in_grid(scene: &Scene, lamp: DVec3) -> Vec3 {
+    let unit = lamp
+        .try_normalize()
+        .expect("a lamp without a direction, which cameras do not have");
+    (scene.grid().direction().transpose() * unit).as_vec3()
 }

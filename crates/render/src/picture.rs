@@ -1,6 +1,7 @@
 //! A picture: colour, depth and segment of each pixel, and its colours on a screen.
 
 use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 
 /// What stands behind everything, linear RGB: in the middle and toward the edges; as the page has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +44,7 @@ impl Picture {
     pub fn to_screen(&self, ground: Option<Ground>, bends: bool) -> Vec<[u8; 4]> {
         let columns = self.size.0 as usize;
         let size = Vec2::new(self.size.0 as f32, self.size.1 as f32);
-        let pixels = self.colours.iter().enumerate();
+        let pixels = self.colours.par_iter().enumerate();
         pixels
             .map(|(i, &colour)| {
                 let pixel = Vec2::new((i % columns) as f32, (i / columns) as f32) + 0.5;

@@ -1,7 +1,12 @@
 //! A scan as it is drawn: its voxels at one edit, and what is known of its bricks.
 
-use glam::IVec3;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
@@ -57,22 +62,29 @@ impl Scene {
         })
     }
 
-    /// Takes the voxels of a later edit of the same scan; reads only the bricks that were changed.
+    /// Takes the voxels of a later edit of the same scan; reads only the bricks that were changed. Returns a box that
+    /// holds all voxels whose value or segment is another.
     ///
     /// # Panics
     /// Where they are those of another scan.
-    pub fn follow(&mut self, voxels: Voxels) {
+    pub fn follow(&mut self, voxels: Voxels) -> VoxelBox {
         assert_eq!(
             voxels.grid().dimensions(),
             self.voxels.grid().dimensions(),
             "voxels of another scan"
         );
         let changed = changed_bricks(&self.voxels, &voxels);
+        let segments = changed_segments(&self.voxels, &voxels);
         self.voxels = voxels;
         self.field = field_of(&self.voxels);
-        for (low, high) in changed {
-            self.ranges.renew(&self.field, low, high);
+        for voxels in &changed {
+            self.ranges.renew(&self.field, voxels.min, voxels.max - 1);
         }
+        let whole = self.voxels.grid().bounds();
+        changed
+            .iter()
+            .fold(segments, |all, voxels| all.union(voxels))
+            .intersect(&whole)
     }
 
     /// Where the voxels stand.
@@ -93,15 +105,41 @@ fn field_of(voxels: &Voxels) -> Field {
     Field::new(voxels.intensities(), voxels.overlay(), spacing)
 }
 
-/// Boxes of the bricks whose values were changed by edits, first and last voxel.
-fn changed_bricks(before: &Voxels, now: &Voxels) -> Vec<(IVec3, IVec3)> {
+/// The bricks whose values were changed by edits.
+fn changed_bricks(before: &Voxels, now: &Voxels) -> Vec<VoxelBox> {
     let (before, now) = (before.overlay().bricks(), now.overlay().bricks());
     (0..now.len() as u32)
         .filter(|&index| match (before.get(index), now.get(index)) {
-            (Some(one), Some(other)) => !std::sync::Arc::ptr_eq(one, other),
+            (Some(one), Some(other)) => !Arc::ptr_eq(one, other),
             (one, other) => one.is_some() != other.is_some(),
         })
         .map(|index| now.box_of(index))
-        .map(|voxels| (voxels.min, voxels.max - 1))
         .collect()
+}
+
+/// A box that holds all voxels of the scan whose segment is another.
+fn changed_segments(before: &Voxels, now: &Voxels) -> VoxelBox {
+    let mut changed = VoxelBox::EMPTY;
+    let ids: BTreeSet<_> = before
+        .segments()
+        .chain(now.segments())
+        .map(|(id, _)| id)
+        .collect();
+    for id in ids {
+        let part = match (on_scan(before, id), on_scan(now, id)) {
+            (Some(one), Some(other)) => one.occupancy().difference(other.occupancy()),
+            (Some(only), None) | (None, Some(only)) => {
+                only.bounding_box().unwrap_or(VoxelBox::EMPTY)
+            }
+            (None, None) => VoxelBox::EMPTY,
+        };
+        changed = changed.union(&part);
+    }
+    changed
+}
+
+/// A segment whose voxels are those of the scan.
+fn on_scan(voxels: &Voxels, id: SegmentId) -> Option<&Segment> {
+    let segment = voxels.segment(id)?;
+    segment.own_grid().is_none().then_some(segment)
 }

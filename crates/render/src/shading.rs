@@ -60,27 +60,43 @@ impl Shading<'_> {
 
     #[inline(always)]
     pub fn is_cut_away<L: Gather>(&self, grid: Vector<L>) -> L::Mask {
-        let mut cut = L::Mask::splat(false);
-        for plane in self.planes {
-            let before = grid.dot(Vector::splat(plane.truncate())) + Floats::splat(plane.w);
-            cut = cut | L::Float::splat(0.0).less(before);
-        }
-        cut
+        is_before_a_plane(self.planes, grid)
     }
 
     /// Fraction of its extinction that tissue keeps with a gradient of this length [value per mm], and how much of a
     /// boundary that is.
-    ///
-    /// Source: Levoy, "Display of surfaces from volume data", IEEE CG&A 8 (1988).
     #[inline(always)]
     pub fn boundary<L: Gather>(&self, gradient: L::Float) -> (L::Float, L::Float) {
-        let boundary = smoothstep::<L>(self.edge_gradient, gradient);
-        let flat = L::Float::splat(self.flat_share);
-        (flat + (L::Float::splat(1.0) - flat) * boundary, boundary)
+        boundary::<L>((self.edge_gradient, self.flat_share), gradient)
     }
 
     /// The scan's last corner [grid].
     pub fn end(&self) -> Vec3 {
         self.field.dimensions().as_vec3()
     }
+}
+
+/// Whether one of the planes cuts a place away.
+#[inline(always)]
+pub(crate) fn is_before_a_plane<L: Gather>(planes: &[Vec4], grid: Vector<L>) -> L::Mask {
+    let mut cut = L::Mask::splat(false);
+    for plane in planes {
+        let before = grid.dot(Vector::splat(plane.truncate())) + Floats::splat(plane.w);
+        cut = cut | L::Float::splat(0.0).less(before);
+    }
+    cut
+}
+
+/// Fraction of its extinction that tissue keeps with a gradient of this length, and how much of a boundary that is;
+/// from the gradient of a full boundary and the fraction that homogeneous tissue keeps.
+///
+/// Source: Levoy, "Display of surfaces from volume data", IEEE CG&A 8 (1988).
+#[inline(always)]
+pub(crate) fn boundary<L: Gather>(
+    (edge_gradient, flat_share): (f32, f32),
+    gradient: L::Float,
+) -> (L::Float, L::Float) {
+    let boundary = smoothstep::<L>(edge_gradient, gradient);
+    let flat = L::Float::splat(flat_share);
+    (flat + (L::Float::splat(1.0) - flat) * boundary, boundary)
 }

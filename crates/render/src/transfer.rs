@@ -55,11 +55,20 @@ impl Transfer {
     }
 
     /// Extinction [1/mm] at a stored value.
-    pub fn extinction(&self, stored: f32) -> f32 {
-        let place = (stored * self.scale.0 + self.scale.1).clamp(0.0, 1.0) * (SIZE - 1) as f32;
-        let first = (place as usize).min(SIZE - 2);
-        let (low, high) = (self.rows[first][3], self.rows[first + 1][3]);
-        low + (high - low) * (place - first as f32)
+    #[inline(always)]
+    pub fn extinction_at<L: Gather>(&self, stored: L::Float) -> L::Float {
+        let place = stored * Floats::splat(self.scale.0) + Floats::splat(self.scale.1);
+        let row = place.max(Floats::splat(0.0)).min(Floats::splat(1.0))
+            * Floats::splat((SIZE - 1) as f32);
+        let first = row.truncated().min(Ints::splat(SIZE as i32 - 2));
+        // SAFETY: as in `integral_to`
+        let ([.., low], [.., high]) = unsafe {
+            (
+                L::rows(&self.rows, first),
+                L::rows(&self.rows, first + Ints::splat(1)),
+            )
+        };
+        low + (high - low) * (row - first.to_float())
     }
 
     /// Mean over all stored values between two: linear colour, and extinction [1/mm].

@@ -1,6 +1,6 @@
 """How a scan is drawn: everything but the camera.
 
-Values are in the scan's unit, lengths in mm, colours linear RGB, 0 to 1.
+Values are in the scan's unit, lengths in mm, colours linear RGB from 0 to 1.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ Point = tuple[float, float, float]
 
 
 class Camera(msgspec.Struct, frozen=True, kw_only=True):
-    """A point that is looked at, and from where. Frame: patient, LPS mm, as on the page."""
+    """A point that is looked at, and from where. Frame: patient, LPS mm; as the page has it."""
 
     target: Point
     """Point in the middle of the picture."""

@@ -1,0 +1,161 @@
+//! A scene, how it looks and its light, kept ready for one picture after another.
+
+use glam::DVec3;
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::Voxels;
+use thiserror::Error;
+
+use crate::appearance::{Appearance, Lighting};
+use crate::draw::{Request, draw_averaged};
+use crate::light_volume::LightVolume;
+use crate::picture::Picture;
+use crate::prepared::Prepared;
+use crate::scene::{Scene, SceneError};
+
+/// Cells along the scan's longest edge in which light is worked out.
+const LIGHT_CELLS: u32 = 128;
+
+/// Asked now and then whether a picture is still wanted.
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Draws pictures of a scan that is edited meanwhile.
+#[derive(Debug)]
+pub struct Renderer {
+    scene: Scene,
+    appearance: Option<Appearance>,
+    /// Of the scene and the appearance as they are; none until a picture is asked for.
+    prepared: Option<Prepared>,
+    light: Option<LightVolume>,
+    stale: Stale,
+    /// Toward the lamp for which the light was worked out, patient frame.
+    lamp: DVec3,
+}
+
+/// A picture was asked for before an appearance was given.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error("no appearance given; allowed: one, before the first picture")]
+pub struct NoAppearance;
+
+/// What of the light is not that of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stale {
+    Nothing,
+    Around(VoxelBox),
+    Everything,
+}
+
+impl Renderer {
+    /// Reads each value once.
+    ///
+    /// # Errors
+    /// Where there are too many voxels.
+    pub fn new(voxels: Voxels) -> Result<Self, SceneError> {
+        Ok(Self {
+            scene: Scene::new(voxels)?,
+            appearance: None,
+            prepared: None,
+            light: None,
+            stale: Stale::Everything,
+            lamp: DVec3::ZERO,
+        })
+    }
+
+    /// Takes the voxels of a later edit of the same scan; returns whether anything had changed.
+    pub fn follow(&mut self, voxels: Voxels) -> bool {
+        if voxels.edit_number() == self.scene.voxels().edit_number() {
+            return false;
+        }
+        let changed = self.scene.follow(voxels);
+        self.stale = match self.stale {
+            Stale::Nothing => Stale::Around(changed),
+            Stale::Around(before) => Stale::Around(before.union(&changed)),
+            Stale::Everything => Stale::Everything,
+        };
+        self.prepared = None;
+        true
+    }
+
+    /// Shows the scan in another way.
+    pub fn set_appearance(&mut self, appearance: Appearance) {
+        match &self.appearance {
+            Some(before) if *before == appearance => return,
+            Some(before) if is_as_opaque(before, &appearance) => {}
+            _ => self.stale = Stale::Everything,
+        }
+        self.appearance = Some(appearance);
+        self.prepared = None;
+    }
+
+    /// Draws the mean of so many pictures; none where `stop` said so meanwhile. A picture in haste is lit by the
+    /// light of the one before.
+    ///
+    /// # Errors
+    /// Where nobody has said how the scan looks.
+    pub fn draw(
+        &mut self,
+        request: &Request,
+        samples: u32,
+        stop: Stop<'_>,
+    ) -> Result<Option<Picture>, NoAppearance> {
+        let appearance = self.appearance.as_ref().ok_or(NoAppearance)?;
+        if self.prepared.is_none() {
+            self.prepared = Some(Prepared::new(&self.scene, appearance.clone()));
+        }
+        Ok(self.draw_prepared(request, samples, stop))
+    }
+
+    fn draw_prepared(
+        &mut self,
+        request: &Request,
+        samples: u32,
+        stop: Stop<'_>,
+    ) -> Option<Picture> {
+        if !request.is_in_haste {
+            self.bring_light(request.camera.lamp(), stop)?;
+        }
+        let prepared = self.prepared.as_ref()?;
+        let light = self.light.as_ref();
+        draw_averaged(&self.scene, prepared, light, request, samples, stop)
+    }
+
+    /// Works out what of the light is not that of the scene; none where `stop` said so meanwhile.
+    fn bring_light(&mut self, lamp: DVec3, stop: Stop<'_>) -> Option<()> {
+        let (scene, prepared) = (&self.scene, self.prepared.as_ref()?);
+        let Lighting {
+            occlusion, shadow, ..
+        } = prepared.appearance().lighting;
+        if !prepared.appearance().blend.is_lit() || (occlusion <= 0.0 && shadow <= 0.0) {
+            return Some(());
+        }
+        let light = match (self.light.take(), self.stale) {
+            (Some(light), Stale::Nothing) => Some(light),
+            (Some(light), Stale::Around(changed)) => light.follow(scene, prepared, &changed, stop),
+            _ => {
+                self.lamp = lamp;
+                LightVolume::new(scene, prepared, lamp, LIGHT_CELLS, stop)
+            }
+        };
+        // what was given up is worked out from the beginning
+        self.stale = Stale::Everything;
+        let mut light = light?;
+        if shadow > 0.0 && lamp.distance_squared(self.lamp) > 1e-8 {
+            light = light.turn_lamp(scene, prepared, lamp, stop)?;
+            self.lamp = lamp;
+        }
+        self.light = Some(light);
+        self.stale = Stale::Nothing;
+        Some(())
+    }
+}
+
+/// Whether all places let as much light through; other colours and lights change nothing of that.
+fn is_as_opaque(one: &Appearance, other: &Appearance) -> bool {
+    let opacity = |appearance: &Appearance| Appearance {
+        lighting: Lighting {
+            edges: appearance.lighting.edges,
+            ..Lighting::default()
+        },
+        ..appearance.clone()
+    };
+    opacity(one) == opacity(other)
+}

@@ -1,0 +1,18 @@
+//! All tests of the ray caster in one binary: what a picture shows against what can be reckoned by hand.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail a test, as the tests themselves"
+)]
+
+mod checks;
+mod common;
+mod cuts;
+mod edits;
+mod grids;
+mod light;
+mod modes;
+mod same_picture;
+mod segments;
+mod tissue;
+mod views;
