@@ -75,7 +75,8 @@ def _write_gif(pictures: Iterator[NDArray[np.uint8]], path: Path, *, times: list
     # one palette for all: another for each would flicker
     palette = first.quantize(256)
     rest = (each.quantize(palette=palette) for each in frames)
-    palette.save(path, save_all=True, append_images=rest, duration=times, loop=0)
+    with path.open("wb") as file:
+        palette.save(file, "GIF", save_all=True, append_images=rest, duration=times, loop=0)
 
 
 def _write_video(pictures: Iterator[NDArray[np.uint8]], path: Path, *, fps: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,18 +14,25 @@ from palpate.base.whole_file import whole_file
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["image_of", "write_picture"]
+__all__ = ["image_of", "png_bytes", "write_picture"]
 
 QUALITY = 92
 """Of JPEG: blocks are not seen."""
 
 
 def image_of(picture: NDArray[np.uint8]) -> Image:
-    """Returns a picture, shape [rows, columns, 4], without opacity where all of it is opaque."""
+    """Returns a picture, shape [rows, columns, 3 or 4], without opacity where all is opaque."""
     from PIL import Image
 
-    opaque = bool((picture[..., 3] == 255).all())
+    opaque = picture.shape[-1] == 3 or bool((picture[..., 3] == 255).all())
     return Image.fromarray(np.ascontiguousarray(picture[..., :3]) if opaque else picture)
+
+
+def png_bytes(picture: NDArray[np.uint8]) -> bytes:
+    """Returns a picture, shape [rows, columns, 3 or 4], as a PNG file."""
+    file = BytesIO()
+    image_of(picture).save(file, "PNG")
+    return file.getvalue()
 
 
 def write_picture(picture: NDArray[np.uint8], path: Path) -> None:

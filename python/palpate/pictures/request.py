@@ -91,7 +91,7 @@ class PictureRequest(Request, frozen=True, kw_only=True):
             raise OptionError("background transparent given; allowed for .png only")
         if not 1.0 <= self.fps <= 60.0:
             raise OptionError(f"fps {self.fps:g} given; allowed: 1 to 60")
-        if not 2 <= self._frames <= MOST_FRAMES:
+        if not 2.0 <= self.seconds * self.fps <= MOST_FRAMES:
             raise OptionError(
                 f"seconds {self.seconds:g} given; allowed with fps {self.fps:g}: 2 to "
                 f"{MOST_FRAMES} pictures"
