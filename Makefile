@@ -1,7 +1,7 @@
 # One door to everything: `make` lists what there is.
 #
 # Each step leaves a stamp, so that a repeated call does only what changed. Nothing is
-# installed outside this folder, except Chromium and Orthanc for the tests (scripts/{chromium,orthanc}.sh).
+# installed outside this folder, except browsers and Orthanc for the tests (scripts/{chromium,firefox,orthanc}.sh).
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
@@ -205,7 +205,7 @@ test-wheel: | test-viewer
 test-browser: | test-rust test-wheel
 endif
 ifeq ($(TOGETHER),everything)
-prerequisites: | chromium data
+prerequisites: | chromium firefox data
 endif
 
 # anew, so that the engine and the wheel are those of this form
@@ -213,9 +213,12 @@ test-long: ## the same with the long form of statistical tests, on the engine an
 	@$(MAKE) --no-print-directory test PALPATE_LONG=1
 
 # a missing browser and missing scans are told before all other tests
-.PHONY: chromium data
+.PHONY: chromium firefox data
 chromium:
 	@scripts/chromium.sh
+
+firefox:
+	@scripts/firefox.sh
 
 data:
 	@scripts/data.sh

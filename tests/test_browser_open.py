@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import zipfile
 from importlib.util import find_spec
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from orthanc import orthanc
 from pydicom import dcmread
 from pydicom.uid import generate_uid
+from rtk_words import write_geometry
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 
@@ -222,9 +224,32 @@ def projections_dropped(page: Browser, path: Path) -> None:
     # parallel beams need no library
     assert not page.read(missing)
     assert not page.read(refused)
+    geometry_chosen(page, path.with_name("geometry.xml"))
     page.do("click", testid="not-projected")
     exchanged(page, "ball_proj")
     assert page.read("window.palpate.scan.dimensions") == [40, 24, 36]
+
+
+def geometry_chosen(page: Browser, path: Path) -> None:
+    """Chooses a file that states where source and detector are, and takes it away again."""
+    distances = {"SourceToIsocenterDistance": 1000.0, "SourceToDetectorDistance": 0.0}
+    write_geometry(path, [{"GantryAngle": 10.0 * number, **distances} for number in range(36)])
+    page.read(f"""(() => {{
+        const chosen = new DataTransfer();
+        chosen.items.add(new File([{json.dumps(path.read_text())}], "geometry.xml"));
+        const input = document.querySelector("[data-testid=geometry-file]");
+        input.files = chosen.files;
+        input.dispatchEvent(new Event("change", {{ bubbles: true }}));
+    }})()""")
+    page.shows("geometry-name", "text === 'geometry.xml'")
+    # what the file states is asked for no more
+    arc = "document.querySelector('[data-testid=project-arc]')"
+    assert page.read(f"{arc} === null")
+    page.shows("reconstruct-grid", "text.includes('40 × 40 × 24 voxels of 2 × 2 × 2 mm')")
+    page.do("screenshot", path=str(OUTPUT / "open-geometry.png"))
+    assert page.do("axe")["value"] == []
+    page.do("click", testid="geometry-leave")
+    page.wait(f"{arc} !== null")
 
 
 def test_a_servers_scans_are_listed_seen_and_opened(data_folder: Path, tmp_path: Path) -> None:

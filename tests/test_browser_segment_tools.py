@@ -164,7 +164,7 @@ def test_a_disc_is_painted_in_a_slice_taken_back_and_limited_to_values(page: Bro
 
 
 NUMBERS = (
-    "[...document.querySelectorAll('[data-testid=statistics-table] tbody tr:first-child td')]"
+    "[...document.querySelectorAll('[data-testid=statistics-table] tbody td:nth-child(2)')]"
     ".map(({ textContent }) => textContent)"
 )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import SimpleITK
@@ -13,11 +13,18 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Opened:
-    """A scan on the page, in the 3-D view alone."""
+class Page(Protocol):
+    """A page in any browser."""
 
-    page: Browser
+    def read(self, expression: str) -> Any:
+        """Returns the value of an expression in the page."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A scan in the 3-D view of a page in any browser."""
+
+    page: Page
     image: Any
 
     def points_along(self, pixels: Array, lengths: Array) -> Array:
@@ -46,6 +53,13 @@ class Opened:
         axes = np.array(self.image.GetDirection()).reshape(3, 3) * self.image.GetSpacing()
         index = (points - self.image.GetOrigin()) @ np.linalg.inv(axes).T
         return trilinear(SimpleITK.GetArrayFromImage(self.image), index)
+
+
+@dataclass(frozen=True)
+class Opened(Seen):
+    """The same in the browser of all tests."""
+
+    page: Browser
 
 
 def trilinear(values: NDArray[Any], index: Array) -> Array:

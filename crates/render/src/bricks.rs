@@ -145,7 +145,7 @@ fn brick_along<L: Gather>(place: L::Float, count: i32) -> (L::Int, L::Float) {
 /// For every line along an axis: the least over its bricks of the larger of value and distance.
 fn spread_along(values: &mut [u8], stride: usize, size: usize) {
     let mut line = vec![0; size];
-    for start in (0..values.len()).filter(|start| start / stride % size == 0) {
+    for start in (0..values.len()).filter(|start| (start / stride).is_multiple_of(size)) {
         for i in 0..size {
             line[i] = values[start + i * stride];
         }

@@ -91,7 +91,7 @@ impl Field {
         } else {
             self.differences_one_by_one::<L>(grid)
         };
-        difference.times(Vector::splat(self.slope / (2.0 * self.spacing)))
+        difference.times(Vector::splat(self.gradient_scale()))
     }
 
     #[inline(always)]
@@ -156,6 +156,32 @@ impl Field {
         }
     }
 
+    /// Stored values of a row within the grid, edits included; `memory` is as long as a row.
+    pub fn row<'a>(&'a self, y: i32, z: i32, memory: &'a mut [i16]) -> &'a [i16] {
+        let start = voxel_index(self.dimensions, IVec3::new(0, y, z));
+        let own = &self.scan.values()[start..start + self.dimensions.x as usize];
+        let Some(edited) = &self.overlay else {
+            return own;
+        };
+        let bricks = edited.bricks_of_row(y, z);
+        if bricks.iter().all(|&is_near| is_near == 0) {
+            return own;
+        }
+        memory.copy_from_slice(own);
+        let parts = memory.chunks_mut(BRICK as usize).zip(bricks).enumerate();
+        for (brick, (values, _)) in parts.filter(|(_, (_, is_near))| **is_near != 0) {
+            for (x, value) in (BRICK * brick as i32..).zip(values) {
+                *value = self.stored(IVec3::new(x, y, z));
+            }
+        }
+        memory
+    }
+
+    /// From differences over two voxels along each axis to a gradient in the scan's unit [per mm].
+    pub fn gradient_scale(&self) -> Vec3 {
+        self.slope / (2.0 * self.spacing)
+    }
+
     /// Stored value of a voxel, edits included; the nearest one outside the grid.
     pub fn stored(&self, voxel: IVec3) -> i16 {
         let voxel = voxel.clamp(IVec3::ZERO, self.dimensions.as_ivec3() - 1);
@@ -193,6 +219,12 @@ impl Edited {
             bricks: near,
             counts,
         })
+    }
+
+    /// Whether there are such values in, or beside, each brick of a row.
+    fn bricks_of_row(&self, y: i32, z: i32) -> &[u8] {
+        let first = self.counts.x * ((y >> 3_i32) + self.counts.y * (z >> 3_i32));
+        &self.bricks[first as usize..(first + self.counts.x) as usize]
     }
 
     fn is_near(&self, place: Vec3) -> bool {

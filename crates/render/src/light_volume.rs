@@ -18,6 +18,7 @@ use crate::scene::Scene;
 mod cells;
 mod clarity;
 mod lamp;
+mod line;
 mod lookup;
 mod opacity;
 mod sky;
@@ -187,4 +188,62 @@ fn lamp_in_grid(scene: &Scene, lamp: DVec3) -> Vec3 {
         .try_normalize()
         .expect("a lamp without a direction, which cameras do not have");
     (scene.grid().direction().transpose() * unit).as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3, UVec3, Vec3};
+    use palpate_volume::grid::Grid;
+    use palpate_volume::intensities::Intensities;
+    use palpate_volume::simd_dispatch::SimdLevel;
+    use palpate_volume::voxels::Voxels;
+
+    use super::LightVolume;
+    use crate::appearance::{Appearance, Blend, ControlPoint, Lighting};
+    use crate::prepared::Prepared;
+    use crate::scene::Scene;
+
+    fn noise() -> Scene {
+        let size = UVec3::new(21, 30, 17);
+        let mut random = oorandom::Rand32::new(5);
+        let values: Vec<i16> = (0..size.element_product())
+            .map(|_| random.rand_range(0..1000) as i16)
+            .collect();
+        let scan = Intensities::new(size, values, 0.5, -3.0).expect("values fit");
+        let spacing = DVec3::new(0.9, 1.1, 1.7);
+        let grid = Grid::new(size, spacing, DVec3::ZERO, DMat3::IDENTITY).expect("a grid");
+        Scene::new(Voxels::new(grid, scan).expect("they fit")).expect("a small scan")
+    }
+
+    #[test]
+    fn all_instruction_sets_give_the_same_light() {
+        let scene = noise();
+        let point = |value, extinction| ControlPoint {
+            value,
+            colour: Vec3::ONE,
+            extinction,
+        };
+        let appearance = Appearance {
+            blend: Blend::Shaded,
+            density: 1.0,
+            transfer: vec![point(100.0, 0.0), point(480.0, 0.3)],
+            edge_gradient: 300.0,
+            window: (1.0, 0.0),
+            iso_value: 0.0,
+            iso_colour: Vec3::ONE,
+            tissue_from: 0.0,
+            slab: None,
+            lighting: Lighting::default(),
+            segments: vec![],
+            clip: vec![],
+        };
+        let prepared = Prepared::new(&scene, appearance);
+        let lamp = (DVec3::new(0.3, -0.5, 0.8), 24);
+        let [plain, wide] = [SimdLevel::Plain, SimdLevel::widest()].map(|level| {
+            LightVolume::at_level(&scene, &prepared, lamp, &|| false, level).expect("not stopped")
+        });
+        assert!(plain.cells == wide.cells);
+        let (least, most) = (plain.cells.iter().min(), plain.cells.iter().max());
+        assert!(least < most, "light differs from place to place");
+    }
 }

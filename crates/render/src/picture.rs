@@ -87,7 +87,7 @@ fn on_screen(
         .centre
         .lerp(ground.edge, share * share * (3.0 - 2.0 * share));
     // less than one step of noise hides the steps of a dark gradient
-    let grain = (52.982_918_9 * pixel.dot(Vec2::new(0.067_110_56, 0.005_837_15)).fract()).fract();
+    let grain = (52.982_918 * pixel.dot(Vec2::new(0.067_110_56, 0.005_837_15)).fract()).fract();
     let shown = srgb_from_linear(light + (1.0 - colour.w) * behind) + (grain - 0.5) / 255.0;
     let shown = bytes(shown);
     [shown.x as u8, shown.y as u8, shown.z as u8, 255]

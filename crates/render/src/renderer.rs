@@ -127,23 +127,27 @@ impl Renderer {
         if !prepared.appearance().blend.is_lit() || (occlusion <= 0.0 && shadow <= 0.0) {
             return Some(());
         }
-        let light = match (self.light.take(), self.stale) {
-            (Some(light), Stale::Nothing) => Some(light),
-            (Some(light), Stale::Around(changed)) => light.follow(scene, prepared, &changed, stop),
+        // the light before is kept until another is whole, for pictures in haste
+        let followed = match (&self.light, self.stale) {
+            (Some(_), Stale::Nothing) => None,
+            (Some(light), Stale::Around(changed)) => {
+                Some(light.follow(scene, prepared, &changed, stop)?)
+            }
             _ => {
+                let light = LightVolume::new(scene, prepared, lamp, LIGHT_CELLS, stop)?;
                 self.lamp = lamp;
-                LightVolume::new(scene, prepared, lamp, LIGHT_CELLS, stop)
+                Some(light)
             }
         };
-        // what was given up is worked out from the beginning
-        self.stale = Stale::Everything;
-        let mut light = light?;
+        if followed.is_some() {
+            self.light = followed;
+            self.stale = Stale::Nothing;
+        }
         if shadow > 0.0 && lamp.distance_squared(self.lamp) > 1e-8 {
-            light = light.turn_lamp(scene, prepared, lamp, stop)?;
+            let light = self.light.as_ref()?;
+            self.light = Some(light.turn_lamp(scene, prepared, lamp, stop)?);
             self.lamp = lamp;
         }
-        self.light = Some(light);
-        self.stale = Stale::Nothing;
         Some(())
     }
 }

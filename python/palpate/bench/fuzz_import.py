@@ -13,9 +13,8 @@ import shutil
 import signal
 import sys
 import traceback
-import zipfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import count
 from multiprocessing.connection import Connection
@@ -30,64 +29,31 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, PalpateError
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import in_this_process
-from palpate.base.simpleitk import simpleitk
+from palpate.bench.fuzz_samples import Sample, samples_in
 from palpate.bench.structured_damage import restructured
 from palpate.io.browse import browsed, previews
-from palpate.io.dicom.series import is_dicom
 from palpate.io.headerless import headerless_pictures
-from palpate.io.image_file import FORMATS
 from palpate.io.reading import read
 from palpate.labels.kind import labels_told
 from palpate.labels.labels import read_labels
 from palpate.recipes.recipe import read_recipe
-from palpate.saved.scene_file import open_scene, save_scene
-from palpate.session.appearance import appearances_of, keep_appearances
-from palpate.session.session import Session, SessionOptions
+from palpate.saved.scene_file import open_scene
 from palpate.volumes.mesh_read import read_mesh
-from palpate.volumes.scene import Scene
-from palpate.volumes.volume import Volume
 
-__all__ = ["Found", "Limits", "Sample", "damaged", "measure", "samples_in", "tried"]
+__all__ = [
+    "Found",
+    "Limits",
+    "damaged",
+    "laid",
+    "measure",
+    "read_sample",
+    "sample_of",
+    "tried",
+]
 
-LARGEST_SAMPLE = 600_000
-"""Largest file [bytes]; larger ones take long and would be damaged in the same places."""
 MOST_VOXELS = 1 << 25
-MOST_OF_A_FOLDER = 6
-ENDINGS = tuple(ending for some in FORMATS.values() for ending in some)
-MESHES = (".stl", ".ply", ".obj", ".glb")
-RECIPE = """import:
-  path: scan.mha
-  unit: HU
-segment:
-  - threshold: [200, 400]
-    keep-largest: true
-    name: ball
-surface:
-  - segment: ball
-    out: ball.stl
-export:
-  - out: labels.nii.gz
-    only: [ball]
-report: report.html
-"""
 EXTREMES = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF)
 """Extreme numbers that replace lengths and sizes."""
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A real file, and how it is read."""
-
-    path: Path
-    kind: str
-    """scan, series, archive, labels, mesh, pictures, scene or recipe."""
-    scan: Path | None = None
-    """Scan to which labels belong."""
-
-    @property
-    def said(self) -> str:
-        """Name in reports."""
-        return f"{self.kind} {self.path.parent.name}/{self.path.name}"
 
 
 @dataclass(frozen=True)
@@ -122,13 +88,15 @@ def measure(
     seed: int = 1,
     cases: int | None = None,
     seconds: float | None = None,
+    only: Sequence[str] = (),
     limits: Limits | None = None,
     progress: Progress = silent,
 ) -> Found:
-    """Runs cases with increasing seeds, up to a number or a time.
+    """Runs cases with increasing seeds, up to a number or a time, of all kinds or ``only`` some.
 
     Raises:
-        OptionError: The folder has no file to damage, or the system has no limits for processes.
+        OptionError: The folder has no file to damage, a kind is unknown, or the system has no
+            limits for processes.
     """
     if sys.platform == "win32":
         raise OptionError("this system has no limits for processes; allowed: Linux or macOS")
@@ -137,7 +105,7 @@ def measure(
     found = Found()
     ends = None if seconds is None else monotonic() + seconds
     with TemporaryDirectory(prefix="palpate-") as made:
-        samples = samples_in(folder, Path(made))
+        samples = _of_kinds(samples_in(folder, Path(made)), only)
         for number in count() if cases is None else range(cases):
             if ends is not None and monotonic() > ends:
                 break
@@ -155,41 +123,12 @@ def measure(
 # --- what is damaged ----------------------------------------------------------------------
 
 
-def samples_in(folder: Path, made: Path) -> list[Sample]:
-    """Lists small real files below a folder with the ways to read them, always in the same order.
-
-    Formats that are missing are written into ``made``.
-
-    Raises:
-        OptionError: There is no file.
-    """
-    files = sorted(
-        path
-        for path in folder.rglob("*")
-        if path.is_file() and 0 < path.stat().st_size <= LARGEST_SAMPLE
-    )
-    dicom = [path for path in files if is_dicom(path)]
-    images = [path for path in files if path.name.lower().endswith(ENDINGS)]
-    scans = sorted({path.parent for path in dicom if path.parent.name in ("image", "ct-3slice")})
-    samples = [Sample(path, "scan") for path in [*dicom, *images]]
-    samples += [Sample(path, "series") for path in dicom if path.parent in scans]
-    samples += [
-        Sample(path, "labels", scan)
-        for path in [*dicom, *images]
-        for scan in scans
-        if scan.parent in path.parents and path.parent != scan
-    ]
-    samples += [Sample(path, "mesh") for path in files if path.suffix in MESHES]
-    for scan in scans:
-        samples.append(Sample(_archive(scan, made / f"{scan.parent.name}.zip"), "archive"))
-    small = [path for path in images if path.name.endswith(".nii.gz")][:1]
-    samples += [Sample(path, "scan") for image in small for path in _rewritten(image, made)]
-    if not samples:
-        raise OptionError(
-            f"{folder} holds no scan, label or mesh of at most {LARGEST_SAMPLE} bytes; "
-            "allowed: a folder with some"
-        )
-    return samples + _made(made)
+def _of_kinds(samples: list[Sample], only: Sequence[str]) -> list[Sample]:
+    there = sorted({sample.kind for sample in samples})
+    unknown = [kind for kind in only if kind not in there]
+    if unknown:
+        raise OptionError(f"kind {unknown[0]!r} given; allowed: {', '.join(there)}")
+    return [sample for sample in samples if not only or sample.kind in only]
 
 
 def sample_of(samples: list[Sample], seed: int) -> Sample:
@@ -275,62 +214,13 @@ def _digits(content: bytes, generator: np.random.Generator) -> bytes:
 DAMAGES = (_truncated, _flipped, _extreme, _swapped, _doubled, _taken_out, _digits)
 
 
-def _archive(folder: Path, target: Path) -> Path:
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in sorted(folder.iterdir())[:MOST_OF_A_FOLDER]:
-            # one moment for all: the same bytes on every run
-            archive.writestr(zipfile.ZipInfo(path.name), path.read_bytes())
-    return target
-
-
-def _made(made: Path) -> list[Sample]:
-    """Writes pictures, a scene, a recipe and a label map with its table."""
-    sitk = simpleitk()
-    values = np.arange(12 * 10 * 8, dtype=np.int16).reshape(8, 10, 12)
-    pages, picture, scene, recipe, scan, labels = (
-        made / name
-        for name in ("p.tif", "p.png", "s.palpate", "r.yaml", "labels/scan.mha", "labels/a.mha")
-    )
-    scan.parent.mkdir()
-    sitk.WriteImage(sitk.GetImageFromArray(values), str(pages))
-    sitk.WriteImage(sitk.GetImageFromArray(values[0].astype(np.uint8)), str(picture))
-    sitk.WriteImage(sitk.GetImageFromArray(values), str(scan))
-    sitk.WriteImage(sitk.GetImageFromArray(values // 300), str(labels))
-    volume = Volume(values, spacing=(1.0, 1.0, 2.0))
-    with Session(
-        Scene(volume, [volume.threshold(500.0)]), options=SessionOptions(real_time=False)
-    ) as session:
-        looks = keep_appearances(session, appearances_of(session).__getitem__)
-        save_scene(scene, session, looks=looks, copy=True)
-    recipe.write_text(RECIPE, "utf-8")
-    table = scan.with_name("a.csv")
-    table.write_text("id,structure,red,green,blue\n1,one,1,0,0\n2,two,0,1,0.5\n", "utf-8")
-    return [
-        Sample(pages, "pictures"),
-        Sample(picture, "pictures"),
-        Sample(scene, "scene"),
-        Sample(recipe, "recipe"),
-        Sample(labels, "labels", scan),
-        Sample(table, "labels", scan),
-    ]
-
-
-def _rewritten(image: Path, made: Path) -> Iterator[Path]:
-    """Writes a corner of an image in each format."""
-    sitk = simpleitk()
-    corner = sitk.ReadImage(str(image))[:16, :16, :16]
-    for name in ("a.nii", "b.mha", "c.nrrd", "d.mhd", "e.nhdr"):
-        sitk.WriteImage(corner, str(made / name), name == "c.nrrd")
-        yield made / name
-
-
 # --- one case -----------------------------------------------------------------------------
 
 
 def tried(sample: Sample, seed: int, *, limits: Limits, context: ForkServerContext) -> str:
     """Returns what a reader does with a damaged sample: read, refused, or what went wrong."""
     with TemporaryDirectory(prefix="palpate-") as folder:
-        place = _laid(sample, seed, Path(folder))
+        place = laid(sample, seed, Path(folder))
         mine, theirs = context.Pipe(duplex=False)
         process = context.Process(
             target=_child, args=((sample, place), limits, theirs), daemon=True
@@ -353,25 +243,20 @@ def tried(sample: Sample, seed: int, *, limits: Limits, context: ForkServerConte
     return f"crash: the process ended with code {process.exitcode}"
 
 
-def _laid(sample: Sample, seed: int, folder: Path) -> Path:
+def laid(sample: Sample, seed: int, folder: Path) -> Path:
     """Writes a damaged sample with the files that belong to it; returns the path to read."""
     content = damaged(sample.path.read_bytes(), seed)
     place = folder / sample.path.name
-    if sample.kind == "series" or sample.scan == sample.path.with_name("scan.mha"):
-        for path in sorted(sample.path.parent.iterdir())[:MOST_OF_A_FOLDER]:
-            shutil.copyfile(path, folder / path.name)
-    for ending in (".raw", ".zraw"):
-        voxels = sample.path.with_suffix(ending)
-        if voxels.is_file():
-            shutil.copyfile(voxels, folder / voxels.name)
+    for path in sample.beside:
+        shutil.copyfile(path, folder / path.name)
     place.write_bytes(content)
     if sample.path.suffix == ".csv":
         # a table is read with the map beside it
         return place.with_suffix(".mha")
-    return folder if sample.kind == "series" else place
+    return folder if sample.as_folder else place
 
 
-def _child(laid: tuple[Sample, Path], limits: Limits, results: Connection) -> None:
+def _child(case: tuple[Sample, Path], limits: Limits, results: Connection) -> None:
     """Reads a file in a process of its own, within limits; reports the result."""
     import resource
 
@@ -384,7 +269,7 @@ def _child(laid: tuple[Sample, Path], limits: Limits, results: Connection) -> No
     resource.setrlimit(resource.RLIMIT_CPU, (limits.processor, limits.processor + 1))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     try:
-        _read(*laid)
+        read_sample(*case)
     except (PalpateError, OSError, MemoryError) as error:
         results.send(f"refused: {error}")
     except BaseException:  # noqa: BLE001  # that is what is looked for
@@ -402,7 +287,13 @@ def _address_space() -> int:
     return pages * os.sysconf("SC_PAGE_SIZE")
 
 
-def _read(sample: Sample, place: Path) -> None:
+def read_sample(sample: Sample, place: Path) -> None:
+    """Reads what was laid, in each of the ways that its kind is read in.
+
+    Raises:
+        PalpateError: It is refused.
+        OSError: It cannot be read.
+    """
     if sample.kind == "mesh":
         read_mesh(place, frame="LPS", unit="mm")
     elif sample.kind == "scene":
@@ -417,8 +308,10 @@ def _read(sample: Sample, place: Path) -> None:
     elif sample.scan is not None:
         read_labels(place, read(sample.scan))
     else:
+        # of several volumes in a file one is read too
+        frame = 1 if sample.kind == "neuro" else None
         try:
-            read(place, max_voxels=MOST_VOXELS, fill=0.0)
+            read(place, max_voxels=MOST_VOXELS, fill=0.0, frame=frame)
         finally:
             labels_told(place)
             with browsed(place) as choices:

@@ -117,6 +117,11 @@ class Page:
             mobile=False,
         )
 
+    def press(self, key: str) -> None:
+        """Presses and releases a key, as a person does."""
+        for kind in ("keyDown", "keyUp"):
+            self._ask("Input.dispatchKeyEvent", type=kind, key=key, code=key)
+
     def heap(self) -> float:
         """Returns the memory of the page's scripts after garbage collection [bytes]."""
         self._ask("HeapProfiler.collectGarbage")

@@ -2,11 +2,12 @@
 
 The first picture is that of a chest of 512×512×133, or of the given scan, freshly read, timed from
 opening the page's address. For everything else a page in a headless Chromium shows a scan, by
-default CThead. Three times are reported for each mode and size: between pictures while the view
-rotates, at the resolution that the page chooses then; from the last rotation until the picture has
-the full quality that the page chooses; and of one whole picture at full resolution with one step
-per voxel, drawn off screen. GL calls and bytes of edits are counted in a separate page, since
-counting costs time.
+default CThead. What a person sees of a view that turns and rests, and how long the page's controls
+wait meanwhile, is reported first (``palpate.bench.seen``). Three times are reported for each mode
+and size: between pictures while the view rotates, at the resolution that the page chooses then;
+from the last rotation until the picture has the full quality that the page chooses; and of one
+whole picture at full resolution with one step per voxel, drawn off screen. GL calls and bytes of
+edits are counted in a separate page, since counting costs time.
 
 vtk.js draws the same values in the same page, with the same camera, size, transfer function and
 step, and the segment as tissue. The quality of a picture is its mean difference from one of the
@@ -36,6 +37,7 @@ from palpate.bench.goals.render import (
     PEER_MODES,
     RENDER_ROWS,
     RESTING,
+    SEEN_CASE,
     SIZES,
     peer_case,
     picture_case,
@@ -43,6 +45,7 @@ from palpate.bench.goals.render import (
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
 from palpate.bench.report import Row, rows_in
+from palpate.bench.seen import seen
 
 __all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
 
@@ -75,11 +78,13 @@ class Effort:
     """Times that the view comes to rest."""
     edits: float = 2.0
     """Time of erasing [s]."""
+    seen: float = 6.0
+    """Time of turning for what is seen [s]."""
     sizes: tuple[tuple[int, int], ...] = SIZES
     modes: tuple[str, ...] = MODES
 
 
-QUICK = Effort(turning=8, whole=2, rests=1, edits=1.5, sizes=SIZES[:1])
+QUICK = Effort(turning=8, whole=2, rests=1, edits=1.5, seen=2.0, sizes=SIZES[:1])
 
 
 def built_peer() -> Path | None:
@@ -118,6 +123,9 @@ def measure(
     progress("first picture", 0.1)
     report[OPENED_CASE] |= first_picture(data_file(LIDC) if scan is None else scan, **WINDOW)
     with served(path) as url:
+        with opened(url, **WINDOW) as page:
+            progress("what is seen", 0.15)
+            report[SEEN_CASE] = seen(page, effort.seen)
         for done, size in enumerate(effort.sizes):
             with opened(url, **WINDOW) as page:
                 support = page.read("window.palpate.support")

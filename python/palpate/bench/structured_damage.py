@@ -13,7 +13,8 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from functools import partial
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -35,8 +36,24 @@ NIFTI_FIELDS = (
     ("<f", range(256, 328, 4)), ("<i", (0,)), ("<B", (123, 344, 345, 348)),
 )  # fmt: skip
 """Forms and places of the fields of NIfTI-1."""
+NIFTI_2_FIELDS = (
+    ("<i", (0, 344, 348, 496, 500, 504)), ("<h", (12, 14)), ("<q", range(16, 80, 8)),
+    ("<q", (168, 224, 232)), ("<d", range(104, 168, 8)), ("<d", (176, 184)),
+    ("<d", range(352, 496, 8)),
+)  # fmt: skip
+"""Of NIfTI-2."""
+MGH_FIELDS = (
+    (">i", range(0, 28, 4)), (">h", (28,)), (">f", range(30, 90, 4)),
+)  # fmt: skip
+"""Of FreeSurfer's MGH: size and type, whether there is a place, the place."""
 LONG_LENGTH = (b"OB", b"OW", b"OF", b"OD", b"SQ", b"UN", b"UT", b"UC", b"UR", b"OL", b"SV", b"UV")
 """Value representations of DICOM with a length of four bytes (PS3.5, 7.1.2)."""
+ITEM = b"\xfe\xff\x00\xe0"
+"""How an item of a sequence begins."""
+UNDEFINED = 0xFFFF_FFFF
+"""Length of what ends with a delimiter."""
+NETCDF_HEADER = 6000
+"""Bytes of the header of small files, about."""
 TEXT_HEADER = 1 << 16
 MOST_MEMBER = 1 << 22
 """Of an archive, that is unpacked [bytes]."""
@@ -50,7 +67,10 @@ def restructured(content: bytes, generator: Generator) -> bytes:
         (lambda head: head[128:132] == b"DICM", _element),
         (lambda head: head[:2] == b"\x1f\x8b", _unzipped),
         (lambda head: head[:2] == b"PK", _member),
-        (lambda head: head[:4] == b"\x5c\x01\x00\x00", _nifti),
+        (lambda head: head[:4] == b"\x5c\x01\x00\x00", partial(_field, NIFTI_FIELDS)),
+        (lambda head: head[:4] == b"\x1c\x02\x00\x00", partial(_field, NIFTI_2_FIELDS)),
+        (lambda head: head[:4] == b"\x00\x00\x00\x01", partial(_field, MGH_FIELDS)),
+        (lambda head: head[:3] == b"CDF", _netcdf),
         (lambda head: head[:8] == b"\x89PNG\r\n\x1a\n", _png),
         (lambda head: head[:4] in (b"II*\0", b"MM\0*"), _tiff),
         (lambda head: head[:4] == b"glTF", _glb),
@@ -80,28 +100,54 @@ def _packed(form: str, generator: Generator) -> bytes:
 # --- DICOM --------------------------------------------------------------------------------
 
 
-def _elements(content: bytes) -> list[tuple[int, int, int]]:
-    """Lists elements of explicit little endian at the top level: begin, begin of value, end."""
-    found, place = [], 132
-    while place + 8 <= len(content):
-        kind = content[place + 4 : place + 6]
+class _Element(NamedTuple):
+    """Where an element stands in explicit little endian."""
+
+    begin: int
+    value: int
+    end: int
+    owners: tuple[int, ...]
+    """Places of the lengths of the sequences and items that hold it."""
+
+
+def _elements(
+    content: bytes, begin: int, end: int, *, owners: tuple[int, ...] = ()
+) -> list[_Element]:
+    """Lists elements of a data set, and below each those that it holds."""
+    found = []
+    while begin + 8 <= end:
+        kind = content[begin + 4 : begin + 6]
         if not kind.isupper():
             break
-        if kind in LONG_LENGTH:
-            value, length = place + 12, int.from_bytes(content[place + 8 : place + 12], "little")
-        else:
-            value, length = place + 8, int.from_bytes(content[place + 6 : place + 8], "little")
-        end = min(len(content), value + length)
-        found.append((place, value, end))
-        place = end
+        width = 4 if kind in LONG_LENGTH else 2
+        value = begin + 4 + 2 * width
+        length = int.from_bytes(content[value - width : value], "little")
+        last = min(end, value + length)
+        found.append(_Element(begin, value, last, owners))
+        if kind == b"SQ":
+            found += _held(content, found[-1])
+        begin = last
+    return found
+
+
+def _held(content: bytes, sequence: _Element) -> list[_Element]:
+    """Lists the elements of all items of a sequence."""
+    found = []
+    _, begin, end, owners = sequence
+    while content[begin : begin + 4] == ITEM and begin + 8 <= end:
+        last = min(end, begin + 8 + int.from_bytes(content[begin + 4 : begin + 8], "little"))
+        lengths = (*owners, sequence.value - 4, begin + 4)
+        found += _elements(content, begin + 8, last, owners=lengths)
+        begin = last
     return found
 
 
 def _element(content: bytes, generator: Generator) -> bytes:
-    elements = _elements(content)
+    elements = _elements(content, 132, len(content))
     if not elements:
         return content
-    begin, value, end = _one_of(elements, generator)
+    chosen = _one_of(elements, generator)
+    begin, value, end, owners = chosen
     kind = content[begin + 4 : begin + 6]
     width = 4 if kind in LONG_LENGTH else 2
     other = _one_of((b"US", b"DS", b"IS", b"FD", b"UI", b"AT", b"SS"), generator)
@@ -113,12 +159,23 @@ def _element(content: bytes, generator: Generator) -> bytes:
         content[: value - width] + _packed(("<I", "<H")[width == 2], generator) + content[value:],
     )
     what = int(generator.integers(6))
-    return changed[what] if what < 4 else _with_value(content, (begin, value, end), generator)
+    made = changed[what] if what < 4 else _with_value(content, chosen, generator)
+    return _lengthened(made, owners, len(made) - len(content))
 
 
-def _with_value(content: bytes, place: tuple[int, int, int], generator: Generator) -> bytes:
+def _lengthened(content: bytes, owners: tuple[int, ...], by: int) -> bytes:
+    """Corrects the lengths of what holds an element, so that what follows is still read."""
+    made = bytearray(content)
+    for place in owners:
+        length = int.from_bytes(made[place : place + 4], "little")
+        if length != UNDEFINED:
+            made[place : place + 4] = struct.pack("<I", length + by)
+    return bytes(made)
+
+
+def _with_value(content: bytes, place: _Element, generator: Generator) -> bytes:
     """Returns content with a value that an element hardly can have."""
-    begin, value, end = place
+    begin, value, end, _ = place
     kind = content[begin + 4 : begin + 6]
     forms = {b"US": "<H", b"SS": "<H", b"UL": "<I", b"SL": "<I", b"FD": "<d", b"FL": "<f"}
     put = _packed(forms[kind], generator) if kind in forms else _one_of(TEXTS, generator)
@@ -138,7 +195,8 @@ def _unzipped(content: bytes, generator: Generator) -> bytes:
         plain = gzip.decompress(content)
     except (OSError, EOFError, zlib.error):
         return content
-    return gzip.compress(restructured(plain, generator), 1, mtime=0)
+    changed = restructured(plain, generator)
+    return content if changed == plain else gzip.compress(changed, 1, mtime=0)
 
 
 def _member(content: bytes, generator: Generator) -> bytes:
@@ -162,11 +220,28 @@ def _member(content: bytes, generator: Generator) -> bytes:
 # --- binary headers -----------------------------------------------------------------------
 
 
-def _nifti(content: bytes, generator: Generator) -> bytes:
-    form, places = _one_of(NIFTI_FIELDS, generator)
-    place = _one_of(list(places), generator)
+Fields = Sequence[tuple[str, Sequence[int]]]
+"""Forms and places of the fields of a header."""
+
+
+def _field(fields: Fields, content: bytes, generator: Generator) -> bytes:
+    form, places = _one_of(fields, generator)
+    place = _one_of(places, generator)
     put = _packed(form, generator)
     return content[:place] + put + content[place + len(put) :]
+
+
+def _netcdf(content: bytes, generator: Generator) -> bytes:
+    """Changes a count, a length or a type of netCDF, in which MINC 1 is written.
+
+    Its header is of words of four bytes; those of small numbers tell what it is made of.
+    """
+    words = np.frombuffer(content[: len(content[:NETCDF_HEADER]) // 4 * 4], ">u4")
+    places = [4 * int(word) for word in np.flatnonzero(words < 1 << 16)[1:]]
+    if not places:
+        return content
+    place = _one_of(places, generator)
+    return content[:place] + _packed(">i", generator) + content[place + 4 :]
 
 
 def _png(content: bytes, generator: Generator) -> bytes:

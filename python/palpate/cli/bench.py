@@ -240,6 +240,10 @@ def bench_fuzz_import(
     seed: Annotated[
         int, typer.Option(min=0, help="Random seed of the first case; each further case adds one.")
     ] = 1,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(help="Kind of files, such as neuro, dicom or segments; may be repeated."),
+    ] = None,
 ) -> int:
     """Fuzz the readers with damaged real files, each in its own process."""
     from palpate.base.errors import OptionError
@@ -252,11 +256,18 @@ def bench_fuzz_import(
     if not place.is_dir():
         raise OptionError(f"{place} is no folder; allowed: a folder with scans, or PALPATE_DATA")
     seconds = None if cases is not None else 60.0 * (minutes or 1.0)
+    kinds = only or []
     with Display() as display:
-        found = measure(place, seed=seed, cases=cases, seconds=seconds, progress=display)
+        found = measure(
+            place, seed=seed, cases=cases, seconds=seconds, only=kinds, progress=display
+        )
+    again = " ".join(
+        ["palpate bench fuzz-import", *([str(folder)] if folder else [])]
+        + [f"--only {kind}" for kind in kinds]
+    )
     for case, sample, outcome in found.violations:
         typer.echo(f"seed {case}, {sample}: {outcome}")
-        typer.echo(f"again: palpate bench fuzz-import {folder or ''} --cases 1 --seed {case}\n")
+        typer.echo(f"again: {again} --cases 1 --seed {case}\n")
     told = ", ".join(f"{number} {kind}" for kind, number in sorted(found.outcomes.items()))
     typer.echo(f"{found.cases} damaged files from seed {seed} on: {told}")
     return 1 if found.violations else 0

@@ -77,7 +77,7 @@ STOPPED_BY_PERSON = 130
 def run(arguments: list[str]) -> int:
     """Runs the command line with these arguments; returns the exit code."""
     part = _only(arguments)
-    with told_by(lambda message: as_flags(message, part, arguments, whole=app)):
+    with told_by(lambda message: as_flags(message, part, arguments)):
         return _run(part, arguments)
 
 

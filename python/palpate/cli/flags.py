@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from typer import Typer
 from typer.main import get_command
 
-from palpate.base.hints import HINT, retold
+from palpate.base.hints import HINT, elsewhere, file_of, retold
 
 __all__ = ["as_flags", "of_import"]
 
-ELSEWHERE = "import"
-"""The command that has the options of reading, where another one lacks them."""
 
-
-def as_flags(message: str, app: Typer, arguments: list[str], *, whole: Typer | None = None) -> str:
+def as_flags(message: str, app: Typer, arguments: list[str]) -> str:
     """Returns a message that names options of Python as flags of a command.
+
+    Where the command lacks one, another command is told with the file that the message is about.
 
     Args:
         message: The message.
         app: The command line, or the part of it with that command.
         arguments: What was typed, which begins with the command.
-        whole: The command line, where the other one is a part of it.
     """
     if not HINT.search(message):
         return message
@@ -36,20 +35,16 @@ def as_flags(message: str, app: Typer, arguments: list[str], *, whole: Typer | N
         parameter = _parameter(command, name)
         if parameter is not None:
             return _flag(parameter, value)
-        root: Any = get_command(app if whole is None else whole)
-        other = _parameter(root.commands[ELSEWHERE], name)
-        if other is None:
-            return f"{name.replace('_', ' ')} {value}"
-        return f"{_flag(other, value)} of `palpate {ELSEWHERE}`"
+        typed = [word.rpartition("=")[2] for word in arguments[1:]]
+        files = [Path(word) for word in typed if word and Path(word).exists()]
+        return elsewhere(name, value, file_of(message, files))
 
     return retold(message, tell)
 
 
-def of_import(message: str) -> str:
+def of_import(message: str, path: Path) -> str:
     """Returns a message of a further scan, whose options are not those of the first one."""
-    return retold(
-        message, lambda name, value: f"--{name.replace('_', '-')} {value} of `palpate {ELSEWHERE}`"
-    )
+    return retold(message, lambda name, value: elsewhere(name, value, str(path)))
 
 
 def _parameter(command: Any, name: str) -> Any:  # noqa: ANN401  # Typer's own classes

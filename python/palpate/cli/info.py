@@ -54,6 +54,7 @@ def describe(volume: Volume) -> dict[str, Any]:
         "memory_bytes": volume.memory_bytes,
         "series": volume.traits.series,
         "warnings": [spoken(warning) for warning in volume.warnings],
+        "notes": [spoken(note) for note in volume.notes],
     }
 
 
@@ -74,6 +75,7 @@ def _rows(volume: Volume) -> list[tuple[str, str]]:
         ("memory", f"{volume.memory_bytes / 2**20:.1f} MiB"),
         *([("series", volume.traits.series)] if volume.traits.series else []),
         *(("warning", spoken(warning)) for warning in volume.warnings),
+        *(("note", spoken(note)) for note in volume.notes),
     ]
 
 

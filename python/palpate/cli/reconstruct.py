@@ -19,9 +19,12 @@ Examples:
     --source-axis 1000 --source-detector 1536
   palpate reconstruct sinograms.tif -o scan.nii.gz --beam parallel --arc 180 --sinograms
     --pixel 1.2,2.5 --size 256,256,64 --voxel 1.2,1.2,2.5 --hann 0.8
+  palpate reconstruct projections.mha -o scan.nii.gz --beam cone --pixel 0.8,0.8
+    --geometry geometry.xml
 
-Projections are images of line integrals, one for each angle, evenly spaced over the arc; with
---intensities, images of detector counts. Cone beams need RTK: install the extra "reconstruct".
+Projections are images of line integrals, one for each angle, evenly spaced over the arc or where
+--geometry says; with --intensities, images of detector counts. Cone beams need RTK: install the
+extra "reconstruct".
 """
 
 

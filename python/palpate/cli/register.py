@@ -56,7 +56,10 @@ def register(
         still = read(fixed, series=fixed_series, frame=fixed_frame, progress=display)
         other = read_moving(request, progress=display)
         made = registered(still, other, request, progress=display)
-    for warning in dict.fromkeys((*still.warnings, *other.warnings, *made.warnings)):
+    for path, volume in ((fixed, still), (request.moving, other)):
+        for warning in volume.warnings:
+            warn(f"{path.name}: {warning}")
+    for warning in dict.fromkeys(made.warnings):
         warn(warning)
     told = json.dumps(made.report, indent=2)
     typer.echo(told if as_json else f"{made.written[0]}: {sentence_of(made.report)}")

@@ -147,7 +147,7 @@ def add_second(
     known = None if transform is None else read_transform(transform)
     scene.second = placed(scene.volume, volume, known)
     for warning in (*doubts_of(scene.volume, scene.second), *volume.warnings):
-        warn(f"{path.name}: {of_import(warning)}")
+        warn(f"{path.name}: {of_import(warning, path)}")
 
 
 def further_scan(path: Path, progress: Progress) -> Volume:
@@ -159,7 +159,7 @@ def further_scan(path: Path, progress: Progress) -> Volume:
     try:
         return read(path, progress=progress)
     except PalpateError as error:
-        raise type(error)(of_import(str(error))) from None
+        raise type(error)(of_import(str(error), path)) from None
 
 
 def _refuse_alone(options: Mapping[str, object]) -> None:
@@ -176,17 +176,17 @@ def _second_read(
         return read(path, series=series, frame=frame, progress=progress)
     except PalpateError as error:
         # here the options of the second scan are called otherwise than those of the first
-        raise type(error)(_of_second(str(error))) from None
+        raise type(error)(_of_second(str(error), path)) from None
 
 
-def _of_second(message: str) -> str:
+def _of_second(message: str, path: Path) -> str:
     """Returns a message of the second scan with options that are its own."""
     own = {"series": "--with-series", "frame": "--with-frame"}
 
     def tell(name: str, value: str) -> str:
         return f"{own[name]} {value}" if name in own else f"`{name}={value}`"
 
-    return of_import(retold(message, tell))
+    return of_import(retold(message, tell), path)
 
 
 def saved_scene(path: Path, progress: Progress) -> Opening:

@@ -12,8 +12,10 @@ from palpate.cli.request_options import with_requests
 from palpate.registration.transform_request import TransformRequest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from palpate.base.progress import Progress
-    from palpate.export.carried_file import CarryOptions
+    from palpate.export.carried_file import CarriedKind, CarryOptions
     from palpate.registration.carry import Carrier
 
 __all__ = ["EXAMPLES", "transform"]
@@ -103,6 +105,25 @@ def _pairs(inputs: list[Path], outputs: list[Path], *, more: bool) -> list[tuple
     return list(zip(inputs, outputs, strict=True))
 
 
+def _check_tables(pairs: list[tuple[Path, Path]], kinds: Sequence[CarriedKind | None]) -> None:
+    """Refuses an output that a table of names would replace, or that would replace one.
+
+    Raises:
+        OptionError: There is one.
+    """
+    from palpate.base.errors import OptionError
+    from palpate.export.carried_file import carried_table
+
+    taken = {path.resolve() for pair in pairs for path in pair}
+    outputs = [out for _, out in pairs]
+    for number, (out, kind) in enumerate(zip(outputs, kinds, strict=True)):
+        table = None if kind is None else carried_table(kind, out, planned=outputs[:number])
+        if table is not None and table.resolve() in taken:
+            raise OptionError(
+                f"{table} is the table of names of {out} too; allowed: another name for one of them"
+            )
+
+
 def _carried(
     pairs: list[tuple[Path, Path]],
     carrier: Carrier,
@@ -123,6 +144,7 @@ def _carried(
             carrier.require_grid()
         else:
             check_carried(kind, out, carrier)
+    _check_tables(pairs, kinds)
     said = []
     for (path, out), kind in zip(pairs, kinds, strict=True):
         what, told = (

@@ -7,6 +7,7 @@ become a label map or ``.seg.nrrd``; meshes and tables of marks stay what they a
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
@@ -40,6 +41,7 @@ __all__ = [
     "CarriedKind",
     "CarryOptions",
     "carried_kind",
+    "carried_table",
     "carry_file",
     "check_carried",
     "check_ending",
@@ -65,6 +67,10 @@ class CarryOptions:
     """DICOM series of a scan."""
     of: Volume | None = None
     """The scan that segments of DICOM belong to."""
+    resample: bool = False
+    """Whether those may lie on another grid than the scan."""
+    another_patient: bool = False
+    """Whether those may be another patient's."""
     frame: Frame | None = None
     """Of a mesh whose file does not tell it."""
     unit: Unit | None = None
@@ -108,6 +114,19 @@ def check_ending(kind: CarriedKind, out: Path) -> None:
         OptionError: The ending does not fit, or the folder does not exist.
     """
     check_target(out, ENDINGS[kind])
+
+
+def carried_table(kind: CarriedKind, out: Path, *, planned: Iterable[Path]) -> Path | None:
+    """Returns the table of names that comes beside a file; None where there is none.
+
+    Args:
+        kind: What is carried.
+        out: The new file.
+        planned: Files that will be there by then.
+    """
+    if kind not in ("labels", "segments") or out.name.lower().endswith(".seg.nrrd"):
+        return None
+    return table_beside(out, planned=planned)
 
 
 def check_carried(kind: CarriedKind, out: Path, carrier: Carrier) -> None:
@@ -201,7 +220,13 @@ def _carry_segments(
             "SEG and RTSTRUCT"
         )
     source = own_grid(path, progress=progress) if options.of is None else options.of
-    found = read_labels(path, source, progress=progress)
+    found = read_labels(
+        path,
+        source,
+        resample=options.resample,
+        another_patient=options.another_patient,
+        progress=progress,
+    )
     segments, told = carrier.segments([one.segment for one in found.labels])
     scene = Scene(carrier.require_grid())
     for label, segment in zip(found.labels, segments, strict=True):
@@ -212,11 +237,9 @@ def _carry_segments(
 
 
 def _write_table(path: Path, out: Path, volume: Volume, *, progress: Progress) -> None:
-    """Writes names and colours of labels beside the new map, where the old one has some."""
+    """Writes names and colours of labels beside the new map."""
     found = read_labels(path, volume, progress=progress).labels
     numbers = label_values(path, volume.values(), most=MOST_LABELS)
-    if [one.segment.name for one in found] == [f"label {number}" for number in numbers]:
-        return
     with (
         whole_file(table_beside(out)) as unfinished,
         unfinished.open("w", encoding="utf-8", newline="") as file,

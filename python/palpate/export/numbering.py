@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.counted import listed
 from palpate.volumes.scene import SceneSegment
 
 __all__ = ["LONGEST_NAME", "MOST_NUMBER", "kind_for", "numbers_of", "unique_names"]
@@ -18,8 +19,6 @@ MOST_NUMBER = 2**31 - 1
 """Highest label of a file that holds integers of 32 bits."""
 LONGEST_NAME = 64
 """Characters of a name in DICOM."""
-MOST_NAMED = 5
-"""Changes that are listed one by one."""
 
 
 def numbers_of(
@@ -50,7 +49,7 @@ def changed_numbers(segments: Sequence[SceneSegment], numbers: Sequence[int]) ->
         for one, number in zip(segments, numbers, strict=True)
         if one.segment.number not in (None, number)
     ]
-    return [f"label numbers change: {_listed(changed)}"] if changed else []
+    return [f"label numbers change: {listed(changed)}"] if changed else []
 
 
 def unique_names(segments: Sequence[SceneSegment]) -> tuple[list[str], list[str]]:
@@ -71,15 +70,10 @@ def unique_names(segments: Sequence[SceneSegment]) -> tuple[list[str], list[str]
     ]
     if not changed:
         return names, []
-    return names, [f"names are made different within {LONGEST_NAME} characters: {_listed(changed)}"]
+    return names, [f"names are made different within {LONGEST_NAME} characters: {listed(changed)}"]
 
 
 def kind_for(numbers: Sequence[int]) -> type[np.generic[Any]]:
     """Returns the narrowest type of voxels that holds numbers of segments."""
     highest = max(numbers, default=0)
     return np.uint8 if highest < 1 << 8 else np.uint16 if highest < 1 << 16 else np.int32
-
-
-def _listed(changes: Sequence[str]) -> str:
-    more = len(changes) - MOST_NAMED
-    return ", ".join(changes[:MOST_NAMED]) + (f", and {more} more" if more > 0 else "")

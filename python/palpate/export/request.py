@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
 from palpate.base.errors import OptionError
 from palpate.base.request import Request, words
 from palpate.export.kinds import Kind, check_export, kind_of
+from palpate.labels.name_table import table_beside
 
 __all__ = ["ExportRequest"]
 
@@ -48,6 +50,16 @@ class ExportRequest(Request, frozen=True, kw_only=True):
             OptionError: The name says nothing known.
         """
         return kind_of(self.out, has_segments=has_segments) if self.kind is None else self.kind
+
+    def table(self, planned: Iterable[Path]) -> Path | None:
+        """Returns the table of names that comes beside the output; None where there is none.
+
+        Args:
+            planned: Files that will be there by then.
+        """
+        if self.kind_for(has_segments=True) != "labels":
+            return None
+        return table_beside(self.out, planned=planned)
 
     def check(self) -> None:
         """Refuses what could not be written, whatever the scan is.

@@ -1,4 +1,4 @@
-"""Headers of MetaImage and NRRD, held against their files before a library sees them."""
+"""Headers of MetaImage, NRRD and TIFF, held against their files before a library sees them."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from pathlib import Path
 
 from palpate.io.metaimage_header import check_metaimage
 from palpate.io.nrrd_header import check_nrrd
+from palpate.io.tiff_header import check_tiff
 
 __all__ = ["check_header"]
 
 CHECKS = (
     ((".mha", ".mhd"), check_metaimage),
     ((".nrrd", ".nhdr"), check_nrrd),
+    ((".tif", ".tiff"), check_tiff),
 )
 
 

@@ -137,9 +137,13 @@ def middle_of(path: Path, frame: int = 1) -> NDArray[Any]:
     """Returns the values of the middle slice of a volume along z, shape [y, x].
 
     Raises:
-        VolumeFormatError: The file cannot be read.
+        VolumeFormatError: The file cannot be read, or has fewer than three axes.
     """
-    return _opened(path).middle(frame - 1)
+    image = _opened(path)
+    if len(image.size) < 3:
+        # refuses it
+        check_shape(str(path), image.size, max_voxels=1 << 62)
+    return image.middle(frame - 1)
 
 
 def _checked(path: Path, max_voxels: int) -> OpenImage:

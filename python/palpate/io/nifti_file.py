@@ -8,6 +8,7 @@ Frame: the file's transforms lead to RAS in its own unit; here they become LPS [
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,10 @@ __all__ = ["LPS_FROM_RAS", "checked", "open_nifti"]
 
 LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
 LARGEST_HEADER = 540
-MILLIMETRES = {0: 1.0, 1: 1000.0, 2: 1.0, 3: 0.001}
-"""In units of length by their codes; 0 tells none."""
+MILLIMETRES = {1: 1000.0, 2: 1.0, 3: 0.001}
+"""In units of length by their codes; others tell none."""
+PATIENT = 10.0, 3000.0
+"""How long scans of patients, their parts and animals are [mm]."""
 VECTORS = {1004, 1005, 1006, 1007, 2003, 2004}
 """Intents whose fifth axis counts the numbers of one voxel: matrices, vectors, colours."""
 SURFACES = range(3000, 3100)
@@ -77,7 +80,7 @@ def open_nifti(path: Path) -> StoredImage:
         # behind the header and the four bytes that tell of extensions
         start=max(start, len(bytes(header.binaryblock)) + 4) if single else start,
         scale=_scale(slope, intercept),
-        place=_place(path, header, size, told=_scale_told(header)),
+        place=_with_unit(_place(path, header, size, told=_scale_told(header)), header, size),
         vectors=intent in VECTORS and len(size) > 4 and size[4] > 1,
     )
 
@@ -196,8 +199,6 @@ def _place(
     if "sform_code" not in header:
         return _unplaced(path, pixels, told)
     units = int(header["xyzt_units"]) & 7
-    if units not in (1, 2, 3):
-        told += ("the file tells no unit of length: mm are assumed",)
     scale = np.diag([*[MILLIMETRES.get(units, 1.0)] * 3, 1.0])
     forms: list[tuple[str, NDArray[np.float64]]] = []
     broken: list[str] = []
@@ -220,6 +221,25 @@ def _place(
         return _unplaced(path, pixels * scale[0, 0], told)
     told += tuple(f"{forms[0][0]} is used, since {one}" for one in broken)
     return Place(affine=forms[0][1], told=told + _disagreement(forms, size))
+
+
+def _with_unit(
+    place: Place,
+    header: Any,  # noqa: ANN401  # nibabel's
+    size: tuple[int, ...],
+) -> Place:
+    """Says that lengths are assumed to be in mm where the file tells no unit of NIfTI's.
+
+    That is common, and no warning where the scan has the size of a patient in mm: in metres or
+    micrometres, which are the others, it would be none.
+    """
+    if "xyzt_units" not in header or int(header["xyzt_units"]) & 7 in MILLIMETRES:
+        return place
+    longest = max(step * length for step, length in zip(place.spacing, size, strict=False))
+    said = "the file tells no unit of length: mm are assumed"
+    if PATIENT[0] <= longest <= PATIENT[1]:
+        return replace(place, notes=(*place.notes, said))
+    return replace(place, told=(*place.told, f"{said}, so the scan is {longest:.3g} mm long"))
 
 
 def _unplaced(path: Path, pixels: NDArray[np.float64], told: tuple[str, ...]) -> Place:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from palpate.base.counted import listed
 from palpate.base.errors import SeriesChoiceError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.io.dicom.series import MOST_FILES, series_in
@@ -41,8 +42,7 @@ def image_of(folder: Path, wanted: str | None, *, called: Path, progress: Progre
         return None
     if wanted is None and len(images) == 1:
         return next(iter(images.values()))
-    more = len(images) - MOST_NAMED
-    named = ", ".join([*images][:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+    named = listed([*images], most=MOST_NAMED)
     asked = "" if wanted is None else f", and none is {wanted!r}"
     raise SeriesChoiceError(
         f"{called} holds {len(images)} image files{asked}; choose one with `series=NAME`: {named}"

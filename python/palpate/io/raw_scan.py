@@ -56,6 +56,8 @@ class RawScan:
     orientation_known: bool = True
     file_scale: Scale | None = None
     warnings: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    """What was assumed or changed and is hardly ever wrong."""
 
 
 def check_shape(what: str, size: tuple[int, ...], max_voxels: int) -> None:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import reason_of, simpleitk
+from palpate.io.header_check import check_header
 from palpate.io.raw_scan import RawScan, check_shape
 
 __all__ = [
@@ -287,6 +288,7 @@ def read_pictures(
 
 def _opened(file: Path) -> Any:  # noqa: ANN401  # SimpleITK has no types
     """Returns a reader that has read a picture's header, which its file can hold."""
+    check_header(file)
     reader = simpleitk().ImageFileReader()
     reader.SetFileName(str(file))
     reader.SetImageIO(PICTURES[file.suffix.lower()])

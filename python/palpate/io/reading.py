@@ -32,6 +32,8 @@ Place = str | PathLike[str]
 UNITS = ("HU",)
 """Units that a user can state for a scan."""
 UNKNOWN_UNIT = "the unit of the values is unknown; give `unit=HU` if it is HU"
+NO_UNIT = "the unit of the values is unknown"
+"""Of scans that are never in HU."""
 """Told of scans without one."""
 
 
@@ -112,7 +114,9 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     progress("storing values as 16 bits", None)
     stored = _stored(scan, source, fill=fill, strict=strict)
     if not scan.unit:
-        scan.warnings.append(UNKNOWN_UNIT)
+        # MR and others have no unit that could be given
+        is_ct = scan.modality in ("", "CT")
+        (scan.warnings if is_ct else scan.notes).append(UNKNOWN_UNIT if is_ct else NO_UNIT)
     volume = Volume(
         stored.values,
         spacing=scan.spacing,
@@ -134,6 +138,7 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
             siblings=scan.siblings,
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
+            notes=tuple(scan.notes),
         ),
     )
     # what other places of the file and of the program could not know

@@ -39,6 +39,8 @@ class Place:
     """Whether the file tells it; else only the size of voxels is right."""
     told: tuple[str, ...] = ()
     """What is not as it should be, in words."""
+    notes: tuple[str, ...] = ()
+    """What is assumed and hardly ever wrong."""
 
     @property
     def spacing(self) -> tuple[float, float, float]:
@@ -58,6 +60,7 @@ class Place:
             orientation_known=self.known,
             file_scale=scale,
             warnings=list(self.told),
+            notes=list(self.notes),
         )
 
 

@@ -185,9 +185,7 @@ def filled(
     if axis is None:
         try:
             found = filled_aslant(polygons, volume, exclusive=exclusive)
-            placed = _placed(polygons, volume)
-            flattest = int(np.argmin(_extents(placed)))
-            return replace(found, cut=cut_share(placed, flattest, volume))
+            return replace(found, cut=cut_share(_placed(polygons, volume), volume))
         except NotFlatError:
             raise OptionError(
                 f"{what} has contours that lie in no plane; allowed: contours drawn on slices of "
@@ -230,7 +228,7 @@ def _filled_upright(placed: list[Polygon], axis: int, volume: Volume, *, exclusi
     for number, sheet in found.items():
         slices[number, first[1] : last[1], first[0] : last[0]] = sheet
     bridged, left = stack.missing()
-    return Filled(mask=mask, cut=cut_share(placed, axis, volume), bridged=bridged, left=left)
+    return Filled(mask=mask, cut=cut_share(placed, volume), bridged=bridged, left=left)
 
 
 def _placed(polygons: list[Polygon], volume: Volume) -> list[Polygon]:
@@ -244,12 +242,7 @@ def _placed(polygons: list[Polygon], volume: Volume) -> list[Polygon]:
 
 def _axis_of(polygons: list[Polygon], volume: Volume) -> int | None:
     """Returns the axis of the scan along which each contour is flat; None where there is none."""
-    extents = _extents(_placed(polygons, volume))
+    placed = _placed(polygons, volume)
+    extents = np.max([np.ptp(corners, axis=0) for corners in placed], axis=0)
     axis = int(np.argmin(extents))
     return axis if extents[axis] <= FLAT else None
-
-
-def _extents(placed: list[Polygon]) -> NDArray[np.float64]:
-    """Returns how far the widest polygon goes along each axis."""
-    extents: NDArray[np.float64] = np.max([np.ptp(corners, axis=0) for corners in placed], axis=0)
-    return extents

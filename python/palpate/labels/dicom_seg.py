@@ -25,11 +25,11 @@ from palpate.labels.grid import (
     Label,
     Labels,
     Place,
-    outside_told,
     patient_from_grid,
     placement,
     told_of,
 )
+from palpate.labels.segments_told import SegmentsTold
 from palpate.volumes.terminology import Code, Terminology
 from palpate.volumes.volume import Volume
 
@@ -68,7 +68,7 @@ def read_seg(
     """
     with damage_told(path):
         dataset = dataset_of(path)
-        told = [_told(item) for item in dataset.get("SegmentSequence") or [] if _is_part(item)]
+        announced = [_told(item) for item in dataset.get("SegmentSequence") or [] if _is_part(item)]
         count = _frame_count(path, dataset)
         frames = [frame_of(dataset, index) for index in range(count)]
         of_frame = [_number(dataset, index) for index in range(count)]
@@ -88,27 +88,27 @@ def read_seg(
     kind = str(dataset.get("SegmentationType") or "BINARY")
     most = int(dataset.get("MaximumFractionalValue") or 255)
     made: list[Label] = []
-    outside = voxels = empty = 0
-    for done, segment in enumerate(told):
-        progress(f"making {len(told)} segments", done / len(told))
+    told = SegmentsTold()
+    for done, segment in enumerate(announced):
+        progress(f"making {len(announced)} segments", done / len(announced))
         mask = np.zeros(volume.shape, np.uint8)
+        voxels = outside = 0
         for place, pixels, number in zip(places, stored, of_frame, strict=True):
             if kind != "LABELMAP" and number != segment.number:
                 continue
             solid = _solid(pixels, kind=kind, number=segment.number, most=most)
             voxels += int(np.count_nonzero(solid))
-            outside += place.lay(solid[None], mask)
-        if mask.any():
+            outside += len(place.lay(solid[None], mask))
+        there = bool(mask.any())
+        told.add(segment.name, voxels=voxels, outside=outside, there=there)
+        if there:
             part = volume.segment(mask, name=segment.name)
             part.number = segment.number
             part.terminology = segment.terminology
             made.append(Label(part, segment.colour))
-        else:
-            empty += 1
     said = foreign
     said += ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
-    said += [f"{empty} segments are empty"] if empty else []
-    said += outside_told(outside, voxels)
+    said += told.sentences()
     said += told_of(places)
     return Labels(tuple(made), tuple(said))
 

@@ -29,7 +29,6 @@ __all__ = [
     "Place",
     "Placement",
     "Resampling",
-    "outside_told",
     "patient_from_grid",
     "placement",
     "told_of",
@@ -79,10 +78,10 @@ class Placement:
     """How far its corners come to lie from where its file has them, at most [mm]; 0 where that is
     rounding."""
 
-    def lay(self, values: NDArray[Any], scan: NDArray[Any]) -> int:
+    def lay(self, values: NDArray[Any], scan: NDArray[Any]) -> NDArray[Any]:
         """Adds values to an array of the scan's shape where they are not 0.
 
-        Returns how many of them lie outside the scan.
+        Returns those of them that lie outside the scan, in a row.
         """
         laid = np.flip(values.transpose(self.order), self.turned)
         ends = [begin + length for begin, length in zip(self.start, laid.shape, strict=True)]
@@ -98,7 +97,12 @@ class Placement:
         )
         kept = laid[inside]
         np.copyto(scan[there], kept, where=kept != 0)
-        return int(np.count_nonzero(values)) - int(np.count_nonzero(kept))
+        if kept.shape == laid.shape:
+            return laid[:0].ravel()
+        beyond = laid != 0
+        beyond[inside] = False
+        lost: NDArray[Any] = laid[beyond]
+        return lost
 
 
 @dataclass(frozen=True)
@@ -108,10 +112,10 @@ class Resampling:
     mask_from_scan: NDArray[Any]
     """From the scan's grid to the array's, edges of voxels at whole numbers, shape [4, 4]."""
 
-    def lay(self, values: NDArray[Any], scan: NDArray[Any]) -> int:
+    def lay(self, values: NDArray[Any], scan: NDArray[Any]) -> NDArray[Any]:
         """Adds values to an array of the scan's shape where they are not 0.
 
-        Returns how many of them have their centres outside the scan.
+        Returns those of them that have their centres outside the scan, in a row.
         """
         boxes = self._boxes(values.shape, scan.shape)
         x, y = (np.arange(box.start, box.stop) + 0.5 for box in boxes[:2])
@@ -132,25 +136,17 @@ class Resampling:
             for axis, length in zip(lies, scan[::-1], strict=True)
         ]
 
-    def _outside(self, values: NDArray[Any], scan: Sequence[int]) -> int:
+    def _outside(self, values: NDArray[Any], scan: Sequence[int]) -> NDArray[Any]:
         scan_from_mask = np.linalg.inv(self.mask_from_scan)
-        outside = 0
+        lost = []
         for z, slab in enumerate(values):
             y, x = np.nonzero(slab)
             centres = _affine(scan_from_mask, x + 0.5, y + 0.5, z + 0.5)
-            outside += len(x) - int(np.count_nonzero(_inside(centres, scan)[0]))
-        return outside
+            lost.append(slab[y, x][~_inside(centres, scan)[0]])
+        return np.concatenate(lost)
 
 
 Place = Placement | Resampling
-
-
-def outside_told(outside: int, voxels: int) -> list[str]:
-    """Says how many of the voxels of segments lie outside the scan, and what share that is."""
-    if not outside:
-        return []
-    share = 100.0 * outside / voxels
-    return [f"{outside} voxels of segments lie outside the scan ({share:.2g} %)"]
 
 
 def _affine(matrix: NDArray[Any], *point: NDArray[Any] | float) -> list[NDArray[np.float64]]:

@@ -28,13 +28,13 @@ from palpate.labels.grid import (
     Labels,
     Placement,
     Resampling,
-    outside_told,
     patient_from_grid,
     placement,
     told_of,
 )
 from palpate.labels.label_values import label_codes, label_values
-from palpate.labels.name_table import ENDINGS, tables_beside
+from palpate.labels.name_table import ENDINGS, NAMES, NUMBERS, tables_beside
+from palpate.labels.segments_told import SegmentsTold
 from palpate.volumes.anatomical_colour import colour_of_name
 from palpate.volumes.label_like import MOST_LABELS
 from palpate.volumes.volume import Volume
@@ -43,8 +43,6 @@ __all__ = ["ENDINGS", "read_label_map", "read_mask_folder"]
 
 LARGEST_TABLE = 1 << 20
 """Of a NIfTI file [bytes]."""
-NAMES = ("structure", "name", "label", "segment")
-NUMBERS = ("id", "value", "index", "number")
 COLOURS = ("red", "green", "blue")
 """Each 0..1."""
 
@@ -61,26 +59,27 @@ def read_label_map(
     given = _image_of(path, progress)
     values = label_values(path, given.values, most=MOST_LABELS)
     coded = label_codes(given.values, values)
-    laid, said = _on_grid(path, given, coded, volume=volume, resample=resample)
+    laid, lost, said = _on_grid(path, given, coded, volume=volume, resample=resample)
     size, whole = (" x ".join(map(str, one.shape[::-1])) for one in (given.values, laid.array))
     if size != whole:
-        said = (f"the map has {size} voxels, the scan {whole}", *said)
+        said.insert(0, f"the map has {size} voxels, the scan {whole}")
     names = _names_of(path)
-    there = np.bincount(laid.array.ravel(), minlength=len(values) + 1)
+    there, held, outside = (
+        np.bincount(codes.ravel(), minlength=len(values) + 1) for codes in (laid.array, coded, lost)
+    )
     made = []
-    empty = [value for code, value in enumerate(values, 1) if not there[code]]
-    if empty:
-        said = (*said, f"labels without a voxel in the scan: {', '.join(map(str, empty))}")
+    told = SegmentsTold()
     for code, value in enumerate(values, 1):
         progress(f"making {len(values)} segments", code / len(values))
+        number = str(value) if isinstance(value, int) else f"{value:g}"
+        name, colour, original = names.get(value, (f"label {number}", None, None))
+        told.add(name, voxels=int(held[code]), outside=int(outside[code]), there=bool(there[code]))
         if there[code]:
-            told = str(value) if isinstance(value, int) else f"{value:g}"
-            name, colour, original = names.get(value, (f"label {told}", None, None))
             part = laid.threshold(code, code).part_of(volume, name=name)
             if isinstance(value, int):
                 part.number = value if original is None else original
             made.append(Label(part, colour or colour_of_name(name)))
-    return Labels(tuple(made), said)
+    return Labels(tuple(made), (*told.sentences(), *said))
 
 
 def read_mask_folder(
@@ -102,26 +101,27 @@ def read_mask_folder(
             f"{folder} holds no masks; allowed: a folder with a NIfTI, NRRD or MetaImage file for "
             "each structure"
         )
-    made, empty, told = [], 0, set[str]()
+    made, placed = [], set[str]()
+    told = SegmentsTold()
     for done, path in enumerate(files):
         progress(f"reading {len(files)} masks", done / len(files))
         given = _image_of(path, silent)
         # anything above 0, whatever number a program writes
         mask = (given.values > 0).astype(np.int16)
-        if not mask.any():
-            empty += 1
-            continue
-        laid, said = _on_grid(path, given, mask, volume=volume, resample=resample)
-        told.update(said)
         ending = next(ending for ending in ENDINGS if path.name.lower().endswith(ending))
         name = path.name[: -len(ending)]
-        if laid.array.any():
+        voxels = int(np.count_nonzero(mask))
+        if not voxels:
+            told.add(name, voxels=0, outside=0, there=False)
+            continue
+        laid, lost, said = _on_grid(path, given, mask, volume=volume, resample=resample)
+        placed.update(said)
+        there = bool(laid.array.any())
+        told.add(name, voxels=voxels, outside=len(lost), there=there)
+        if there:
             part = laid.threshold(1.0).part_of(volume, name=name)
             made.append(Label(part, colour_of_name(name)))
-        else:
-            empty += 1
-    nothing = [f"{empty} masks are empty"] if empty else []
-    return Labels(tuple(made), (*nothing, *sorted(told)))
+    return Labels(tuple(made), (*told.sentences(), *sorted(placed)))
 
 
 def _image_of(path: Path, progress: Progress) -> RawScan:
@@ -134,8 +134,8 @@ def _image_of(path: Path, progress: Progress) -> RawScan:
 
 def _on_grid(
     path: Path, given: RawScan, codes: NDArray[np.int16], *, volume: Volume, resample: bool
-) -> tuple[Volume, tuple[str, ...]]:
-    """Returns codes of labels on the grid of the scan, and what is to be said of it."""
+) -> tuple[Volume, NDArray[np.int16], list[str]]:
+    """Returns codes on the grid of the scan, those outside of it, and what to say of the grids."""
     place = placement(
         f"label map {path}",
         patient_from_grid(given.spacing, given.origin, given.direction),
@@ -143,12 +143,12 @@ def _on_grid(
         volume=volume,
         resample=resample,
     )
-    laid, lost = codes, list[str]()
+    laid, lost = codes, codes[:0]
     if isinstance(place, Resampling) or not _is_same(place, codes.shape, volume.shape):
         laid = np.zeros(volume.shape, np.int16)
-        lost = outside_told(place.lay(codes, laid), int(np.count_nonzero(codes)))
+        lost = place.lay(codes, laid)
     on_grid = Volume(laid, spacing=volume.spacing, origin=volume.origin, direction=volume.direction)
-    return on_grid, (*lost, *told_of([place]))
+    return on_grid, lost, told_of([place])
 
 
 def _is_same(place: Placement, shape: Sequence[int], scan: Sequence[int]) -> bool:

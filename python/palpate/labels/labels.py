@@ -7,7 +7,7 @@ from pathlib import Path
 
 from palpate.base.damaged_file import damage_as
 from palpate.base.errors import OptionError, VolumeFormatError
-from palpate.base.given import path_of
+from palpate.base.given import given_text, path_of
 from palpate.base.plain_file import check_plain
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
@@ -86,9 +86,9 @@ def _read(
                     another_patient=another_patient,
                     progress=progress,
                 )
-        raise OptionError(
-            f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
-        )
+        # of a damaged file it may be the rest of the file
+        told = given_text(modality) if modality else "unknown"
+        raise OptionError(f"{source} is DICOM of modality {told}; allowed: SEG or RTSTRUCT")
     if is_segmentation(source):
         return read_seg_nrrd(source, volume, resample=resample, progress=progress)
     return read_label_map(source, volume, resample=resample, progress=progress)

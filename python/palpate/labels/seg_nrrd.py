@@ -25,11 +25,11 @@ from palpate.labels.grid import (
     Colour,
     Label,
     Labels,
-    outside_told,
     patient_from_grid,
     placement,
     told_of,
 )
+from palpate.labels.segments_told import SegmentsTold
 from palpate.volumes.terminology import Terminology
 from palpate.volumes.volume import Volume
 
@@ -133,25 +133,22 @@ def read_seg_nrrd(
 
     stored = _stored_segments(path, fields, layers.shape[3])
     made: list[Label] = []
-    outside = voxels = empty = 0
+    told = SegmentsTold()
     for done, one in enumerate(stored):
         progress(f"making {len(stored)} segments", done / len(stored))
         layer = layers[..., one.layer]
         inside = layer != 0 if one.value is None else layer == one.value
         mask = np.zeros(volume.shape, np.uint8)
-        voxels += int(np.count_nonzero(inside))
-        outside += place.lay(inside.astype(np.uint8), mask)
-        if mask.any():
+        lost = place.lay(inside.astype(np.uint8), mask)
+        there = bool(mask.any())
+        voxels = int(np.count_nonzero(inside))
+        told.add(one.name, voxels=voxels, outside=len(lost), there=there)
+        if there:
             segment = volume.segment(mask, name=one.name)
             segment.number = one.value
             segment.terminology = _terminology(fields, one.number)
             made.append(Label(segment, _colour(fields, one.number)))
-        else:
-            empty += 1
-    said = [*image.told, *([f"{empty} segments are empty"] if empty else [])]
-    said += outside_told(outside, voxels)
-    said += told_of([place])
-    return Labels(tuple(made), tuple(said))
+    return Labels(tuple(made), (*image.told, *told.sentences(), *told_of([place])))
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.counted import listed, percent
 from palpate.labels.filled import Filled
 from palpate.volumes.volume import Volume
 
 __all__ = ["StructuresTold", "cut_share"]
 
-LEAST_CUT = 0.005
-"""Share outside the scan that is told: less is rounding to voxels."""
+LEAST_CUT = 0.001
+"""Share outside the scan that is told: less is how contours are rounded."""
 
 Polygon = NDArray[np.float64]
 """Corners, shape [corners, 3]."""
@@ -42,7 +43,7 @@ class StructuresTold:
             (self.outside if found.cut > LEAST_CUT else self.small).append(name)
         else:
             if found.cut > LEAST_CUT:
-                self.cut.append(f"{name} ({100.0 * found.cut:.0f} %)")
+                self.cut.append(f"{name} ({percent(found.cut)})")
             if found.bridged:
                 self.bridged.append(f"{name} ({found.bridged})")
             if found.left:
@@ -58,52 +59,49 @@ class StructuresTold:
             ("planes without a contour are interpolated between their neighbours", self.bridged),
             ("planes without a contour are left empty", self.left),
         )
-        return [f"{what}: {', '.join(names)}" for what, names in kinds if names]
+        return [f"{what}: {listed(names)}" for what, names in kinds if names]
 
 
-def cut_share(placed: list[Polygon], axis: int, volume: Volume) -> float:
+def cut_share(placed: list[Polygon], volume: Volume) -> float:
     """Returns the share of contours' area that lies outside the scan, 0..1.
 
     Contours count by what they enclose, one by one, so that holes count as if they were filled.
+    They lie in parallel planes, so that the share is the same in indices as in mm.
 
     Args:
         placed: Corners in indices of the scan.
-        axis: Across which contours lie.
         volume: The scan.
     """
-    rest = [other for other in (0, 1, 2) if other != axis]
-    size = np.array(volume.dimensions)
-    whole = inside = 0.0
-    for corners in placed:
-        area = _area(corners[:, rest])
-        whole += area
-        if -0.5 <= corners[:, axis].mean() <= size[axis] - 0.5:
-            inside += _area(_clipped(corners[:, rest], size[rest] - 0.5))
+    high = np.array(volume.dimensions) - 0.5
+    whole = sum(_area(corners) for corners in placed)
+    inside = sum(_area(_clipped(corners, high)) for corners in placed)
     return 1.0 - inside / whole if whole > 0.0 else 0.0
 
 
-def _area(corners: NDArray[np.float64]) -> float:
-    """Returns the area of a polygon in a plane, shape [corners, 2]."""
+def _area(corners: Polygon) -> float:
+    """Returns the area of a flat polygon (Newell)."""
     if len(corners) == 0:
         return 0.0
-    x, y = (corners - corners[0]).T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    away = corners - corners[0]
+    return 0.5 * float(np.linalg.norm(np.cross(away, np.roll(away, -1, axis=0)).sum(axis=0)))
 
 
-def _clipped(corners: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the part of a polygon from -0.5 to ``high`` on both axes.
+def _clipped(corners: Polygon, high: NDArray[np.float64]) -> Polygon:
+    """Returns the part of a polygon from -0.5 to ``high`` on each axis.
 
     Source: Sutherland and Hodgman, "Reentrant polygon clipping", Communications of the ACM 17
     (1974).
     """
-    for axis in (0, 1):
+    for axis in (0, 1, 2):
         for sign, end in ((1.0, -0.5), (-1.0, float(high[axis]))):
             corners = _beyond(corners, sign * (corners[:, axis] - end))
     return corners
 
 
-def _beyond(corners: NDArray[np.float64], depth: NDArray[np.float64]) -> NDArray[np.float64]:
+def _beyond(corners: Polygon, depth: NDArray[np.float64]) -> Polygon:
     """Returns the part of a polygon whose corners are not below 0 in depth."""
+    if (depth >= 0.0).all():
+        return corners
     kept = []
     for here, there, near, far in zip(
         corners, np.roll(corners, -1, axis=0), depth, np.roll(depth, -1), strict=True
@@ -112,4 +110,4 @@ def _beyond(corners: NDArray[np.float64], depth: NDArray[np.float64]) -> NDArray
             kept.append(here)
         if (near >= 0.0) != (far >= 0.0):
             kept.append(here + near / (near - far) * (there - here))
-    return np.array(kept).reshape(-1, 2)
+    return np.array(kept).reshape(-1, 3)

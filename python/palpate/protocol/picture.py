@@ -46,7 +46,8 @@ class Scan(msgspec.Struct, frozen=True):
     as "HU" or "SUVbw", "" where it is not known. ``title`` is for windows: it contains no file
     name that the user did not type. ``volume`` is which of how many volumes of its file or series
     it is, such as times, from 1; null where others cannot be opened. A ``rereadable`` scan can be
-    read again with what its files do not tell.
+    read again with what its files do not tell. ``notes`` are no warnings: what was assumed or
+    changed in reading, and is hardly ever wrong.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Scan(msgspec.Struct, frozen=True):
     rereadable: bool
     orientation_known: bool
     warnings: list[str]
+    notes: list[str]
 
 
 class SurfacePatch(msgspec.Struct, frozen=True):

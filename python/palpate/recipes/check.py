@@ -14,14 +14,13 @@ from palpate.base.nearest import perhaps
 from palpate.base.progress import Progress, silent
 from palpate.base.request import Request
 from palpate.base.request_files import check_file, files_of
-from palpate.export.carried_file import carried_kind, check_ending
+from palpate.export.carried_file import carried_kind, carried_table, check_ending
 from palpate.export.dicom_source import dicom_source
 from palpate.export.kinds import FROM_DICOM
 from palpate.export.request import ExportRequest
-from palpate.labels.labels import read_labels
-from palpate.recipes.register_step import read_moving
+from palpate.recipes.register_step import read_mask, read_moving
 from palpate.recipes.source import Source
-from palpate.recipes.steps import Recipe, ReconstructStep, RegisterStep
+from palpate.recipes.steps import Recipe, ReconstructStep, RegisterStep, TransformStep
 from palpate.reconstruction.projections import stack_at
 from palpate.reconstruction.reconstruction import missing_library
 from palpate.reconstruction.request import grid_of
@@ -171,10 +170,33 @@ def _check_files(recipe: Recipe, source: Source) -> None:
             with source.at(f"{where}.{option.name}"):
                 if not (option.reads and place in written):
                     check_file(option, path)
-                if option.writes and place in read | written:
-                    done = "written" if place in written else "read"
-                    raise OptionError(f"{path} is {done} by another step; allowed: a new file")
+                if option.writes:
+                    _check_new(path, str(path), read=read, written=written)
             (written if option.writes else read).add(place)
+        out = "out" if isinstance(step, ExportRequest) else "output"
+        with source.at(f"{where}.{out}"):
+            table = _table_of(step, written)
+            if table is not None:
+                called = f"{table.name}, the table of names that comes beside it,"
+                _check_new(table, called, read=read, written=written)
+                written.add(table.resolve())
+
+
+def _check_new(path: Path, called: str, *, read: set[Path], written: set[Path]) -> None:
+    place = path.resolve()
+    if place in read | written:
+        done = "written" if place in written else "read"
+        raise OptionError(f"{called} is {done} by another step; allowed: a new file")
+
+
+def _table_of(step: Request, written: set[Path]) -> Path | None:
+    """Returns the table of names that a step writes beside its image; None where there is none."""
+    if isinstance(step, ExportRequest):
+        return step.table(written)
+    # what another step writes is not there yet
+    if isinstance(step, TransformStep) and step.path.exists():
+        return carried_table(carried_kind(step.path), step.output, planned=written)
+    return None
 
 
 def _refuse_dicom(recipe: Recipe, source: Source, why: str) -> None:
@@ -197,7 +219,7 @@ def _check_masks(
     ):
         if path is not None and volume is not None:
             with source.at(f"$.register.{name}"):
-                read_labels(path, volume)
+                read_mask(path, volume, step, progress=silent)
 
 
 def _check_on(recipe: Recipe, scan: Volume, source: Source, *, progress: Progress) -> None:

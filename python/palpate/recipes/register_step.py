@@ -15,7 +15,7 @@ from palpate.base.progress import Progress
 from palpate.base.whole_file import whole_file
 from palpate.export.image import write_scan
 from palpate.io.reading import read
-from palpate.labels.labels import read_labels
+from palpate.labels.labels import Labels, read_labels
 from palpate.registration.landmarks_file import read_landmarks
 from palpate.registration.registration import Registration, register
 from palpate.registration.report import report_of, write_checkerboard
@@ -24,7 +24,7 @@ from palpate.volumes.resampled import interpolation_for
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
-__all__ = ["Registered", "read_moving", "registered"]
+__all__ = ["Registered", "read_mask", "read_moving", "registered"]
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Registered:
     """As ``palpate.registration.report.report_of`` makes it."""
     written: tuple[Path, ...]
     warnings: tuple[str, ...]
-    """Of the masks."""
+    """Of the masks, and what speaks against the answer."""
 
 
 def read_moving(request: RegisterRequest, *, progress: Progress) -> Volume:
@@ -63,8 +63,10 @@ def registered(
     """
     pairs = None if request.landmarks is None else read_landmarks(request.landmarks)
     warnings: list[str] = []
-    fixed_mask = _mask(request.fixed_mask, fixed, warnings, progress=progress)
-    moving_mask = _mask(request.moving_mask, moving, warnings, progress=progress)
+    fixed_mask, moving_mask = (
+        None if path is None else _mask(path, volume, request, warnings=warnings, progress=progress)
+        for path, volume in ((request.fixed_mask, fixed), (request.moving_mask, moving))
+    )
     found = register(
         fixed,
         moving,
@@ -78,6 +80,7 @@ def registered(
         progress=progress,
     )
     progress("writing", None)
+    warnings += [] if found.doubt is None else [found.doubt]
     report = report_of(found, fixed, moving, landmarks=pairs)
     if request.output is not None:
         found.save(request.output)
@@ -104,13 +107,33 @@ def registered(
     )
 
 
+def read_mask(
+    path: Path, volume: Volume, request: RegisterRequest, *, progress: Progress
+) -> Labels:
+    """Reads the labels that make a mask.
+
+    Raises:
+        PalpateError: They cannot be read, or do not fit the scan.
+    """
+    return read_labels(
+        path,
+        volume,
+        resample=request.resample,
+        another_patient=request.another_patient,
+        progress=progress,
+    )
+
+
 def _mask(
-    path: Path | None, volume: Volume, warnings: list[str], *, progress: Progress
-) -> Segment | None:
+    path: Path,
+    volume: Volume,
+    request: RegisterRequest,
+    *,
+    warnings: list[str],
+    progress: Progress,
+) -> Segment:
     """Returns all labels of a file as one segment, and adds what is to be told of them."""
-    if path is None:
-        return None
-    read_from = read_labels(path, volume, progress=progress)
+    read_from = read_mask(path, volume, request, progress=progress)
     warnings += [f"{path.name}: {warning}" for warning in read_from.warnings]
     together = np.any([one.segment.mask() != 0 for one in read_from.labels], axis=0)
     return volume.segment(together, name=path.name)

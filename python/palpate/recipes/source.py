@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import yaml
 
@@ -15,6 +15,8 @@ from palpate.base.damaged_file import BROKEN
 from palpate.base.errors import OptionError, PalpateError
 from palpate.base.hints import in_recipe
 from palpate.base.plain_file import check_plain
+from palpate.base.request import Request, options_of
+from palpate.recipes.steps import Recipe
 
 __all__ = ["Source", "read_source"]
 
@@ -43,9 +45,19 @@ class Source:
             line = around if around != line else "$"
         step = step_of(where)
         told = f"{step}: " if step else ""
-        return OptionError(
-            f"{self.path}, line {self.lines.get(line, 1)}: {told}{in_recipe(str(why))}"
-        )
+        said = in_recipe(str(why), known=_options_of(step), files=self._files())
+        return OptionError(f"{self.path}, line {self.lines.get(line, 1)}: {told}{said}")
+
+    def _files(self) -> list[Path]:
+        """Returns the files that it names, as this process sees them."""
+        found, left = [], [self.given]
+        while left:
+            one = left.pop()
+            if isinstance(one, dict | list):
+                left += one.values() if isinstance(one, dict) else one
+            elif isinstance(one, str) and one and (self.path.parent / one).exists():
+                found.append(self.path.parent / one)
+        return found
 
     @contextmanager
     def at(self, where: str) -> Iterator[None]:
@@ -62,6 +74,16 @@ def step_of(where: str) -> str:
     if way is None:
         return ""
     return way[1] if way[2] is None else f"{way[1]} {int(way[2]) + 1}"
+
+
+def _options_of(step: str) -> set[str]:
+    """Returns the options of a step, as Python calls them, and those of reading the scan."""
+    known: set[str] = set()
+    for each in options_of(Recipe):
+        (kind,) = get_args(each.kind) if get_origin(each.kind) is list else (each.kind,)
+        if each.name in {step.split(" ", maxsplit=1)[0], "import"} and issubclass(kind, Request):
+            known |= {one.field for one in options_of(kind)}
+    return known
 
 
 def read_source(path: Path) -> Source:

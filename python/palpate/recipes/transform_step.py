@@ -34,6 +34,8 @@ def carry_options(request: TransformRequest, *, progress: Progress) -> CarryOpti
     return CarryOptions(
         series=_text(request.series),
         of=None if request.of is None else read(request.of, progress=progress),
+        resample=request.resample,
+        another_patient=request.another_patient,
         frame=request.frame,
         unit=request.unit,
     )

@@ -9,9 +9,18 @@ from palpate.base.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from palpate.reconstruction.beams import BEAMS, WATER, Beam
     from palpate.reconstruction.reconstruction import missing_library, reconstruct
+    from palpate.reconstruction.rtk_geometry import read_geometry
     from palpate.reconstruction.scanner import Scanner
 
-__all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"]
+__all__ = [
+    "BEAMS",
+    "WATER",
+    "Beam",
+    "Scanner",
+    "missing_library",
+    "read_geometry",
+    "reconstruct",
+]
 
 __getattr__ = lazy_exports(
     __name__,
@@ -21,6 +30,7 @@ __getattr__ = lazy_exports(
         "Scanner": "scanner",
         "WATER": "beams",
         "missing_library": "reconstruction",
+        "read_geometry": "rtk_geometry",
         "reconstruct": "reconstruction",
     },
 )

@@ -63,6 +63,11 @@ class ProjectionStack:
     """Whether values are non-negative integers, like counts of a detector."""
     bits: int
     """Bits of a value."""
+    middle: tuple[float, float] | None = None
+    """Place of an image's middle along columns and rows, as the files state it [mm]; None where
+    they place the first pixel at 0, as files without a place do."""
+    turned: bool = False
+    """Whether the files state directions in which columns and rows are not those of the image."""
 
     @property
     def sinograms(self) -> bool:
@@ -100,6 +105,12 @@ def _stack_of(path: Path, files: list[Path]) -> ProjectionStack:
     kind = simpleitk().GetPixelIDValueAsString(reader.GetPixelIDValue())
     u, v = (edge if 0.0 < edge < np.inf else 1.0 for edge in reader.GetSpacing()[:2])
     place = path if len(files) > 1 else files[0]
+    origin, size = reader.GetOrigin()[:2], reader.GetSize()[:2]
+    axes = np.reshape(reader.GetDirection(), (reader.GetDimension(), -1))[:2, :2]
+    x, y = (
+        first + 0.5 * (count - 1) * edge
+        for first, count, edge in zip(origin, size, (u, v), strict=True)
+    )
     return ProjectionStack(
         path=place,
         name=ENDING.sub("", place.name),
@@ -107,6 +118,8 @@ def _stack_of(path: Path, files: list[Path]) -> ProjectionStack:
         pixel=(u, v),
         counts="unsigned integer" in kind,
         bits=int(kind.partition("-bit")[0]),
+        middle=(x, y) if any(origin) else None,
+        turned=not np.allclose(axes, np.eye(2), atol=1e-6),
     )
 
 

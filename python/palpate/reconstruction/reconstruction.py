@@ -29,6 +29,7 @@ from palpate.base.progress import Progress, silent
 from palpate.reconstruction.beams import WATER, Beam
 from palpate.reconstruction.parallel_beams import back_projected
 from palpate.reconstruction.scanner import Grid, Scanner, fitted_grid
+from palpate.reconstruction.views import View
 from palpate.volumes.stored_values import to_stored
 from palpate.volumes.volume import Volume, VolumeTraits
 
@@ -107,15 +108,17 @@ def _by_rtk(
     # its modules are large: the first time may take half a minute
     progress("loading RTK", None)
     rtk = _Rtk(scanner)
-    given, angles = _all_round(given, scanner)
-    weighted = rtk.weighted(given, angles)
+    given, views = _all_round(given, scanner)
+    if scanner.beam == "cone":
+        given = rtk.completed(given, views)
+    weighted = rtk.weighted(given, views)
     x, y, z = grid.size
     # patient to device: x, z, y
     image = rtk.empty((x, z, y), (grid.voxel[0], grid.voxel[2], grid.voxel[1]))
-    for first in range(0, len(angles), AT_ONCE):
-        progress(f"reconstructing from {count} projections", first / len(angles))
+    for first in range(0, len(views), AT_ONCE):
+        progress(f"reconstructing from {count} projections", first / len(views))
         some = slice(first, first + AT_ONCE)
-        image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), angles[some], onto=image)
+        image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), views[some], onto=image)
     # [z, y, x] of the device to [z, y, x] of the patient: a mirror image, as its projections are,
     # unless the source begins in front
     found = np.transpose(rtk.values(image), (1, 0, 2))
@@ -140,14 +143,19 @@ def _scan(
     )
 
 
-def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[float]]:
-    """Returns projections and angles extended to a full circle, which RTK assumes."""
-    arc = scanner.arc
+def _all_round(given: Values, scanner: Scanner) -> tuple[Values, list[View]]:
+    """Returns projections and views extended to a full circle, which RTK assumes."""
+    if scanner.beam == "cone":
+        return given, list(scanner.all_views())
     angles = [float(angle) for angle in scanner.angles]
-    if arc is None or arc > 270.0:
-        return given, angles
-    # parallel beams see the same from behind, mirrored
-    return np.concatenate([given, given[:, :, ::-1]]), [*angles, *(a + 180.0 for a in angles)]
+    arc = scanner.arc
+    if arc is not None and arc <= 270.0:
+        # parallel beams see the same from behind, mirrored
+        given = np.concatenate([given, given[:, :, ::-1]])
+        angles += [angle + 180.0 for angle in angles]
+    # beams from very far away are parallel: they part by 0.01 mm within 100 mm
+    views = [View(angle=angle, source_to_axis=FAR, source_to_detector=FAR) for angle in angles]
+    return given, views
 
 
 class _Rtk:
@@ -164,7 +172,9 @@ class _Rtk:
         self._itk = import_module("itk")
         self._rtk = self._itk.RTK
         self._kind = self._itk.Image[self._itk.F, 3]
-        self._scanner = scanner
+        self._pixel = scanner.pixel
+        self._middle = scanner.offset
+        """Place of the images' middle [mm]."""
 
     def values(self, image: Any) -> Values:  # noqa: ANN401  # ITK has no types
         """Returns an image as an array [z, y, x]."""
@@ -181,11 +191,26 @@ class _Rtk:
         source.Update()
         return source.GetOutput()
 
-    def weighted(self, projections: Values, angles: Sequence[float]) -> Values:
+    def completed(self, projections: Values, views: Sequence[View]) -> Values:
+        """Returns projections of a detector that stands aside with its other side, as zeros.
+
+        What both sides show is weighted (Wang, Med. Phys. 29(7), 2002); others stay as they are.
+        """
+        wide = self._rtk.DisplacedDetectorImageFilter[self._kind].New()
+        wide.SetInput(self._taken(projections))
+        wide.SetGeometry(self._geometry(views))
+        wide.Update()
+        image = wide.GetOutput()
+        values = self.values(image)
+        first = image.TransformIndexToPhysicalPoint(image.GetLargestPossibleRegion().GetIndex())
+        self._middle = first[0] + 0.5 * (values.shape[2] - 1) * self._pixel[0], self._middle[1]
+        return values
+
+    def weighted(self, projections: Values, views: Sequence[View]) -> Values:
         """Returns projections weighted for oblique rays and for the angle that each covers."""
         weight = self._rtk.FDKWeightProjectionFilter[self._kind].New()
         weight.SetInput(self._taken(projections))
-        weight.SetGeometry(self._geometry(angles))
+        weight.SetGeometry(self._geometry(views))
         weight.Update()
         return self.values(weight.GetOutput())
 
@@ -198,12 +223,12 @@ class _Rtk:
         ramp.Update()
         return ramp.GetOutput()
 
-    def smeared_back(self, projections: Any, angles: Sequence[float], *, onto: Any) -> Any:  # noqa: ANN401
+    def smeared_back(self, projections: Any, views: Sequence[View], *, onto: Any) -> Any:  # noqa: ANN401
         """Adds projections to an image, along their rays."""
         back = self._rtk.FDKBackProjectionImageFilter[self._kind, self._kind].New()
         back.SetInput(0, onto)
         back.SetInput(1, projections)
-        back.SetGeometry(self._geometry(angles))
+        back.SetGeometry(self._geometry(views))
         back.Update()
         done = back.GetOutput()
         done.DisconnectPipeline()
@@ -212,20 +237,23 @@ class _Rtk:
     def _taken(self, projections: Values) -> Any:  # noqa: ANN401
         """Returns projections as an image in the plane of the detector."""
         image = self._itk.image_from_array(np.ascontiguousarray(projections))
-        image.SetSpacing([*self._scanner.pixel, 1.0])
-        corner = _corner(projections.shape[:0:-1], self._scanner.pixel)
-        image.SetOrigin([*np.add(corner, self._scanner.offset).tolist(), 0.0])
+        image.SetSpacing([*self._pixel, 1.0])
+        corner = _corner(projections.shape[:0:-1], self._pixel)
+        image.SetOrigin([*np.add(corner, self._middle).tolist(), 0.0])
         return image
 
-    def _geometry(self, angles: Sequence[float]) -> Any:  # noqa: ANN401
+    def _geometry(self, views: Sequence[View]) -> Any:  # noqa: ANN401
         geometry = self._rtk.ThreeDCircularProjectionGeometry.New()
-        scanner = self._scanner
-        # beams from very far away are parallel: they part by 0.01 mm within 100 mm
-        distances = (FAR, FAR)
-        if scanner.beam == "cone":
-            distances = scanner.source_to_axis, scanner.source_to_detector
-        for angle in angles:
-            geometry.AddProjection(*distances, angle)
+        for view in views:
+            geometry.AddProjection(
+                view.source_to_axis,
+                view.source_to_detector,
+                view.angle,
+                *view.detector_offset,
+                view.out_of_plane,
+                view.in_plane,
+                *view.source_offset,
+            )
         return geometry
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from palpate.base.errors import OptionError
 from palpate.reconstruction.beams import BEAMS, ZEROS, Beam, Zero
+from palpate.reconstruction.views import View, seen_by_all
 
 __all__ = ["MOST_VOXELS", "Grid", "Scanner", "fitted_grid"]
 
@@ -32,7 +33,8 @@ class Scanner:
 
     beam: Beam
     angles: Sequence[float]
-    """Angle of the gantry at each projection [degrees], in order and equally spaced."""
+    """Angle of the gantry at each projection [degrees], in order and equally spaced, except where
+    each has a view."""
     pixel: tuple[float, float]
     """Pixel size of the detector along u and v [mm]."""
     offset: tuple[float, float] = (0.0, 0.0)
@@ -44,6 +46,9 @@ class Scanner:
     zero: Zero = "back"
     """Side of the patient at which the source is at angle 0; "front" is IEC 61217's, as RTK has it
     for a patient in supine position."""
+    views: Sequence[View] = ()
+    """Where source and detector are at each projection of a cone beam, as a geometry file has it;
+    none for those of ``angles`` on one circle, with the distances and offsets above."""
 
     @property
     def posterior(self) -> float:
@@ -56,6 +61,13 @@ class Scanner:
         steps = np.diff(self.angles)
         even = bool(np.allclose(steps, steps[0], rtol=1e-3, atol=1e-6))
         return abs(float(steps[0])) * len(self.angles) if even else None
+
+    def all_views(self) -> Sequence[View]:
+        """Returns where source and detector are at each projection of a cone beam."""
+        near, far = self.source_to_axis, self.source_to_detector
+        return self.views or [
+            View(angle=angle, source_to_axis=near, source_to_detector=far) for angle in self.angles
+        ]
 
     def check(self, shape: tuple[int, ...]) -> None:
         """Refuses a geometry that does not fit projections of a shape.
@@ -79,6 +91,11 @@ class Scanner:
         numbers = (*self.angles, *self.pixel, *self.offset)
         if not np.isfinite(numbers).all() or min(self.pixel) <= 0.0:
             raise OptionError(f"pixels of {self.pixel} mm given; allowed: lengths above 0")
+        if not self.views:
+            self._check_circle()
+
+    def _check_circle(self) -> None:
+        """Refuses angles that are not on one circle, or distances that are none."""
         arc = self.arc
         if arc is None or not np.isclose(arc, 360.0, rtol=1e-3):
             half = arc is not None and bool(np.isclose(arc, 180.0, rtol=1e-3))
@@ -152,14 +169,13 @@ def _check(size: Size | None, voxel: Lengths | None) -> None:
 def _seen(shape: tuple[int, ...], scanner: Scanner) -> tuple[Lengths, Lengths]:
     """Returns the size of a pixel at the axis, and the size of what is seen from all sides [mm]."""
     u, v = scanner.pixel
+    if scanner.beam == "cone":
+        views = scanner.all_views()
+        near = min(view.source_to_axis / view.source_to_detector for view in views)
+        radius, high = seen_by_all(views, (shape[2] * u, shape[1] * v), scanner.offset)
+        return (u * near, u * near, v * near), (2.0 * radius, 2.0 * radius, high)
     wide = shape[2] * u - 2.0 * abs(scanner.offset[0])
     high = shape[1] * v
-    if scanner.beam == "cone":
-        shrunk = scanner.source_to_axis / scanner.source_to_detector
-        # the circle that the outermost rays touch
-        angle = np.arctan2(0.5 * wide, scanner.source_to_detector)
-        wide = 2.0 * scanner.source_to_axis * float(np.sin(angle))
-        u, v, high = u * shrunk, v * shrunk, high * shrunk
     if wide <= 0.0:
         raise OptionError(
             f"offset of {scanner.offset[0]:g} mm given; allowed: less than half of the detector"

@@ -7,6 +7,7 @@ minus the squared correlation, mean squares).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -19,7 +20,7 @@ from palpate.registration.options import STARTS, Metric, RegistrationError
 from palpate.registration.search_history import SearchHistory
 from palpate.registration.start import mask_on
 
-__all__ = ["Compared", "Measured", "check_content"]
+__all__ = ["Compared", "Measured", "check_content", "coarser"]
 
 LEAST_AT_LEVEL = 8
 """Voxels along each axis of a level, where the scan has so many."""
@@ -97,7 +98,10 @@ class Compared:
     def level(self, shrink: int) -> tuple[Any, Any]:
         """Returns both images on coarser grids."""
         fixed, moving = self.images
-        return _coarser(fixed, shrink), _coarser(moving, shrink)
+        return (
+            coarser(fixed, _factors(fixed.GetSize(), shrink)),
+            coarser(moving, _factors(moving.GetSize(), shrink)),
+        )
 
     def method(self) -> Any:  # noqa: ANN401
         """Returns a method on the grids as they are given, with metric and masks."""
@@ -215,13 +219,12 @@ def _factors(size: tuple[int, ...], shrink: int) -> list[int]:
     return [max(1, min(shrink, length // LEAST_AT_LEVEL)) for length in size]
 
 
-def _coarser(image: Any, shrink: int) -> Any:  # noqa: ANN401
-    """Returns an image smoothed and on a coarser grid."""
-    if shrink == 1:
+def coarser(image: Any, factors: Sequence[int]) -> Any:  # noqa: ANN401
+    """Returns an image smoothed and on a grid that is coarser by a factor for each axis."""
+    if max(factors) == 1:
         return image
     sitk = simpleitk()
-    factors = _factors(image.GetSize(), shrink)
     widths = [
         BLUR * factor * step for factor, step in zip(factors, image.GetSpacing(), strict=True)
     ]
-    return sitk.Shrink(sitk.SmoothingRecursiveGaussian(image, widths), factors)
+    return sitk.Shrink(sitk.SmoothingRecursiveGaussian(image, widths), list(factors))

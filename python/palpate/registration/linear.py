@@ -14,10 +14,12 @@ from palpate.registration.options import Kind, Level, SearchOptions
 from palpate.registration.search_history import SearchHistory
 from palpate.registration.start import affine_of
 
-__all__ = ["search_linear"]
+__all__ = ["SHRINKS", "search_linear", "step_limit"]
 
 SHRINKS = (4, 2, 1)
 """How many times coarser each level is than the scan."""
+STEEP = np.radians(50.0)
+"""Angle about x from which on another order of turns is used."""
 LAST_STEP = 0.005
 """Step at which a search ends, as a share of the first, which is a voxel of the level."""
 
@@ -30,16 +32,17 @@ def search_linear(
     options: SearchOptions,
     history: SearchHistory,
     share: Callable[[float], float],
+    near: bool = False,
 ) -> Any:  # noqa: ANN401
     """Returns the best transform of a stage near a first one.
 
-    ``share`` maps the share of this stage that is done to that of the whole search, both 0..1.
+    Where the first one is ``near`` its place, no step moves points farther than a voxel. ``share``
+    maps the share of this stage that is done to that of the whole search, both 0..1.
 
     Raises:
         RegistrationError: The scans do not overlap.
     """
-    sitk = simpleitk()
-    transform = sitk.Euler3DTransform(first) if stage == "rigid" else affine_of(first)
+    transform = _by_angles(first) if stage == "rigid" else affine_of(first)
     most = options.iterations
     shrinks = compared.shrinks(SHRINKS)
     for number, shrink in enumerate(shrinks):
@@ -55,6 +58,7 @@ def search_linear(
             minStep=LAST_STEP * step,
             numberOfIterations=most,
             gradientMagnitudeTolerance=1e-8,
+            **(step_limit(method, step) if near else {}),
         )
         method.SetOptimizerScalesFromPhysicalShift()
 
@@ -62,7 +66,42 @@ def search_linear(
             return share((number + steps / most) / len(shrinks))
 
         _execute(method, compared, level, history=history, share=done)
-    return transform
+    return _in_usual_order(transform) if stage == "rigid" else transform
+
+
+def step_limit(method: Any, longest: float) -> dict[str, Any]:  # noqa: ANN401
+    """Returns what keeps steps of the optimizer short, by how far they move points [mm].
+
+    Else the first one is as long in the units of the angles, and may leave a good place.
+    """
+    return {
+        "estimateLearningRate": method.EachIteration,
+        "maximumStepSizeInPhysicalUnits": longest,
+    }
+
+
+def _by_angles(first: Any) -> Any:  # noqa: ANN401
+    """Returns a rigid transform by angles about the axes, in an order that does not lock here.
+
+    In ITK's usual order two of them turn about one axis where the first is a right angle.
+    """
+    transform = simpleitk().Euler3DTransform(first)
+    if abs(transform.GetAngleX()) <= STEEP:
+        return transform
+    return _reordered(transform, z_y_x=True)
+
+
+def _in_usual_order(transform: Any) -> Any:  # noqa: ANN401
+    return _reordered(transform, z_y_x=False) if transform.GetComputeZYX() else transform
+
+
+def _reordered(transform: Any, *, z_y_x: bool) -> Any:  # noqa: ANN401
+    other = simpleitk().Euler3DTransform()
+    other.SetComputeZYX(z_y_x)
+    other.SetCenter(transform.GetCenter())
+    other.SetMatrix(transform.GetMatrix(), 1e-6)
+    other.SetTranslation(transform.GetTranslation())
+    return other
 
 
 def _execute(

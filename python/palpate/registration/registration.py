@@ -42,6 +42,7 @@ from palpate.registration.options import (
     checked_matrix,
     unwatched,
 )
+from palpate.registration.other_places import OtherPlaces
 from palpate.registration.point_map import matrix_of
 from palpate.registration.search import Search
 from palpate.registration.start import first_guess, guess_of_matrix
@@ -74,7 +75,8 @@ class Registration:
     """SimpleITK's, from points of the fixed scan to points of the moving one."""
     kind: Kind
     metric: Metric
-    start: Start | Literal["matrix"]
+    start: Start | Literal["matrix", "turned"]
+    """Turned is one that leads to where the scans are more alike than the usual one does."""
     before: float
     """The metric at the start; it is made small."""
     after: float
@@ -87,6 +89,8 @@ class Registration:
     """The metric after each step, level by level."""
     start_kept: bool = False
     """Whether the start was right already, and is the answer."""
+    doubt: str | None = None
+    """What speaks against it: another place where the scans are as alike."""
 
     def points(self, points: Sequence[Sequence[float]] | Points) -> Points:
         """Returns where points of the fixed scan lie in the moving one, shape [count, 3] [mm]."""
@@ -182,7 +186,8 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         start: First guess: as the files place both scans; the middles of their grids; the
             middles of what is bright; landmarks; or a matrix from points of the fixed scan to
             the moving one, shape [4, 4] [mm], of which a rigid search takes the turn and the
-            shift. By default landmarks where they are given, else the middles of the grids.
+            shift. By default landmarks where they are given, else the middles of the grids, or a
+            turned start where the scans are clearly more alike than where those lead.
         landmarks: Points of the fixed scan and the same places in the moving one, three or more
             that are not on one line, shape [count, 3] each [mm].
         fixed_mask: Only these voxels of the fixed scan are compared.
@@ -213,19 +218,19 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     masks = _mask(fixed_mask), _mask(moving_mask)
     check_content(images, masks)
     wanted = options or SearchOptions()
-    search = Search(
-        Compared(images, masks, metric=chosen, bins=wanted.bins),
-        options=wanted,
-        progress=progress,
-        watch=watch,
-    )
+    compared = Compared(images, masks, metric=chosen, bins=wanted.bins)
+    search = Search(compared, options=wanted, progress=progress, watch=watch)
     if matrix is None:
         pairs = checked_landmarks(landmarks, wanted=named == "landmarks")
         first = first_guess(images, masks=masks, start=named, landmarks=pairs)
     else:
         first = guess_of_matrix(images[0], matrix, rigid=kind == "rigid")
     before = search.measure(first)
-    found = search.run(first, kind)
+    progress("looking at turned starts", 0.0)
+    others = OtherPlaces(compared, seed=wanted.seed)
+    is_free = start is None and landmarks is None
+    begun = others.start(first) if is_free else first
+    found = search.run(begun, kind, near=begun is not first)
     after = search.measure(found)
     search.check(before, after)
     start_kept = not after.metric < before.metric
@@ -237,14 +242,23 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         transform=found,
         kind=kind,
         metric=chosen,
-        start=named if matrix is None else "matrix",
+        start=_start_told(named, matrix, is_turned=begun is not first),
         before=before.metric,
         after=after.metric,
         overlap_before=before.overlap,
         overlap=after.overlap,
         curve=search.curve,
         start_kept=start_kept,
+        doubt=others.doubt(first, found),
     )
+
+
+def _start_told(
+    named: Start, matrix: Points | None, *, is_turned: bool
+) -> Start | Literal["matrix", "turned"]:
+    if is_turned:
+        return "turned"
+    return named if matrix is None else "matrix"
 
 
 def metric_for(fixed: Volume, moving: Volume) -> Metric:

@@ -52,6 +52,7 @@ def report_of(
         "metric": found.metric,
         "start": found.start,
         "start_kept": found.start_kept,
+        "doubt": found.doubt,
         "metric_before": found.before,
         "metric_after": found.after,
         "overlap_before": found.overlap_before,
@@ -92,6 +93,8 @@ def sentence_of(report: dict[str, Any]) -> str:
             f"{report['overlap_before']:.0%} at the start"
         ),
     ]
+    if report["start"] == "turned":
+        parts.append("found from a turned start, as the usual one leads to where less is alike")
     if report["start_kept"]:
         parts.append("the start was right already and is kept")
     if (landmarks := report.get("landmarks_mm")) is not None:

@@ -86,6 +86,14 @@ class RegisterRequest(Request, frozen=True, kw_only=True):
     moving_mask: Annotated[
         Path | None, words("Label map: use only these voxels of the moving scan.", reads=True)
     ] = None
+    resample: Annotated[
+        bool,
+        words("Resample masks of files from another grid to that of the scan (nearest neighbour)."),
+    ] = False
+    another_patient: Annotated[
+        bool,
+        words("Take DICOM segments of another patient, study or frame of reference as they are."),
+    ] = False
     knots: Annotated[float | None, words("Spacing of the B-spline's control points in mm.")] = None
     iterations: Annotated[
         int | None, words("Maximum number of iterations per stage and level.")

@@ -73,8 +73,13 @@ class Search:
             why = "no place was found that is better than the start, nor is the start the best"
             raise self._compared.refusal(why, (before, after), self._history)
 
-    def run(self, first: Any, kind: Kind) -> Any:  # noqa: ANN401
+    def run(self, first: Any, kind: Kind, *, near: bool = False) -> Any:  # noqa: ANN401
         """Returns the best transform of a kind near a first one, which may be affine already.
+
+        Args:
+            first: Where the search begins.
+            kind: Of the transform.
+            near: Whether the first one is next to its place, and must not be left by a long step.
 
         Raises:
             RegistrationError: The scans do not overlap.
@@ -97,5 +102,6 @@ class Search:
             if stage == "bspline":
                 found = search_bspline(self._compared, found, **shared)
             else:
-                found = search_linear(self._compared, found, stage, **shared)
+                near = near and stage == "rigid"
+                found = search_linear(self._compared, found, stage, near=near, **shared)
         return found

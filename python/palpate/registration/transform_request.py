@@ -38,6 +38,16 @@ class TransformRequest(Request, frozen=True, kw_only=True):
             "Scan that the segments of a DICOM SEG or RTSTRUCT belong to.", form="SCAN", reads=True
         ),
     ] = None
+    resample: Annotated[
+        bool,
+        words(
+            "Resample segments of files from another grid to that of the scan (nearest neighbour)."
+        ),
+    ] = False
+    another_patient: Annotated[
+        bool,
+        words("Take DICOM segments of another patient, study or frame of reference as they are."),
+    ] = False
     interpolation: Annotated[InterpolationChoice, words(INTERPOLATED)] = "automatic"
     series: Annotated[str | int | None, words("DICOM series of the input scan.")] = None
     like_series: Annotated[str | int | None, words("DICOM series of the scan with the grid.")] = (

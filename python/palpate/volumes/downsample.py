@@ -57,6 +57,7 @@ def merged(
             modality=volume.modality,
             unit=volume.unit,
             warnings=volume.traits.warnings,
+            notes=volume.traits.notes,
             orientation_known=volume.traits.orientation_known,
         ),
     )

@@ -224,6 +224,11 @@ def _load(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         triangles = np.array(loaded.faces, dtype=np.int64)
     if len(triangles) == 0 or triangles.ndim != 2:
         raise MeshFormatError(f"{path.name!r} has no triangles; allowed: a mesh of triangles")
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or triangles.shape[1] != 3:
+        raise MeshFormatError(
+            f"{path.name!r} has vertices or triangles without three numbers each; allowed: a mesh "
+            "of triangles in space"
+        )
     if not (np.abs(vertices) < LARGEST).all():
         raise MeshFormatError(
             f"{path.name!r} has vertices that are no numbers, or far beyond any patient; allowed: "

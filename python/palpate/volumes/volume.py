@@ -67,6 +67,8 @@ class VolumeTraits:
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""
+    notes: tuple[str, ...] = ()
+    """Sentences on what was assumed or changed as it nearly always is, and is hardly ever wrong."""
 
 
 @dataclass(frozen=True)
@@ -196,6 +198,11 @@ class Volume:
         )
         sides = () if self.traits.orientation_known else (UNKNOWN_SIDES,)
         return self.traits.warnings + ((missing,) if self.missing else ()) + sides
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on what was assumed or changed in reading, and is hardly ever wrong."""
+        return self.traits.notes
 
     @property
     def dimensions(self) -> tuple[int, int, int]:

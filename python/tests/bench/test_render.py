@@ -15,11 +15,13 @@ from palpate.bench.goals.render import (
     OPENED_CASE,
     PEER_MODES,
     RESTING,
+    SEEN_CASE,
     SIZES,
     peer_case,
     picture_case,
 )
 from palpate.bench.render import SURFACES, measure, rows_of
+from palpate.bench.seen import figures_of
 
 
 def test_every_mode_and_size_has_its_rows_and_goals_are_those_of_the_issue() -> None:
@@ -38,6 +40,10 @@ def test_every_mode_and_size_has_its_rows_and_goals_are_those_of_the_issue() -> 
     assert goals == {
         (OPENED_CASE, "first picture after the page"): 2.0,
         (EDIT_CASE, "of the 3-D textures"): 5.0,
+        (SEEN_CASE, "pictures while turning"): 8.0,
+        (SEEN_CASE, "their resolution is divided by"): 4.0,
+        (SEEN_CASE, "delay of keys while turning, p95"): 100.0,
+        (SEEN_CASE, "delay of keys while refining, p95"): 100.0,
         **{(peer_case(mode), "vtk.js's time by ours, equal quality"): 1.0 for mode in PEER_MODES},
         **{(picture_case(mode, size), RESTING): 0.5 for mode in MODES for size in SIZES},
     }
@@ -47,6 +53,32 @@ def test_full_quality_within_half_a_second_is_a_goal_of_gpus() -> None:
     report = {picture_case(MODES[0], SIZES[0]): {"resting": 0.6}}
     assert [row.met for row in rows_of(report, on_gpu=True)] == [False]
     assert [row.met for row in rows_of(report, on_gpu=False)] == [None]
+
+
+def test_what_is_seen_counts_from_the_last_turn() -> None:
+    watched = {
+        "turning": [[100.0, 8], [200.0, 4], [300.0, 4]],
+        "rested": 500.0,
+        "resting": [[510.0, 4], [900.0, 2], [1500.0, 1], [2500.0, 1]],
+        "final": 2500.0,
+        "delays": [[100.0, 20.0], [700.0, 5.0]],
+    }
+    figures = figures_of(watched)
+    assert figures == pytest.approx(
+        {
+            "seen rate": 6.0,
+            "seen divisor": 4.0,
+            "seen 4": 0.01,
+            "seen 2": 0.4,
+            "seen 1": 1.0,
+            "seen final": 2.0,
+            "key turning": 0.02,
+            "key resting": 0.005,
+        }
+    )
+    assert {row.metric for row in rows_of({SEEN_CASE: figures}, on_gpu=False)} == {
+        goal.metric for goal in GOALS["render"] if goal.case == SEEN_CASE
+    }
 
 
 def test_what_was_not_measured_has_no_row() -> None:

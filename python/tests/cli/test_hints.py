@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,12 @@ PACKAGE = Path(palpate.__file__).parent
 FLAG = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 OWN = {"--help", "--version"}
 
+OF_SEVERAL = {
+    "of", "like", "inverse", "landmarks", "keep_identity", "only", "another_patient", "resample",
+    "bone", "smoothing", "fast",
+}  # fmt: skip
+"""Options that only the commands have that use them."""
+
 OF_OTHER_PROGRAMS = {("segmentation/automatic.py", "--fast"), ("saved/autosave.py", "--recover")}
 """Options that a program is started with, or a whole command that is printed."""
 
@@ -39,8 +46,9 @@ HINTS: dict[str, set[str]] = {
     "segment": READING | FITTING | {"threshold", "otsu", "grow", "seeds", "auto"},
     "surface export": READING | FITTING,
     "surface voxels": {"close", "as_shell", "frame", "unit"},
-    "register": {"landmarks", "moving_series", "moving_frame"},
-    "transform": {"of", "like", "inverse", "series", "frame", "unit"},
+    "statistics": READING | FITTING,
+    "register": {"landmarks", "moving_series", "moving_frame"} | FITTING,
+    "transform": {"of", "like", "inverse", "series", "frame", "unit"} | FITTING,
 }
 """Options that messages name while a command runs."""
 
@@ -168,16 +176,89 @@ def test_each_flag_that_a_command_says_is_one_of_a_command() -> None:
 
 def test_an_option_is_told_in_the_words_of_whoever_reads_it() -> None:
     said = "choose one with `series=NUMBER`, or `resample=True`"
-    assert in_recipe(said) == "choose one with `series: NUMBER`, or `resample: true`"
+    own = in_recipe(said, known={"series", "resample"})
+    assert own == "choose one with `series: NUMBER`, or `resample: true`"
     with told_by(lambda message: as_flags(message, app, ["export", "ct"])):
         assert spoken(said) == "choose one with --series NUMBER, or --resample"
     moving = prefixed("choose one with `series=NUMBER`", "moving")
     assert as_flags(moving, app, ["register"]) == "choose one with --moving-series NUMBER"
-    # a command that lacks it names one that has it
+    # where a command lacks it, one that has it is told whole
     unit = as_flags("give `unit=HU`", app, ["register"])
-    assert unit == "give --unit HU of `palpate import`"
+    assert unit == "give `palpate import FILE --unit HU -o NEW.nrrd`"
+    moving = as_flags("give `moving_unit=HU`", app, ["register"])
+    assert moving == unit
+    said = in_recipe("b.mha: give `unit=HU`", known={"series"}, files=[Path("a"), Path("b.mha")])
+    assert said == "b.mha: give `palpate import b.mha --unit HU -o NEW.nrrd`"
     # what a person typed stays
     assert as_flags("/a/unit=3.nii is no scan", app, ["info"]) == "/a/unit=3.nii is no scan"
+
+
+def named() -> set[str]:
+    """Returns all options that messages name."""
+    return {
+        name
+        for file in PACKAGE.rglob("*.py")
+        for _, text in texts(file)
+        for name, _ in HINT.findall(text)
+    }
+
+
+def test_where_a_command_lacks_an_option_the_one_that_has_it_is_told_whole() -> None:
+    names = sorted(named())
+    for command, found in COMMANDS.items():
+        if command.startswith("bench") or not command:
+            continue
+        own = {parameter.name for parameter in found.params}
+        lacking = [name for name in names if name not in own]
+        message = "\n".join(f"with `{name}=VALUE`" for name in lacking)
+        said = as_flags(message, app, [*command.split(), "README.md"]).splitlines()
+        for name, told in zip(lacking, said, strict=True):
+            quoted = re.search(r"`palpate ([^`]*)`", told)
+            # only the commands that use those have them
+            assert (quoted is None) == (name in OF_SEVERAL), told
+            if quoted is not None:
+                check_whole(shlex.split(quoted[1]))
+
+
+def check_whole(typed: list[str]) -> None:
+    """Sees that a command has the flags that are typed, and all that it needs."""
+    words = max((path for path in COMMANDS if " ".join(typed).startswith(path)), key=len)
+    found, rest = COMMANDS[words], typed[len(words.split()) :]
+    asked = [word for word in rest if word.startswith("--")]
+    assert len(asked) == 1, typed
+    assert set(asked) <= flags(found), typed
+    # an option's value is no argument; each of these commands takes one option with "-o"
+    arguments = [each for each in found.params if each.param_type_name == "argument"]
+    needed = sum(each.required for each in found.params)
+    assert needed <= len(arguments) + ("-o" in rest), typed
+
+
+def test_the_command_that_is_told_can_be_typed_as_it_stands(
+    tmp_path: Path,
+    write_image: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    z, y, x = np.indices((22, 24, 26))
+    off = np.sqrt((x - 11) ** 2 + 1.5 * (y - 10) ** 2 + 0.7 * (z - 9) ** 2)
+    values = (900.0 - 60.0 * off).clip(-500, 900).astype(np.int16)
+    write_image(values, "a b.mha", spacing=(1.0, 1.0, 1.0))
+    write_image(np.roll(values, (3, 2, 4), (0, 1, 2)), "c.mha", spacing=(1.0, 1.0, 1.0))
+    monkeypatch.chdir(tmp_path)
+    asked = ["register", "a b.mha", "c.mha", "--metric", "correlation", "--start", "geometry"]
+    assert run([*asked, "-o", "T.tfm"]) == 0
+    said = capsys.readouterr().err
+    told = re.findall(r"warning: ([^:]*): .*give `palpate ([^`]*)`", said)
+    assert [name for name, _ in told] == ["a b.mha", "c.mha"]
+    for number, (_, line) in enumerate(told):
+        assert run(shlex.split(line.replace("NEW", f"NEW{number}"))) == 0
+        assert Path(f"NEW{number}.nrrd").exists()
+    # a mask may lie on another grid, as the hint says
+    write_image(np.ones((9, 9, 9), np.uint8), "mask.mha", spacing=(2.7, 2.7, 2.7))
+    asked += ["-o", "T.tfm", "--fixed-mask", "mask.mha"]
+    assert run(asked) == 2
+    assert "or others with --resample" in capsys.readouterr().err
+    assert run([*asked, "--resample"]) == 0
 
 
 def test_warnings_name_flags(capsys: pytest.CaptureFixture[str]) -> None:

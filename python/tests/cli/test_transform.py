@@ -66,6 +66,19 @@ TO_MOVING = ("--transform", "T.tfm", "--inverse", "--like", "moving.mha")
 
 
 @pytest.mark.usefixtures("folder")
+def test_a_table_of_names_that_would_replace_points_is_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("tip.csv").write_text("tip,14,12,12\n")
+    outputs = ("-o", "carried.nii.gz", "-o", "carried.csv")
+    assert transform("labels.nii.gz", "tip.csv", *TO_FIXED, *outputs) == 2
+    said = capsys.readouterr().err
+    assert "carried.csv is the table of names of carried.nii.gz too; allowed: another name" in said
+    assert not Path("carried.nii.gz").exists()
+    assert not Path("carried.csv").exists()
+
+
+@pytest.mark.usefixtures("folder")
 def test_scan_and_label_map_go_to_the_fixed_scan(capsys: pytest.CaptureFixture[str]) -> None:
     outputs = ("-o", "scan.nrrd", "-o", "carried.nii.gz")
     assert transform("moving.mha", "labels.nii.gz", *TO_FIXED, *outputs) == 0

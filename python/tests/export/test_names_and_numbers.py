@@ -83,6 +83,31 @@ def test_each_file_has_a_table_of_its_own(tmp_path: Path) -> None:
         assert [one.segment.name for one in read_labels(tmp_path / name, volume()).labels] == [part]
 
 
+@pytest.mark.parametrize(
+    ("before", "name"),
+    [
+        # a table of marks, of whatever program
+        ({"a.csv": "name,x,y,z\ntip,1,2,3\n"}, "a.nrrd"),
+        # names that belong to no image that is there yet
+        ({"a.csv": "id,structure\n1,mine\n"}, "a.nrrd"),
+        # names of all label maps of a folder
+        ({}, "structures.nrrd"),
+        # the same name in other letters, and an image called as the other's table
+        ({"a.NRRD": ""}, "a.nii.gz"),
+        ({"a.nii.gz": ""}, "a.nii.gz.nrrd"),
+    ],
+)
+def test_a_table_replaces_no_other_file(tmp_path: Path, before: dict[str, str], name: str) -> None:
+    for other, text in before.items():
+        (tmp_path / other).write_text(text)
+    for part in ("bone", "again"):
+        export_scene(scene_of((part, None)), tmp_path / name)
+        (found,) = read_labels(tmp_path / name, volume()).labels
+        assert found.segment.name == part
+        assert (tmp_path / f"{name}.csv").is_file()
+        assert all((tmp_path / other).read_text() == text for other, text in before.items())
+
+
 def test_a_table_of_version_0_1_is_read_where_one_file_may_mean_it(tmp_path: Path) -> None:
     path = tmp_path / "pat.1.nii.gz"
     export_scene(scene_of(("bone", None)), path)
@@ -97,8 +122,8 @@ def test_it_is_told_what_lies_outside_of_the_scan(tmp_path: Path) -> None:
     scan = palpate.Volume(np.zeros((4, 5, 2), np.int16), spacing=(1.0, 1.0, 1.0))
     found = read_labels(tmp_path / "a.nii.gz", scan)
     assert [one.segment.number for one in found.labels] == [1, 6]
-    assert "8 voxels of segments lie outside the scan (50 %)" in found.warnings
-    assert "labels without a voxel in the scan: 40, 41" in found.warnings
+    lost = "8 voxels of segments lie outside the scan (50 %): part 40 (100 %), part 41 (100 %)"
+    assert lost in found.warnings
 
 
 def test_the_command_tells_what_it_wrote_and_of_how_many(

@@ -136,9 +136,22 @@ def test_units_of_length_are_those_of_the_file(
     assert volume.warnings == ()
 
 
-def test_a_unit_of_length_that_nobody_told_is_assumed_aloud(tmp_path: Path, noise: Any) -> None:
+def test_a_unit_of_length_that_nobody_told_is_noted_and_a_warning_where_mm_are_no_patient(
+    tmp_path: Path, noise: Any
+) -> None:
     nibabel.save(nibabel.Nifti1Image(noise, oblique()), tmp_path / "scan.nii")
-    assert "mm are assumed" in palpate.read(tmp_path / "scan.nii").warnings[0]
+    volume = palpate.read(tmp_path / "scan.nii", unit="HU")
+    assert volume.warnings == ()
+    assert "mm are assumed" in volume.notes[0]
+    # in metres, and in micrometres
+    for scale in (0.001, 1000.0):
+        affine = oblique()
+        affine[:3] *= scale
+        nibabel.save(nibabel.Nifti1Image(noise, affine), tmp_path / "scan.nii")
+        odd = palpate.read(tmp_path / "scan.nii", unit="HU")
+        longest = max(np.multiply(odd.spacing, odd.dimensions))
+        assert f"mm are assumed, so the scan is {longest:.3g} mm long" in odd.warnings[0]
+        assert odd.notes == ()
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -9,9 +9,11 @@ import nibabel
 import numpy as np
 import palpate
 import pytest
+from palpate.cli.info import describe
 from palpate.io.dicom.geometry import stack_of
 from palpate.io.dicom.header import Frame
 from palpate.io.reading import list_series
+from palpate.server.messages.hello import scan_of
 from palpate.volumes.stored_values import to_stored
 from pydicom.dataset import FileDataset
 from pydicom.uid import generate_uid
@@ -49,17 +51,50 @@ def test_nothing_is_told_of_numbers_that_are_kept(kind: type) -> None:
     assert to_stored(np.random.default_rng(1).random((4, 5, 6))).off == 0.0
 
 
-def test_padding_that_becomes_air_is_counted(write_series: Any) -> None:
+def padded_with(write_series: Any, stored: int, **changes: Any) -> palpate.Volume:
+    """Reads a series with 8 voxels of padding; others are 0 to 311, and HU 1024 less."""
+
     def change(_: int, dataset: FileDataset) -> None:
         pixels = dataset.pixel_array.copy()
-        pixels[0, :2] = 63536
+        pixels[0, :2] = stored
         dataset.PixelData = pixels.tobytes()
-        dataset.PixelPaddingValue = 63536
+        dataset.PixelPaddingValue = stored
 
-    volume = palpate.read(write_series(each=change))
-    (told,) = volume.warnings
+    return palpate.read(write_series(f"padded-{stored}", each=change, **changes))
+
+
+# as GE writes -2000, and the least that is stored
+@pytest.mark.parametrize("stored", [63536, 0])
+def test_padding_that_becomes_air_is_counted_and_no_warning(write_series: Any, stored: int) -> None:
+    volume = padded_with(write_series, stored)
+    assert volume.warnings == ()
+    (told,) = volume.notes
     assert told == "8 voxels of padding were set to -1000 HU, as air (PixelPaddingValue)"
     assert np.count_nonzero(volume.values() == -1000) == 8
+    described = describe(volume)
+    assert (described["warnings"], described["notes"]) == ([], [told])
+    assert scan_of(volume).notes == [told]
+
+
+# amid the others, and as a scanner's highest number
+@pytest.mark.parametrize("stored", [300, 400])
+def test_padding_that_tissue_may_have_is_a_warning(write_series: Any, stored: int) -> None:
+    volume = padded_with(write_series, stored)
+    (told,) = volume.warnings
+    assert f"as air (PixelPaddingValue): tissue may have their value, {stored - 1024} HU" in told
+    assert volume.notes == ()
+    # where no value of air is known, only what is below all others is padding without doubt
+    magnetic = padded_with(write_series, stored + 1, Modality="MR", scale=(1.0, -50.0))
+    (told,) = magnetic.warnings
+    assert f"tissue may have their value, {stored + 1 - 50}, too" in told
+
+
+def test_low_padding_of_scans_without_unit_is_no_warning(write_series: Any) -> None:
+    magnetic = padded_with(write_series, 0, Modality="MR", scale=(1.0, 0.0))
+    assert magnetic.warnings == ()
+    assert "8 voxels of padding were set to 2, as air (PixelPaddingValue)" in magnetic.notes
+    # which is in no unit that anybody could give
+    assert "the unit of the values is unknown" in magnetic.notes
 
 
 # --- places ---------------------------------------------------------------------------------

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
+from palpate.base.errors import VolumeFormatError
+from palpate.io.image_file import middle_of
 from palpate.labels.kind import labels_told
 
 
@@ -102,3 +104,12 @@ def test_slicers_segmentations_say_it_themselves(tmp_path: Path) -> None:
     told = labels_told(path)
     assert told is not None
     assert told.what == "a segmentation of 3D Slicer"
+
+
+@pytest.mark.parametrize("name", ["mask.nii.gz", "mask.mha", "mask.nrrd"])
+def test_a_file_of_two_axes_is_neither_and_said_so(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(organs()[5]), str(path))
+    assert labels_told(path) is None
+    with pytest.raises(VolumeFormatError, match="a 2-D image of 40 x 40 voxels"):
+        middle_of(path)

@@ -179,7 +179,7 @@ def test_what_is_resampled_beyond_the_scan_is_counted(tmp_path: Path) -> None:
     SimpleITK.WriteImage(image, str(tmp_path / "rod.seg.nrrd"))
     found = palpate.read_labels(tmp_path / "rod.seg.nrrd", scan, resample=True)
     # centres at 0, 0.8, …, 5.6 mm; the scan ends at 3.5 mm
-    assert found.warnings[0] == "3 voxels of segments lie outside the scan (38 %)"
+    assert found.warnings[0] == "3 voxels of segments lie outside the scan (38 %): rod (38 %)"
     (label,) = found.labels
     assert label.segment.mask()[0, 0].tolist() == [1, 1, 1, 1]
 
@@ -241,7 +241,7 @@ def test_a_folder_of_masks_gives_a_segment_each(scan: Volume, tmp_path: Path) ->
         colour_of_name("aorta"), colour_of_name("liver")
     ]  # fmt: skip
     np.testing.assert_array_equal(found.labels[1].segment.mask(), labels == 2)
-    assert found.warnings == ("1 masks are empty",)
+    assert found.warnings == ("1 segment is empty: spleen",)
 
 
 # --- Slicer -------------------------------------------------------------------------------
@@ -267,7 +267,7 @@ def test_overlapping_segments_of_slicer_are_kept(scan: Volume, tmp_path: Path) -
     found = palpate.read_labels(path, scan)
     assert [label.segment.name for label in found.labels] == ["skull", "brain"]
     assert found.labels[0].colour == (0.5, 0.25, 1.0)
-    assert found.warnings == ("1 segments are empty",)
+    assert found.warnings == ("1 segment is empty: none",)
     np.testing.assert_array_equal(found.labels[0].segment.mask(), first == 1)
     np.testing.assert_array_equal(found.labels[1].segment.mask(), second == 1)
     assert (found.labels[0].segment.mask() & found.labels[1].segment.mask()).any()
@@ -291,6 +291,17 @@ def test_damaged_segmentations_are_refused(scan: Volume, tmp_path: Path) -> None
 
 
 # --- DICOM segmentations ------------------------------------------------------------------
+
+
+@pytest.mark.filterwarnings("ignore:::pydicom")
+def test_what_a_damaged_file_tells_as_its_modality_is_shortened(
+    scan: Volume, write_series: Any
+) -> None:
+    # a wrong length makes the rest of the file its modality
+    path = next(write_series(Modality="RTSTRUCT" + "x" * 3000).iterdir())
+    with pytest.raises(OptionError, match=r"modality 'RTSTRUCT.*; allowed: SEG or RT") as caught:
+        palpate.read_labels(path, scan)
+    assert len(str(caught.value)) < 100 + len(str(path))
 
 
 @pytest.fixture

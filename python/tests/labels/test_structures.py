@@ -194,6 +194,33 @@ def test_contours_of_another_grid_are_taken_in_one_frame_of_reference(
         palpate.read_labels(structures(tmp_path / "b.dcm", ("a", bent), frame="1.2.9"), table)
 
 
+def tilted(low: float, high: float, *, up: float) -> list[Any]:
+    """Squares drawn on planes at 45° to the scan's slices, in the middle of which is z = ``up``."""
+    return [
+        [
+            (x, 20.0 + (y - offset) * 0.7, up + (y + offset) * 0.7)
+            for x, y, _ in square(low, high, 0)
+        ]
+        for offset in range(-3, 4)
+    ]
+
+
+def test_what_is_lost_of_contours_aslant_is_told_with_its_share(tmp_path: Path) -> None:
+    table = Volume(np.zeros((30, 40, 40), np.int16), spacing=(1.0, 1.0, 1.0))
+    table.traits = replace(table.traits, frame="1.2.9")
+    path = structures(
+        tmp_path / "rt.dcm",
+        # its middle lies on the lower face of the scan
+        ("half", [[(x + 20.0, y, z) for x, y, z in each] for each in tilted(-8, 8, up=-0.5)]),
+        ("whole", [[(x + 20.0, y, z) for x, y, z in each] for each in tilted(-8, 8, up=15.0)]),
+        frame="1.2.9",
+    )
+    for resample in (False, True):
+        found = palpate.read_labels(path, table, resample=resample)
+        assert [label.segment.name for label in found.labels] == ["half", "whole"]
+        assert "partly outside the scan, and cut off there: half (50 %)" in found.warnings
+
+
 def test_a_scans_frame_of_reference_is_known(write_series: Any) -> None:
     folder = write_series(FrameOfReferenceUID="1.2.9")
     assert palpate.read(folder).traits.frame == "1.2.9"

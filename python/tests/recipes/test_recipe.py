@@ -343,8 +343,10 @@ def test_what_can_be_known_is_found_by_the_check_and_by_the_run(
         told = capsys.readouterr().err
         assert said in told
         assert str(recipe) in told
+        # a command that is told whole has flags
+        words = re.sub(r"`palpate [^`]*`", "", told)
         for internal in ("<Volume", "Expected", "enum", "--"):
-            assert internal not in told
+            assert internal not in words
     assert sorted(folder.iterdir()) == before
 
 
@@ -369,3 +371,15 @@ def test_a_registration_of_a_recipe_has_all_options_of_the_command(
     for name in ("metric_before", "metric_after", "overlap", "moved_mean_mm"):
         assert one[name] == pytest.approx(two[name], rel=1e-6)
     assert (one["kind"], one["metric"], one["start"]) == (two["kind"], two["metric"], "geometry")
+
+
+def test_an_option_that_no_step_has_is_told_as_a_whole_command(
+    folder: Path, write_image: Any, capsys: Any
+) -> None:
+    scan = read(folder / "scan.mha")
+    write_image((scan.array > 0).astype(np.uint8), "mask.nii.gz", spacing=SPACING)
+    recipe = written(folder, CHECKED.replace("moving: scan.mha", "moving: mask.raw"))
+    (folder / "mask.raw").write_bytes(bytes(1000))
+    assert run(["run", str(recipe), "--check"]) == 2
+    said = capsys.readouterr().err
+    assert f"`palpate import {folder / 'mask.raw'} --voxel-size X,Y,Z -o NEW.nrrd`" in said

@@ -73,6 +73,8 @@ def test_labels_surfaces_and_points_are_carried_where_they_belong(folder: Path) 
         (("transform: T.tfm", "transform: U.tfm"), 10, "U.tfm does not exist"),
         (("output: on-fixed.nrrd", "output: on-fixed.stl"), 10, "'on-fixed.stl' given; allowed"),
         (("output: on-fixed.nrrd", "output: labels.nrrd"), 10, "is read by another step"),
+        # on-fixed.csv has the names of the labels
+        (("output: there.csv", "output: on-fixed.csv"), 12, "is written by another step"),
         (("inverse: true, like: moving.mha", "inverse: true"), 11, "inverse without like given"),
         (("output: there.csv", "outpt: there.csv"), 12, "'outpt' is no option here .*; allowed"),
         (("output: there.csv", "output: t.csv, interpolation: cubic"), 12, "cubic"),

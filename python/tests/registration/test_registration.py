@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from palpate import OptionError, RegistrationError, SearchOptions, Volume, read, register
 from palpate.registration.image_pair import Compared, Measured
 from palpate.registration.options import Kind, Metric, Pairs
+from palpate.registration.other_places import turns
 from palpate.registration.registration import metric_for
 from palpate.registration.search import Search
 from palpate.registration.search_history import SearchHistory
@@ -199,6 +200,69 @@ def test_landmarks_find_a_turn_that_is_too_large_for_the_middle(fixed: Volume) -
     assert found.start == "landmarks"
     apart = found.points(places()) - taken(matrix, places())
     assert np.linalg.norm(apart, axis=1).max() < 0.5
+
+
+def tilted(degrees: float) -> Points:
+    """A turn about a slanted axis through the middle of the body, and a small shift."""
+    turn = SimpleITK.VersorRigid3DTransform()
+    turn.SetRotation((0.6, 0.64, 0.48), float(np.radians(degrees)))
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.reshape(turn.GetMatrix(), (3, 3))
+    matrix[:3, 3] = MIDDLE + np.array([4.0, -3.0, 2.0]) - matrix[:3, :3] @ MIDDLE
+    return matrix
+
+
+@pytest.mark.parametrize("metric", ["mutual-information", "correlation", "mean-squares"])
+def test_a_body_turned_far_is_found_or_what_was_found_is_doubted(
+    fixed: Volume, metric: Metric
+) -> None:
+    matrix = tilted(100.0)
+    moving = moving_of(matrix)
+    found = register(fixed, moving, metric=metric, options=QUICK)
+    apart = found.points(places()) - taken(matrix, places())
+    assert np.linalg.norm(apart, axis=1).max() < 1.0
+    assert (found.start, found.doubt) == ("turned", None)
+    # a start that was asked for is kept, but its end is not passed off as the best
+    asked = register(fixed, moving, metric=metric, start="centre", options=QUICK)
+    away = np.linalg.norm(asked.points(places()) - taken(matrix, places()), axis=1).mean()
+    assert away > 10.0
+    assert asked.start == "centre"
+    assert "more alike in another place" in (asked.doubt or "")
+
+
+def test_a_body_that_looks_alike_from_two_sides_is_told() -> None:
+    def pillar(points: Points) -> Points:
+        off = np.abs(points - MIDDLE) / (12.0, 20.0, 25.0)
+        return np.where(off.max(axis=-1) < 1.0, 500.0, -1000.0)
+
+    still, moving = scan(pillar), scan(lambda points: pillar(points - (6.0, -4.0, 5.0)))
+    found = register(still, moving, metric="correlation", options=QUICK)
+    # planes of voxels on planes: within a voxel
+    moved = found.points(MIDDLE)[0] - MIDDLE
+    assert np.abs(moved - (6.0, -4.0, 5.0)).max() < 2.5
+    assert "alike in another place" in (found.doubt or "")
+
+
+def test_turns_are_spread_evenly() -> None:
+    spread = turns(400)
+    np.testing.assert_allclose(
+        spread @ spread.swapaxes(1, 2), np.tile(np.eye(3), (400, 1, 1)), atol=1e-12
+    )
+    some = turns(4001)
+    nearest = np.einsum("nij,mij->nm", some, spread).max(axis=1)
+    assert np.degrees(np.arccos((nearest.min() - 1.0) / 2.0)) < 30.0
+
+
+@pytest.mark.parametrize("degrees", [60.0, 90.0])
+def test_a_turn_about_a_locking_axis_is_found_as_well(fixed: Volume, degrees: float) -> None:
+    matrix = np.eye(4)
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    matrix[1:3, 1:3] = [[c, -s], [s, c]]
+    matrix[:3, 3] = MIDDLE - matrix[:3, :3] @ MIDDLE
+    found = register(fixed, moving_of(matrix), metric="correlation", options=QUICK)
+    apart = found.points(places()) - taken(matrix, places())
+    # less than a voxel
+    assert np.linalg.norm(apart, axis=1).max() < 2.5
 
 
 def test_moments_find_a_body_far_from_the_middle_of_its_scan(fixed: Volume) -> None:

@@ -56,7 +56,7 @@ def test_what_it_finds_is_written_under_its_names(
     (spleen,) = (one.segment for one in read_labels(out, volume).labels)
     assert spleen.name == "spleen"
     np.testing.assert_array_equal(spleen.mask() != 0, volume.array == 400)
-    assert "1 masks are empty" in capsys.readouterr().err
+    assert "1 segment is empty: liver" in capsys.readouterr().err
 
 
 def test_a_person_without_it_is_told_how_to_install_it(

@@ -168,6 +168,7 @@ LYING_PLY = (
         ("points.obj", b"v 0 0 0\nv 1 0 0\n", "allowed"),
         ("far.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "allowed"),
         ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "allowed"),
+        ("plane.obj", b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "three numbers each"),
         ("flat.obj", b"v 0 0 0\nv 9 0 0\nv 9 0 0\nf 1 2 3\n", "area|no triangles"),
         ("mesh.xyz", b"0 0 0", "allowed: a file with .stl"),
     ],
@@ -361,3 +362,11 @@ def test_open_bones_tell_their_holes(data_folder: Path) -> None:
     assert any("hole" in note for note in file.notes)
     volume = grid_around([file.mesh], 1.0)
     assert segment_of_mesh(file, volume, as_shell=True).voxel_count > 1000
+
+
+@pytest.mark.parametrize("lines", ["v 0 0\n" * 3, "v 1\n" * 3, "v 0 0 0\nv 1 0\nv 0 1 0\n"])
+def test_vertices_have_three_coordinates(tmp_path: Path, lines: str) -> None:
+    path = tmp_path / "flat.obj"
+    path.write_text(f"{lines}f 1 2 3\n", "ascii")
+    with pytest.raises(MeshFormatError, match=r"flat\.obj.*allowed"):
+        read_mesh(path, frame="LPS", unit="mm")

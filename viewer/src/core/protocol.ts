@@ -127,7 +127,8 @@ export interface ThresholdPreset {
  * as "HU" or "SUVbw", "" where it is not known. `title` is for windows: it contains no file
  * name that the user did not type. `volume` is which of how many volumes of its file or series
  * it is, such as times, from 1; null where others cannot be opened. A `rereadable` scan can be
- * read again with what its files do not tell.
+ * read again with what its files do not tell. `notes` are no warnings: what was assumed or
+ * changed in reading, and is hardly ever wrong.
  */
 export interface Scan {
   readonly name: string;
@@ -148,6 +149,7 @@ export interface Scan {
   readonly rereadable: boolean;
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
+  readonly notes: readonly string[];
 }
 
 /**
@@ -1451,6 +1453,7 @@ const isScan = record({
   rereadable: flag,
   orientation_known: flag,
   warnings: list(text()),
+  notes: list(text()),
 });
 
 const isFeel = record({

@@ -3,7 +3,7 @@
  */
 import type { LaidOut } from "../core/library/headerless";
 import { Lines, type About, type GivenFile, type JobLine } from "../core/library/library";
-import type { ReconstructionGrid, ReconstructionRequest } from "../core/library/reconstruction";
+import type { AskedReconstruction, ReconstructionGrid } from "../core/library/reconstruction";
 import type { Vec3 } from "../core/geometry/vector";
 import { apiAddress } from "./connection";
 
@@ -55,7 +55,7 @@ export async function work(
 
 /** Asks for the grid of the scan that projections would give. Throws why they would give none. */
 export async function askGrid(
-  wanted: { readonly find: number; readonly request: ReconstructionRequest },
+  wanted: AskedReconstruction,
   token: string,
 ): Promise<ReconstructionGrid> {
   return (await asked("reconstruct/grid", wanted, token)) as ReconstructionGrid;
@@ -117,10 +117,15 @@ export async function bring(
     await Promise.all(Array.from({ length: atOnce }, bringNext));
   } catch (error) {
     waiting.length = 0;
-    void fetch(apiAddress(place, token), { method: "DELETE" });
+    void dropUpload(upload, token);
     throw error;
   }
   return upload;
+}
+
+/** Has the engine forget files that were brought to it. */
+export async function dropUpload(upload: number, token: string): Promise<void> {
+  await fetch(apiAddress(`/api/library/uploads/${String(upload)}`, token), { method: "DELETE" });
 }
 
 /** `fetch` does not tell how much of a large file was sent. */

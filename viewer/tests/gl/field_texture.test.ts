@@ -3,6 +3,7 @@
  */
 import type * as THREE from "three";
 import { expect, test } from "vitest";
+import type { Vec3 } from "../../src/core/geometry/vector";
 import { frameOf } from "../../src/core/scan/scan_volume";
 import { FieldTexture } from "../../src/gl/textures/field_texture";
 import { scanOf } from "../support/volumes";
@@ -36,4 +37,17 @@ test("planes that have arrived since are sent again slab by slab, all others onc
   expect(sent.slice(5)).toEqual([[4, 8], [8, 10]]);
   expect(field.uploadSlab(renderer)).toBe(true);
   expect(sent.length).toBe(7);
+});
+
+test("values that are sent as floats are those of the box, and come to its place", () => {
+  const frame = frameOf(scanOf([5, 4, 3], [1, 1, 1]));
+  const values = Uint16Array.from({ length: 60 }, (_, i) => i);
+  const volume = { frame, step: 1, dimensions: frame.dimensions, values };
+  const sent: unknown[] = [];
+  const copyTextureToTexture = (source: THREE.Data3DTexture, _: unknown, { min, max }: THREE.Box3, to: Vec3): void => {
+    sent.push([[...(source.image.data ?? [])], [...min], [...max], [...to]]);
+  };
+  const renderer = { copyTextureToTexture } as unknown as THREE.WebGLRenderer;
+  new FieldTexture(volume, "r32f").uploadBox(renderer, { low: [1, 2, 1], high: [3, 4, 3] });
+  expect(sent).toEqual([[[31, 32, 36, 37, 51, 52, 56, 57], [0, 0, 0], [2, 2, 2], [1, 2, 1]]]);
 });

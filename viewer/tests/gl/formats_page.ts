@@ -2,9 +2,9 @@
  * Runs in the browser: what shaders read of a scan that holds each of the 65 536 stored values once.
  */
 import * as THREE from "three";
-import { FieldTexture, fieldFormatFor, type FieldFormat } from "../../src/gl/textures/field_texture";
+import { FieldTexture, type FieldFormat } from "../../src/gl/textures/field_texture";
 import { FullscreenPass } from "../../src/gl/base/fullscreen_pass";
-import { gpuSupport } from "../../src/gl/base/gpu_support";
+import { chooseFilter, filterError, type FieldFilter } from "../../src/gl/march/field_filter";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import displaced from "../../src/gl/shaders/scan/displacements.glsl?raw";
 import field from "../../src/gl/shaders/scan/field.glsl?raw";
@@ -34,7 +34,9 @@ export function reading({ format, aside }: Reading): number[] {
   renderer.autoClear = false;
   const volume = volumeOf(scanOf([edge, edge, 1], [1, 1, 1]), ([x, y]) => Math.floor(x) + edge * Math.floor(y) - 32768);
   const texture = new FieldTexture(volume, format);
-  while (!texture.uploadSlab(renderer));
+  // as edits are sent, box by box
+  texture.uploadBox(renderer, { low: [0, 0, 0], high: [100, edge, 1] });
+  texture.uploadBox(renderer, { low: [100, 0, 0], high: [edge, edge, 1] });
   const marcher = new RayMarcher();
   marcher.setField(texture, volume.bricks);
   const pass = new FullscreenPass(reader, {
@@ -55,8 +57,25 @@ export function reading({ format, aside }: Reading): number[] {
   return Array.from({ length: edge * edge }, (_, i) => texels[4 * i] ?? NaN);
 }
 
-/** The format that the page takes on this GPU. */
-export function usualFormat(): FieldFormat | null {
-  const support = gpuSupport();
-  return support === null ? null : fieldFormatFor(support);
+/** How the page has this GPU filter a scan, as if it had none of these extensions. */
+export function usualFilter(without: readonly string[]): FieldFilter {
+  return onRenderer((renderer) => {
+    const has = renderer.extensions.has.bind(renderer.extensions);
+    renderer.extensions.has = (name) => !without.includes(name) && has(name);
+    return chooseFilter(renderer);
+  });
+}
+
+/** How far a format is off on this GPU [stored values]. */
+export function errorOf(format: FieldFormat): number {
+  return onRenderer((renderer) => filterError(renderer, format));
+}
+
+function onRenderer<T>(work: (renderer: THREE.WebGLRenderer) => T): T {
+  const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
+  renderer.autoClear = false;
+  const done = work(renderer);
+  renderer.dispose();
+  renderer.forceContextLoss();
+  return done;
 }

@@ -24,8 +24,7 @@ export async function programs(test: MarchTest, software: boolean): Promise<Prog
   const drawn = pictureOf(false, software);
   const { picture } = drawn;
   const until = async (is: () => boolean): Promise<void> => {
-    while (!is()) {
-      picture.advance(performance.now());
+    for (picture.advance(performance.now()); !is(); picture.advance(performance.now())) {
       await new Promise((resolve) => setTimeout(resolve, 5));
     }
   };

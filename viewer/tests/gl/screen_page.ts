@@ -10,7 +10,7 @@ import { firstQuality, type Quality } from "../../src/core/view/quality";
 import { firstStereo, type Stereo } from "../../src/core/view/stereo";
 import { decodeSurface } from "../../src/core/surfaces/surface_patches";
 import { addScaled, type Vec3 } from "../../src/core/geometry/vector";
-import { forEachCell, type Box } from "../../src/core/scan/voxel_change";
+import { forEachCell, updateBricks, type Box } from "../../src/core/scan/voxel_change";
 import { gpuSupport } from "../../src/gl/base/gpu_support";
 import type { MarkerState } from "../../src/gl/markers/markers";
 import { Picture } from "../../src/gl/picture/picture";
@@ -168,6 +168,16 @@ export function pictureOf(
   return { picture, gl };
 }
 
+/** Has the next picture of a view that has moved on the screen. */
+async function moved(picture: Picture): Promise<void> {
+  const { pieces } = picture;
+  do {
+    picture.advance(performance.now());
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  } while (picture.pieces === pieces);
+  picture.advance(performance.now());
+}
+
 /** The picture once it is as fine as it gets; sRGB bytes, rows from the bottom. */
 export async function finished(drawn: ReturnType<typeof pictureOf>, size = edge): Promise<number[]> {
   const { picture } = drawn;
@@ -253,12 +263,77 @@ export async function hasty(
   for (let tries = 0; tries < 20 && picture.shown.divisor < 4; ++tries) {
     await finished(drawn);
     picture.setCamera(viewOf(test, extent), extent);
-    picture.advance(performance.now());
+    await moved(picture);
   }
   const { divisor } = picture.shown;
   const pixels = pixelsOf(drawn);
   picture.dispose();
   return { divisor, pixels };
+}
+
+/** By what the resolution of pictures was divided that were on the screen one after the other, from a move to rest. */
+export async function steps(test: MarchTest): Promise<number[]> {
+  const drawn = pictureOf(false, true);
+  const { picture } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  // nothing fits into it
+  picture.setQuality({ ...firstQuality(true), frameBudget: 1e-3 });
+  picture.resize(4 * edge, 4 * edge);
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setAppearance(appearanceOf(test));
+  picture.setCamera(viewOf(test, extent), extent);
+  await finished(drawn);
+  for (let tries = 0; tries < 20 && picture.shown.divisor < 8; ++tries) {
+    picture.setCamera(viewOf(test, extent), extent);
+    await moved(picture);
+  }
+  const seen = [picture.shown.divisor];
+  do {
+    picture.advance(performance.now());
+    seen.push(picture.shown.divisor);
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  } while (!picture.shown.finished);
+  picture.dispose();
+  return seen.filter((divisor, i) => divisor !== seen[i - 1]);
+}
+
+export interface BoredResult {
+  /** Before the hole, as it is seen first, and as fine as it gets; sRGB bytes, rows from the bottom. */
+  readonly before: number[];
+  readonly first: number[];
+  readonly last: number[];
+  /** By what resolutions of pictures were divided at most since then. */
+  readonly worst: number;
+}
+
+/** A picture at rest, of whose scan a box becomes air. */
+export async function bored(test: MarchTest, box: Box): Promise<BoredResult> {
+  const drawn = pictureOf(false, true);
+  const { picture } = drawn;
+  const volume = fieldOf(test);
+  const bricks = bricksOf(volume, true);
+  const extent = outlineOf(test);
+  picture.setScan(volume, bricks);
+  picture.setAppearance(appearanceOf(test));
+  picture.setCamera(viewOf(test, extent), extent);
+  const before = await finished(drawn);
+  forEachCell(box, volume.dimensions, (i) => {
+    volume.values[i] = 0;
+  });
+  updateBricks(bricks, volume, box);
+  picture.changeVoxels(box, { values: true, labels: false });
+  let worst = 0;
+  let first: number[];
+  do {
+    await moved(picture);
+    worst = Math.max(worst, picture.shown.divisor);
+    first = pixelsOf(drawn);
+  } while (first.every((value, i) => value === before[i]));
+  const last = await finished(drawn);
+  worst = Math.max(worst, picture.shown.divisor);
+  picture.dispose();
+  return { before, first, last, worst };
 }
 
 /**

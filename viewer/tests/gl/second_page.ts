@@ -9,7 +9,7 @@ import { firstLighting } from "../../src/core/appearance/appearance";
 import { shadedOptics, type Blend } from "../../src/core/appearance/optics";
 import type { SecondAppearance } from "../../src/core/second/second_scan";
 import type { TransferFunction } from "../../src/core/appearance/transfer_function";
-import { FieldTexture } from "../../src/gl/textures/field_texture";
+import { FieldTexture, type FieldFormat } from "../../src/gl/textures/field_texture";
 import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { scanOf, volumeOf } from "../support/volumes";
@@ -25,6 +25,8 @@ export interface SecondTest {
   /** Half of the second scan holds nothing. */
   readonly half?: boolean;
   readonly step?: number;
+  /** Of either scan's values on the GPU. */
+  readonly format?: FieldFormat;
   /** Share of the second scan where a ray has one value, and of its iso-surface. */
   readonly opacity?: number;
   /** How the view shows both, in cells of which edge [mm], and whose turn it is. */
@@ -55,7 +57,7 @@ export function second(test: SecondTest): MarchResult[] {
   const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
   renderer.autoClear = false;
   const volume = volumeOf(scanOf([size, size, size], [1, 1, 1]), () => (test.first > 0 ? inside : air));
-  const field = new FieldTexture(volume, "rg8");
+  const field = new FieldTexture(volume, test.format ?? "rg8");
   while (!field.uploadSlab(renderer));
   const marcher = new RayMarcher();
   marcher.setField(field, brickRanges(volume));

@@ -25,6 +25,7 @@ export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]
     rereadable: true,
     orientation_known: true,
     warnings: [],
+    notes: [],
   };
 }
 

@@ -63,6 +63,14 @@ impl CellGrid {
         VoxelBox::new(low.as_ivec3(), high.as_ivec3()).intersect(&self.all())
     }
 
+    /// Columns of voxels of which cells of a row tell, from one cell to another.
+    pub fn columns_read_by(&self, first: i32, last: i32) -> Range<usize> {
+        let end = (self.counts.x as f32 * self.voxels.x).round() as usize;
+        let low = (first as f32 * self.voxels.x) as usize;
+        let high = ((last + 1) as f32 * self.voxels.x).ceil() as usize;
+        low.saturating_sub(READ as usize)..(high + READ as usize).min(end)
+    }
+
     /// Cells from a brick to the farthest that something drawn in it makes be looked up.
     pub fn seen_from_brick(&self) -> IVec3 {
         let voxels = 8.0 * (f32::from(self.empty_reach) + 1.0);

@@ -146,7 +146,10 @@ impl Clarity {
         // one more for the copy of the first cell
         let start = (cells.start as i32 + whole as i32 + 1) as usize;
         let count = cells.len();
-        let [a, b, c, d] = rows.map(|row| &self.rows[row * width + start..][..=count]);
+        let a = &self.rows[rows[0] * width + start..][..=count];
+        let b = &self.rows[rows[1] * width + start..][..=count];
+        let c = &self.rows[rows[2] * width + start..][..=count];
+        let d = &self.rows[rows[3] * width + start..][..=count];
         let mean = &mut scratch.mean[..=count];
         for i in 0..=count {
             mean[i] = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];

@@ -1,7 +1,7 @@
 //! How much of the light passes a cell over the length of its edge: by the mean optical thickness at some of its
 //! places, of what is drawn there as the ray caster draws it. Eight cells of a row at a time.
 
-use glam::{IVec3, Vec3};
+use glam::IVec3;
 use palpate_volume::simd_dispatch;
 use palpate_volume::simd_dispatch::SimdLevel;
 use palpate_volume::voxel_box::VoxelBox;
@@ -9,10 +9,11 @@ use palpate_volume::voxel_box::VoxelBox;
 use crate::appearance::Blend;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::Avx2;
-use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Plain, Vector, exp_of_negative};
+use crate::lanes::{Floats, Gather, Ints, LANES, Plain, Vector, exp_of_negative};
 use crate::light_volume::Stop;
 use crate::light_volume::cells::CellGrid;
 use crate::light_volume::clarity::Clarity;
+use crate::light_volume::line::Line;
 use crate::prepared::Prepared;
 use crate::scene::Scene;
 use crate::shading::{boundary, is_before_a_plane};
@@ -102,50 +103,62 @@ impl Job<'_> {
         })
     }
 
-    /// Some cells of a row.
+    /// Some cells of a row, by rising number.
     #[inline(always)]
     fn row<L: Gather>(&self, (y, z): (i32, i32), cells: &[i32], row: &mut [f32]) {
-        for cells in cells.chunks(LANES) {
-            let mut x = [cells[0]; LANES];
-            x[..cells.len()].copy_from_slice(cells);
-            let column = L::Int::load(&x).to_float();
-            let corner = Vector::<L>::new(column, Floats::splat(y as f32), Floats::splat(z as f32));
-            let shares = self.passing(corner).store();
-            for (&x, share) in cells.iter().zip(shares) {
+        let (Some(first), Some(last)) = (cells.first(), cells.last()) else {
+            return;
+        };
+        let columns = self.grid.columns_read_by(*first, *last);
+        let size = self.grid.voxels;
+        let mut line = Line::new(self.scene.field.dimensions().x as usize);
+        let mut sums = vec![[0.0; LANES]; cells.len().div_ceil(LANES)];
+        let with_gradient = self.prepared.appearance.blend != Blend::Iso;
+        for i in 0..PLACES * PLACES {
+            let place_y = (y as f32 + part(i % PLACES)) * size.y;
+            let place_z = (z as f32 + part(i / PLACES)) * size.z;
+            let place = (place_y, place_z);
+            line.read(&self.scene.field, place, &columns, with_gradient);
+            for (cells, sum) in cells.chunks(LANES).zip(&mut sums) {
+                let mut x = [cells[0]; LANES];
+                x[..cells.len()].copy_from_slice(cells);
+                let x = L::Int::load(&x).to_float();
+                let more = self.thickness::<L>(&line, x, place);
+                *sum = (L::Float::load(sum) + more).store();
+            }
+        }
+        for (cells, sum) in cells.chunks(LANES).zip(&sums) {
+            let passing = passing::<L>(Floats::load(sum)).store();
+            for (&x, share) in cells.iter().zip(passing) {
                 row[x as usize] = share;
             }
         }
     }
 
-    /// Fractions of the light that pass cells with these corners [cells].
+    /// Sum of the optical thickness of cells at their places along a line. `x`: their numbers.
     #[inline(always)]
-    fn passing<L: Gather>(&self, corner: Vector<L>) -> L::Float {
-        let size = Vector::<L>::splat(self.grid.voxels);
+    fn thickness<L: Gather>(&self, line: &Line, x: L::Float, (y, z): (f32, f32)) -> L::Float {
         let edge = L::Float::splat(self.grid.edge);
-        let zero = L::Float::splat(0.0);
-        let mut sum = zero;
-        for i in 0..PLACES * PLACES * PLACES {
-            let part = IVec3::new(i % PLACES, i / PLACES % PLACES, i / (PLACES * PLACES));
-            let part: Vec3 = (part.as_vec3() + 0.5) / PLACES as f32;
-            let place = (corner + Vector::splat(part)).times(size);
-            let thickness = self.extinction_at(place) * edge;
+        let mut sum = L::Float::splat(0.0);
+        for i in 0..PLACES {
+            let x = (x + Floats::splat(part(i))) * Floats::splat(self.grid.voxels.x);
+            let grid = Vector::<L>::new(x, Floats::splat(y), Floats::splat(z));
+            let thickness = self.extinction_at(line, grid) * edge;
             sum = sum + thickness.min(Floats::splat(FULL));
         }
-        let mean = sum * Floats::splat(1.0 / (PLACES * PLACES * PLACES) as f32);
-        let passing = exp_of_negative::<L>(zero - mean);
-        passing.or_else(L::Float::splat(NONE).less(sum), Floats::splat(1.0))
+        sum
     }
 
     /// Extinction of what is drawn at a place [1/mm].
     #[inline(always)]
-    fn extinction_at<L: Gather>(&self, grid: Vector<L>) -> L::Float {
+    fn extinction_at<L: Gather>(&self, line: &Line, grid: Vector<L>) -> L::Float {
         let Self {
             scene: Scene { field, .. },
             prepared,
             ..
         } = self;
         let (zero, full) = (L::Float::splat(0.0), L::Float::splat(FULL));
-        let value = field.value_at(grid);
+        let (value, gradient) = line.at::<L>(grid.x);
         let code = prepared.segments.at(field, grid, value);
         let solid = prepared.segments.are_solid::<L>(code);
         let hidden = L::Int::splat(0).greater(code);
@@ -154,25 +167,29 @@ impl Job<'_> {
             let height = value * Floats::splat(prepared.grey.0) + Floats::splat(prepared.grey.1);
             full.or_else(zero.at_most(height), zero)
         } else {
-            self.extinction_of_tissue(grid, value, seen & !solid)
+            self.extinction_of_tissue(value, gradient)
         };
         full.or_else(solid, extinction).or_else(seen, zero)
     }
 
     #[inline(always)]
-    fn extinction_of_tissue<L: Gather>(
-        &self,
-        grid: Vector<L>,
-        value: L::Float,
-        asked: L::Mask,
-    ) -> L::Float {
-        let extinction = self.prepared.transfer.extinction_at::<L>(value)
-            * Floats::splat(self.prepared.appearance.density);
-        if !(asked & L::Float::splat(0.0).less(extinction)).any() {
-            return extinction;
-        }
-        let gradient = self.scene.field.gradient_at(grid).length();
-        let (kept, _) = boundary::<L>((self.edge_gradient, self.flat_share), gradient);
+    fn extinction_of_tissue<L: Gather>(&self, value: L::Float, gradient: Vector<L>) -> L::Float {
+        let density = self.prepared.appearance.density;
+        let extinction = self.prepared.transfer.extinction_at::<L>(value) * Floats::splat(density);
+        let (kept, _) = boundary::<L>((self.edge_gradient, self.flat_share), gradient.length());
         extinction * kept
     }
+}
+
+/// Where in a cell a place lies.
+fn part(i: i32) -> f32 {
+    (i as f32 + 0.5) / PLACES as f32
+}
+
+/// Fraction of the light that passes, from the sum of the optical thickness at all places.
+#[inline(always)]
+fn passing<L: Gather>(sum: L::Float) -> L::Float {
+    let mean = sum * Floats::splat(1.0 / (PLACES * PLACES * PLACES) as f32);
+    let passing = exp_of_negative::<L>(L::Float::splat(0.0) - mean);
+    passing.or_else(L::Float::splat(NONE).less(sum), Floats::splat(1.0))
 }

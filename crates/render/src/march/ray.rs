@@ -204,7 +204,7 @@ impl Pixels {
         let shift = L::Float::splat(5.588_238 * pattern as f32);
         let sum = (column + shift) * Floats::splat(0.067_110_56)
             + (row + shift) * Floats::splat(0.005_837_15);
-        let scaled = L::Float::splat(52.982_918_9) * (sum - sum.floor());
+        let scaled = L::Float::splat(52.982_918) * (sum - sum.floor());
         scaled - scaled.floor()
     }
 }

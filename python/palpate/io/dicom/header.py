@@ -23,6 +23,7 @@ from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
 from palpate.io.dicom.detector import detector_place
 from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
+from palpate.io.dicom.enhanced_pet import ENHANCED_PET, enhanced_pet_tags_of, pet_mapping
 from palpate.io.dicom.mark import has_mark, read_dataset
 from palpate.io.dicom.mixtures import scans_of
 from palpate.io.dicom.pet_tags import PetTags, pet_tags_of
@@ -341,9 +342,17 @@ def _header(
         thickness=_length(dataset, "SliceThickness"),
         table=table_of(dataset),
         told=_told(dataset, count),
-        pet=pet_tags_of(dataset, modality),
+        pet=_pet_tags(dataset, modality, count),
         dose=dose,
     )
+
+
+def _pet_tags(dataset: Dataset, modality: str, count: int) -> PetTags | None:
+    """Returns what a file of PET says about its values; None where it is none."""
+    if dataset.get("SOPClassUID") == ENHANCED_PET:
+        mappings = [pet_mapping(_holders(dataset, index)) for index in range(count)]
+        return enhanced_pet_tags_of(dataset, mappings)
+    return pet_tags_of(dataset) if modality == "PT" and dataset.get("Units") else None
 
 
 def frame_of(dataset: Dataset, index: int) -> Frame:
@@ -418,6 +427,11 @@ def _groups(dataset: Dataset, index: int) -> list[Dataset]:
     return [*per_frame[index : index + 1], *shared[:1]]
 
 
+def _holders(dataset: Dataset, index: int) -> list[Dataset]:
+    """Returns a frame's own functional groups, the shared ones and the file."""
+    return [*_groups(dataset, index), dataset]
+
+
 def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
     own = scale_of(_holder(dataset, index, "PixelValueTransformationSequence"))
     mapping = _mapping(dataset, index, own)
@@ -427,11 +441,15 @@ def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
 def _mapping(dataset: Dataset, index: int, own: tuple[float, float] | None) -> Dataset | None:
     """Returns what maps stored numbers to real world values, where that gives a frame its values.
 
-    That is in parametric maps, and where the frame has no slope and intercept of its own.
+    That is in parametric maps and enhanced PET, and where the frame has no slope and intercept of
+    its own.
     """
-    if own is not None and dataset.get("SOPClassUID") != PARAMETRIC_MAP:
+    kind = dataset.get("SOPClassUID")
+    if kind == ENHANCED_PET:
+        return pet_mapping(_holders(dataset, index))
+    if own is not None and kind != PARAMETRIC_MAP:
         return None
-    for holder in (*_groups(dataset, index), dataset):
+    for holder in _holders(dataset, index):
         if holder.get("RealWorldValueMappingSequence"):
             mapping: Dataset = holder.RealWorldValueMappingSequence[0]
             return mapping
@@ -445,11 +463,13 @@ def _told(dataset: Dataset, count: int) -> tuple[str, ...]:
     trouble = dict.fromkeys(filter(None, map(scale_trouble, holders)))
     own = scale_of(_holder(dataset, 0, "PixelValueTransformationSequence"))
     mapping = _mapping(dataset, 0, own)
+    is_pet = dataset.get("SOPClassUID") == ENHANCED_PET
     measures = _holder(dataset, 0, "PixelMeasuresSequence")
     at_detector = not measures.get("PixelSpacing") and bool(dataset.get("ImagerPixelSpacing"))
     return (
         *trouble,
-        *([] if mapping is None else [_mapped(mapping)]),
+        # of PET the unit is told with what is made of it
+        *([] if mapping is None or is_pet else [_mapped(mapping)]),
         *([AT_DETECTOR] if at_detector else []),
     )
 

@@ -14,10 +14,20 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["PetTags", "pet_tags_of"]
+__all__ = ["Corrections", "PetTags", "moment_of", "pet_tags_of"]
 
 GE_SCAN = 0x0009, "GEMS_PETD_01"
 PHILIPS = 0x7053, "Philips PET Private Group"
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """What an enhanced image says of its corrections."""
+
+    decayed_to: datetime | None
+    """Time to which decay is corrected in all frames."""
+    lacking: str
+    """What SUV needs and is not there, in words; "" for nothing."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +59,8 @@ class PetTags:
     """When its average count rate occurred, after the start of the scan [s]."""
     duration: float | None = None
     """Of its frame [s]."""
+    corrections: Corrections | None = None
+    """Of an enhanced image; None of single slices."""
 
     @property
     def shared(self) -> PetTags:
@@ -56,12 +68,10 @@ class PetTags:
         return replace(self, acquired=None, reference=None, duration=None)
 
 
-def pet_tags_of(dataset: Dataset, modality: str) -> PetTags | None:
-    """Returns what a file says about its values; None where it is no PET of single slices."""
+def pet_tags_of(dataset: Dataset) -> PetTags:
+    """Returns what a file of PET says about its values, as single slices have it."""
     from pydicom.dataset import Dataset
 
-    if modality != "PT" or not dataset.get("Units"):
-        return None
     items = dataset.get("RadiopharmaceuticalInformationSequence") or []
     pharmaceutical = items[0] if items else Dataset()
     corrected = dataset.get("CorrectedImage") or ()
@@ -74,14 +84,14 @@ def pet_tags_of(dataset: Dataset, modality: str) -> PetTags | None:
         pharmaceuticals=len(items),
         dose=_number(pharmaceutical, "RadionuclideTotalDose"),
         half_life=_number(pharmaceutical, "RadionuclideHalfLife"),
-        injected=_moment(_text(pharmaceutical, "RadiopharmaceuticalStartDateTime")),
+        injected=moment_of(_text(pharmaceutical, "RadiopharmaceuticalStartDateTime")),
         injected_time=_clock(_text(pharmaceutical, "RadiopharmaceuticalStartTime")),
         series_start=_date_and_time(dataset, "Series"),
-        ge_start=_moment(str(_private(dataset, GE_SCAN, 0x0D) or "")),
+        ge_start=moment_of(str(_private(dataset, GE_SCAN, 0x0D) or "")),
         philips_suv=_positive(_private(dataset, PHILIPS, 0x00)),
         philips_activity=_positive(_private(dataset, PHILIPS, 0x09)),
         acquired=_date_and_time(dataset, "Acquisition")
-        or _moment(_text(dataset, "AcquisitionDateTime")),
+        or moment_of(_text(dataset, "AcquisitionDateTime")),
         reference=_seconds(_number(dataset, "FrameReferenceTime")),
         duration=_seconds(_number(dataset, "ActualFrameDuration")),
     )
@@ -150,7 +160,7 @@ def _clock(text: str) -> time | None:
         return None
 
 
-def _moment(text: str) -> datetime | None:
+def moment_of(text: str) -> datetime | None:
     """Returns date and time in the scanner's own zone, as all others are."""
     from pydicom.valuerep import DT
 

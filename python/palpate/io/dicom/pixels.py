@@ -63,6 +63,9 @@ class SlicePixels:
     """Files that cannot be decoded, whose slices are left out."""
     padded: int = 0
     """Voxels of padding whose value was another than air."""
+    measurable: tuple[float, float] | None = None
+    """Values of padding that what was measured may have too, lowest and highest [unit of the scan];
+    None where it cannot."""
 
 
 def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels:
@@ -90,13 +93,35 @@ def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels
     # what was not measured is air, or where that has no known value the lowest that was
     air = AIR_HU if headers[0].unit == "HU" else min(part.lowest for part in parts)
     air = air if np.isfinite(air) else 0.0
+    measured = min(part.lowest for part in parts), max(part.highest for part in parts)
+    is_hu = headers[0].unit == "HU"
     padded = 0
+    unsure: list[float] = []
     for part in parts:
         if part.padded is not None:
-            padded += int(np.count_nonzero(part.values[part.padded] != air))
+            padding = part.values[part.padded]
+            padding = padding[padding != air]
+            padded += padding.size
+            unsure += _measurable(padding, measured, is_hu=is_hu)
             part.values[part.padded] = air
     values = np.concatenate([part.values for part in parts])
-    return SlicePixels(values, air, tuple(failed), padded)
+    measurable = (min(unsure), max(unsure)) if unsure else None
+    return SlicePixels(values, air, tuple(failed), padded, measurable)
+
+
+def _measurable(
+    padding: NDArray[Any], measured: tuple[float, float], *, is_hu: bool
+) -> list[float]:
+    """Returns the ends of padding's values that may be measured ones; none where none may.
+
+    Such are neither below all that was measured, nor air or less, nor far above.
+    """
+    lowest, highest = measured
+    least = max(lowest, np.nextafter(AIR_HU, 0.0)) if is_hu else lowest
+    # a scanner's highest number is next to others: metal may have it
+    most = highest + (highest - lowest)
+    found = padding[(padding >= least) & (padding <= most)]
+    return [float(found.min()), float(found.max())] if found.size else []
 
 
 def read_slice(header: Header, frame: int) -> NDArray[Any]:
@@ -133,6 +158,8 @@ class _Part:
     padded: NDArray[np.bool_] | None
     lowest: float
     """Of those that are not padding."""
+    highest: float
+    """Of the same."""
 
 
 def _part_or_error(header: Header) -> _Part | VolumeFormatError:
@@ -147,7 +174,9 @@ def _part(header: Header) -> _Part:
     padded = _padded(stored, header.padding)
     values = _values(header, stored)
     measured = values if padded is None else values[~padded]
-    return _Part(values, padded, float(measured.min()) if measured.size else np.inf)
+    if not measured.size:
+        return _Part(values, padded, np.inf, -np.inf)
+    return _Part(values, padded, float(measured.min()), float(measured.max()))
 
 
 def file_values(header: Header) -> NDArray[Any]:

@@ -259,10 +259,21 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
     scan = _scan(plan, values)
     scan.warnings += [*plan.said, *told]
     if pixels.padded:
-        unit = f" {scan.unit}" if scan.unit else ""
-        some = counted(pixels.padded, "voxel of padding was", "voxels of padding were")
-        scan.warnings.append(f"{some} set to {pixels.air:g}{unit}, as air (PixelPaddingValue)")
+        _tell_padding(scan, pixels)
     return scan
+
+
+def _tell_padding(scan: RawScan, pixels: SlicePixels) -> None:
+    """Notes how many voxels of padding became air; warns where they may be more than padding."""
+    unit = f" {scan.unit}" if scan.unit else ""
+    some = counted(pixels.padded, "voxel of padding was", "voxels of padding were")
+    said = f"{some} set to {pixels.air:g}{unit}, as air (PixelPaddingValue)"
+    if pixels.measurable is None:
+        scan.notes.append(said)
+        return
+    low, high = pixels.measurable
+    ends = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+    scan.warnings.append(f"{said}: tissue may have their value, {ends}{unit}, too")
 
 
 def _missing_parts(series: Series) -> tuple[str, ...]:
@@ -316,10 +327,11 @@ def _scan(plan: Plan, values: NDArray[Any]) -> RawScan:
         orientation_known=plan.stack is not None,
     )
     if series.headers[0].inverted:
-        scan.warnings.append(
-            "the files want low values bright (MONOCHROME1): "
-            + (f"{scan.unit} are kept as they are" if scan.unit else "values are turned around")
-        )
+        said = "the files want low values bright (MONOCHROME1)"
+        if scan.unit:
+            scan.notes.append(f"{said}: {scan.unit} are kept as they are")
+        else:
+            scan.warnings.append(f"{said}: values are turned around")
     if grid.told:
         scan.warnings.append("; ".join(grid.told))
     return scan

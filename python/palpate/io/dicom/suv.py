@@ -37,6 +37,10 @@ SUV_BY_TYPE = {
 PLAIN_UNITS = {"BQML": "Bq/ml", "CNTS": "counts", "CPS": "counts/s", "CM2ML": "SUVbsa", "PCNT": "%"}
 """Units of DICOM as people write them."""
 
+NO_UNIT = (
+    "PET that tells no unit of its values (RealWorldValueMappingSequence) is not converted to SUV"
+)
+
 WEIGHTS = 0.005, 650.0
 """Of a mouse to the heaviest patients [kg]: beyond, it is in another unit or a typing error."""
 DOSES = 1e4, 1e11
@@ -130,7 +134,8 @@ def _quantity(tags: Sequence[PetTags], *, alone: bool) -> _Quantity:
     becquerels = 1.0 if first.units == "BQML" else first.philips_activity
     if first.units not in ("BQML", "CNTS") or becquerels is None:
         unit = PLAIN_UNITS.get(first.units, "")
-        return _Quantity(unit, told=(f"PET in {unit or first.units} is not converted to SUV",))
+        said = f"PET in {unit or first.units} is not converted to SUV" if first.units else NO_UNIT
+        return _Quantity(unit, told=(said,))
     try:
         if len({one.shared for one in tags}) > 1:
             raise _LackingError("weight, dose or times differ between its slices")
@@ -149,6 +154,8 @@ def _as_the_file_says(tags: PetTags) -> _Quantity:
 
 def _uncorrected(tags: PetTags) -> str:
     """Says which corrections that SUV needs are missing; "" for none."""
+    if tags.corrections is not None:
+        return tags.corrections.lacking
     # DECAY: as the pseudo-code has it
     decayed = {"DECY", "DECAY"} & set(tags.corrected)
     missing = [*(() if "ATTN" in tags.corrected else ("ATTN",)), *(() if decayed else ("DECY",))]
@@ -209,10 +216,12 @@ def _scan_start(tags: Sequence[PetTags], *, alone: bool) -> datetime:
     Raises:
         _LackingError: The tags do not tell it.
     """
+    first = tags[0]
+    if first.corrections is not None and first.corrections.decayed_to is not None:
+        return first.corrections.decayed_to
     acquired = [one.acquired for one in tags if one.acquired is not None]
     if len(acquired) < len(tags):
         raise _LackingError("AcquisitionDate or AcquisitionTime is missing")
-    first = tags[0]
     if first.series_start is not None and first.series_start <= min(acquired):
         return first.series_start
     # a series that was made later, or has a time of its own

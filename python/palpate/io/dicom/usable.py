@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.base.counted import counted
+from palpate.base.counted import counted, listed
 from palpate.base.errors import VolumeFormatError
 from palpate.io.dicom.header import Header, Series
 from palpate.io.dicom.pixels import file_values
@@ -25,7 +25,6 @@ LEAST_LEFT = 3
 """Slices that have to be left."""
 TOLERATED = 10
 """One bad slice in so many is left out, and one in any series."""
-MOST_NAMED = 5
 
 
 def usable(what: str, series: Series) -> tuple[Series, list[str]]:
@@ -46,10 +45,9 @@ def tolerable(bad: int, among: int) -> bool:
 
 def left_out(bad: Sequence[tuple[Header, str]], among: int) -> str:
     """Says which slices are left out, and why."""
-    named = ", ".join(f"{header.path.name} ({why})" for header, why in bad[:MOST_NAMED])
-    more = f" and {len(bad) - MOST_NAMED} more" if len(bad) > MOST_NAMED else ""
+    named = listed([f"{header.path.name} ({why})" for header, why in bad])
     some = counted(len(bad), "slices is bad and was", "slices are bad and were", of=among)
-    return f"{some} left out: {named}{more}"
+    return f"{some} left out: {named}"
 
 
 # --- bad slices -----------------------------------------------------------------------------

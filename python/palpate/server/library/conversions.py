@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from palpate.base.errors import PalpateError
@@ -64,14 +67,8 @@ def layout_preview(headerless: Headerless, wanted: LayoutRequest) -> dict[str, A
         PalpateError: The files are not laid out like that.
     """
     layout = None if wanted.raw is None else RawLayout.of(wanted.raw)
-    try:
+    with _without_folders(headerless.path, headerless.path.parent):
         size, middle = laid_out(headerless.path, layout)
-    except PalpateError as error:
-        # where files are is known, or is a folder of our own
-        reason = str(error)
-        for folder in (headerless.path, headerless.path.parent):
-            reason = reason.replace(f"{folder}/", "")
-        raise type(error)(reason) from None
     across, down = (wanted.voxel_size or (1.0, 1.0))[:2]
     # a size that cannot be is refused where the scan is opened
     fits = min(across, down) > 0.0 and 0.1 < across / down < 10.0
@@ -96,7 +93,8 @@ def reconstruction_grid(stack: ProjectionStack, request: ReconstructionRequest) 
     Raises:
         OptionError: The request is not allowed.
     """
-    grid = grid_of(stack, request)
+    with _without_folders(*_folders(stack, request)):
+        grid = grid_of(stack, request)
     return {"size": grid.size, "voxel": grid.voxel}
 
 
@@ -108,4 +106,22 @@ def reconstructed(
     Raises:
         PalpateError: It cannot be made.
     """
-    return reconstruct_file(stack.path, request, name=stack.name, progress=progress)
+    with _without_folders(*_folders(stack, request)):
+        return reconstruct_file(stack.path, request, name=stack.name, progress=progress)
+
+
+def _folders(stack: ProjectionStack, request: ReconstructionRequest) -> list[Path]:
+    return [path.parent for path in (stack.path, request.geometry) if path is not None]
+
+
+@contextmanager
+def _without_folders(*folders: Path) -> Iterator[None]:
+    """Tells errors with names of files alone: where they are is known, or is a folder of ours."""
+    try:
+        yield
+    except PalpateError as error:
+        reason = str(error)
+        # a folder may lie within another
+        for folder in sorted(map(str, folders), key=len, reverse=True):
+            reason = reason.replace(f"{folder}/", "")
+        raise type(error)(reason) from None

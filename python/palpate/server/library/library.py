@@ -13,6 +13,7 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.io.dicomweb.address import is_web_address
 from palpate.labels.kind import labels_in
+from palpate.reconstruction.request import ReconstructionRequest
 from palpate.saved.recent import Recent, forget_recent, recent_scans
 from palpate.server.answers import errors_as_text, json_body, json_response
 from palpate.server.job import Emit, Job
@@ -204,22 +205,32 @@ class Library:
     async def _grid(self, request: Request) -> ASGIApp:
         wanted = await json_body(request, ReconstructRequest)
         stack, _ = self._results.projections(wanted.find)
-        return json_response(reconstruction_grid(stack, wanted.request))
+        grid = await run_in_threadpool(reconstruction_grid, stack, self._with_geometry(wanted))
+        return json_response(grid)
+
+    def _with_geometry(self, wanted: ReconstructRequest) -> ReconstructionRequest:
+        """Returns the request with the path of its geometry file."""
+        if wanted.geometry is None:
+            return wanted.request
+        path = self._uploads.of(wanted.geometry).path
+        return msgspec.structs.replace(wanted.request, geometry=path)
 
     async def _reconstruct(self, request: Request) -> ASGIApp:
         self._check_free()
         wanted = await json_body(request, ReconstructRequest)
         stack, upload = self._results.projections(wanted.find)
+        asked = self._with_geometry(wanted)
         place = Place(
             stack.path,
             given=upload is None,
-            make=lambda progress: reconstructed(stack, wanted.request, progress),
+            make=lambda progress: reconstructed(stack, asked, progress),
         )
 
         def work(progress: Progress, _: Emit) -> None:
             self._opener.show(place, beside=wanted.beside, progress=progress)
-            if upload is not None:
-                self._uploads.drop(upload)
+            for used in (upload, wanted.geometry):
+                if used is not None:
+                    self._uploads.drop(used)
 
         return Job(work)
 

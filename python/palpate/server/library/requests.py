@@ -104,6 +104,8 @@ class ReconstructRequest(msgspec.Struct, frozen=True):
 
     find: int
     request: ReconstructionRequest
+    geometry: int | None = None
+    """Upload of the file that states their geometry."""
     beside: bool = False
     """Whether the scan is shown with the open one, and not in its place."""
 

@@ -59,6 +59,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
         rereadable=volume.source is not None,
         orientation_known=volume.traits.orientation_known,
         warnings=[page_words(warning) for warning in volume.warnings],
+        notes=[page_words(note) for note in volume.notes],
     )
 
 

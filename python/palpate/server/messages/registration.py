@@ -203,6 +203,9 @@ class RegistrationMessages:
             place = _place_of(found, here.volume, first)
             progress("showing it", 1.0)
             self._add(place)
+            if found.doubt is not None:
+                text = f"{found.doubt[:1].upper()}{found.doubt[1:]}."
+                self._publish(protocol.Notice(level="warning", text=text))
         except StoppedError:
             self._publish(
                 protocol.Notice(level="info", text="Stopped: the second scan lies as before.")

@@ -75,7 +75,7 @@ def test_low_values_that_are_bright_are_turned_around_but_not_hu(write_series: A
     bright_low = {"PhotometricInterpretation": "MONOCHROME1", "BitsStored": 12, "HighBit": 11}
     hu = palpate.read(write_series("ct", **bright_low))
     np.testing.assert_array_equal(hu.array, np.array(SLICES) - 1024)
-    assert "HU are kept as they are" in hu.warnings[0]
+    assert "HU are kept as they are" in hu.notes[0]
     mr = palpate.read(write_series("mr", Modality="MR", scale=(1.0, 0.0), **bright_low))
     np.testing.assert_array_equal(mr.array, 4095 - np.array(SLICES))
     assert "turned around" in mr.warnings[0]

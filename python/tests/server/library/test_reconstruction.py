@@ -13,6 +13,7 @@ import SimpleITK
 from palpate.reconstruction.reconstruction import reconstruct
 from palpate.reconstruction.scanner import Scanner
 from projected_phantom import SIZE, VOXEL, flat, projected, scanner_of, truth
+from rtk_words import ball_images, write_geometry
 from running_server import LibraryClient
 
 needs_rtk = pytest.mark.skipif(
@@ -114,6 +115,48 @@ def test_what_looks_like_projections_can_be_a_scan(
 
 
 REQUEST = {"beam": "parallel", "pixel": [1, 1]}
+
+
+def test_a_page_brings_the_file_that_states_the_geometry(
+    client: LibraryClient, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "itk", None)
+    # a file of parallel beams, as RTK writes it
+    distances = {"SourceToIsocenterDistance": 400.0, "SourceToDetectorDistance": 0.0}
+    stated = [{"GantryAngle": 12.0 * number, **distances} for number in range(30)]
+    ball = (20.0, 30.0, 10.0)
+    images = ball_images(stated, ball, 8.0, pixel=(4.0, 4.0), shape=(12, 32))
+    path = tmp_path / "ball_proj.mha"
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(images.astype(np.float32)), str(path))
+    found, _ = client.job("find", {"path": str(path)})
+    xml = write_geometry(tmp_path / "geometry.xml", stated).read_bytes()
+    geometry = client.upload({"geometry.xml": xml})
+    wanted = {
+        "find": found["find"],
+        "geometry": geometry,
+        "request": {"beam": "parallel", "pixel": [4, 4], "size": [32, 32, 12]},
+    }
+    assert client.ask("POST", "library/reconstruct/grid", wanted).json()["size"] == [32, 32, 12]
+    # what the form says beside the file, and a file of other projections
+    doubled = {**wanted, "request": {**wanted["request"], "zero": "back"}}
+    told = client.ask("POST", "library/reconstruct/grid", doubled).text
+    assert told.startswith("zero given with a geometry file; allowed: one of them")
+    short = write_geometry(tmp_path / "short.xml", stated[:20]).read_bytes()
+    other = {**wanted, "geometry": client.upload({"short.xml": short})}
+    told = client.ask("POST", "library/reconstruct/grid", other).text
+    said = "short.xml describes 20 projections, and ball_proj.mha holds 30; allowed: as many"
+    assert told == said
+    assert client.job("reconstruct", other) == [{"kind": "failed", "reason": said}]
+
+    assert client.job("reconstruct", wanted) == [{"kind": "done"}]
+    opened = client.workbench.opened
+    assert opened is not None
+    volume = opened.session.scene.volume
+    z, y, x = np.nonzero(volume.slope * volume.array + volume.intercept > -500.0)
+    middle = volume.patient_from_grid @ [x.mean() + 0.5, y.mean() + 0.5, z.mean() + 0.5, 1.0]
+    # a quarter of a voxel
+    np.testing.assert_allclose(middle[:3], ball, atol=1.0)
+    assert f"upload {geometry} is gone" in client.ask("POST", "library/reconstruct", wanted).text
 
 
 def test_without_rtk_a_page_is_told_what_to_install(

@@ -20,6 +20,11 @@ export function formatCount(count: number): string {
     .replace(/\B(?=(\d{3})+$)/g, "\u2009");
 }
 
+/** A text with its whole numbers grouped so, as a program writes them: "1 700 ml". */
+export function groupDigits(text: string): string {
+  return text.replace(/(?<![\d.])\d{4,}/g, (digits) => formatCount(Number(digits)));
+}
+
 /** A value of the scan with at most six digits. */
 export function formatValue(value: number): string {
   return Number(value.toPrecision(6)).toString();

@@ -34,6 +34,26 @@ export interface ReconstructionRequest {
   readonly hann: number;
 }
 
+/** A request where a geometry file states angles, distances and places. */
+export type RequestWithFile = Omit<
+  ReconstructionRequest,
+  "arc" | "first_angle" | "offset" | "source_to_axis" | "source_to_detector" | "zero"
+>;
+
+/** A file that states the geometry, as it was brought to the engine. */
+export interface GeometryFile {
+  readonly name: string;
+  readonly upload: number;
+}
+
+/** What is asked of the engine. */
+export interface AskedReconstruction {
+  readonly find: number;
+  readonly request: ReconstructionRequest | RequestWithFile;
+  /** Upload of a geometry file; null for what the form says. */
+  readonly geometry: number | null;
+}
+
 /** What was found where scans were looked for. */
 export interface Projections {
   readonly find: number;
@@ -50,6 +70,23 @@ export interface ReconstructionGrid {
   readonly size: Vec3;
   /** [mm] */
   readonly voxel: Vec3;
+}
+
+/** A request for what was found; a geometry file takes the place of what the form says of the same. */
+export function askedOf(
+  find: number,
+  request: ReconstructionRequest,
+  file: GeometryFile | null,
+): AskedReconstruction {
+  if (file === null) {
+    return { find, request, geometry: null };
+  }
+  const { beam, pixel, sinograms, intensities, size, voxel, water, hann } = request;
+  return {
+    find,
+    request: { beam, pixel, sinograms, intensities, size, voxel, water, hann },
+    geometry: file.upload,
+  };
 }
 
 /** The usual arc of a beam: parallel ones see the same from behind. */

@@ -1,6 +1,6 @@
 /**
  * The scan as a continuous field: trilinear values and central differences on the CPU.
- * The shaders compute the same (`gl/shaders/field.glsl`); this side serves picking.
+ * The shaders compute the same (`gl/shaders/scan/field.glsl`); this side serves picking.
  */
 import type { ScanVolume } from "./scan_volume";
 import { physical } from "./stored_values";

@@ -1,18 +1,16 @@
 /**
- * How much of the picture to draw at once, so that the page stays smooth on any renderer.
+ * How much of the picture to draw at once, so that a view that turns is seen to turn, and a page stays fluent.
  *
- * What pictures cost is learned from those that were drawn, apart for those that move and those at rest: rays of large
- * pictures lie closer together, and are cheaper. Only whole pictures tell: of one strip there is air, of the next one a
- * skull. While the view moves, the picture is drawn as fine as the budget of one frame allows, by resolution, step and
- * detail of surfaces; at rest it is refined level by level, in strips of rows that each fit into that budget too.
+ * What pictures cost is learned from those that were drawn while the view moved. They are drawn as fine as the budget
+ * of one allows, by resolution, step and detail of surfaces. At rest finer pictures follow in pieces.
  */
 import { CostModel, type Workload } from "./cost_model";
 
 /** Which triangles of surfaces are drawn. */
 export type Detail = "all" | "few";
 
-/** A picture while the view moves. */
-export interface MovingPicture {
+/** How fine a picture is. */
+export interface Level {
   /** Of the resolution. */
   readonly divisor: number;
   /** Share of the steps that a ray takes at the finest. */
@@ -20,11 +18,11 @@ export interface MovingPicture {
 }
 
 /**
- * From fine to coarse. A half of all steps still leads a ray through each second voxel, so that is given up
- * before the last of the resolution is; where a pixel is as wide as eight, so are steps of four voxels, about. The last
- * one is the limit, however slow it is: below it nobody sees any more what is turned.
+ * Pictures while the view moves, from fine to coarse. A half of all steps still leads a ray through each second voxel,
+ * so that is given up before the last of the resolution is. The last one is the limit, however slow it is: below it
+ * nobody sees any more what is turned.
  */
-export const movingPictures: readonly [MovingPicture, ...MovingPicture[]] = [
+export const movingPictures: readonly [Level, ...Level[]] = [
   { divisor: 1, step: 1 },
   { divisor: 2, step: 1 },
   { divisor: 3, step: 1 },
@@ -33,17 +31,10 @@ export const movingPictures: readonly [MovingPicture, ...MovingPicture[]] = [
   { divisor: 6, step: 0.5 },
   { divisor: 8, step: 0.5 },
   { divisor: 8, step: 0.25 },
-  { divisor: 12, step: 0.25 },
-  { divisor: 16, step: 0.25 },
-  { divisor: 20, step: 0.25 },
 ];
 
 /** By how much the coarsest picture divides the resolution. */
 export const coarsest = Math.max(...movingPictures.map(({ divisor }) => divisor));
-
-/** What is drawn with fewer samples is not divided by more than this. A view of 1366×768 has 656 at its coarsest. */
-const leastSamples = 600;
-const divisorOfFew = 12;
 
 /** A picture that takes this many times as long as the coarsest is not much slower. */
 const worthwhile = 1.15;
@@ -63,21 +54,30 @@ const firstPause = 24;
 /** Budgets that a trial is expected to take at most, or times of the pictures before it. */
 const mostOfTrial = 2;
 
-/** Most strips that a level is cut into, for each step per voxel edge. */
-const mostStrips = 32;
+/** Share of the steps in a picture at rest that finer ones follow. */
+const restingStep = 0.5;
+
+/** Most pieces that a picture at rest is drawn in, for each step per voxel edge. */
+const mostPieces = 32;
+/** Time for a piece at rest, at most: a view that is turned again waits for it [ms]. */
+const mostOfPiece = 100;
+/** From one piece to the next they change by these factors at most: of one there is air, of the next a skull. */
+const [leastChange, mostChange] = [0.1, 2];
 
 export class DrawBudget {
   private readonly moving: CostModel;
-  private readonly resting: CostModel;
   private chosen: Detail = "all";
   /** The last picture that moved, as a place in `movingPictures`. */
   private moved: number | null = null;
   /** Pictures since then that were meant to be as fine, and how many of them there are until a trial. */
   private alike = 0;
   private pause = firstPause;
+  /** Samples of a piece that takes its budget, and of the last picture that moved. */
+  private fitting = 0;
+  private movedSamples = 0;
 
   /**
-   * @param frameBudget time for a picture while the view moves, and for a strip at rest [ms].
+   * @param frameBudget time for a picture while the view moves [ms].
    * @param guess of what is not known yet [ms each].
    */
   constructor(
@@ -85,17 +85,28 @@ export class DrawBudget {
     guess: Workload,
   ) {
     this.moving = new CostModel(guess);
-    this.resting = new CostModel(guess);
   }
 
   /** Learns from a picture that moved. */
   learnMoving(work: Workload, milliseconds: number): void {
     this.moving.learn(work, milliseconds);
+    this.movedSamples = work.samples;
+    this.fitting = (work.samples * this.pieceBudget) / Math.max(milliseconds, 1);
   }
 
-  /** Learns from a whole picture at rest, which was waited for with each of its strips. */
-  learnResting(work: Workload, milliseconds: number): void {
-    this.resting.learn(work, milliseconds);
+  /** Learns from a piece of a picture at rest. */
+  learnPiece(samples: number, milliseconds: number): void {
+    const change = this.pieceBudget / Math.max(milliseconds, 1);
+    if (samples < this.fitting / 2 && change > 1) {
+      // the rest of a picture, which tells nothing of larger pieces
+      return;
+    }
+    this.fitting = samples * Math.min(mostChange, Math.max(leastChange, change));
+  }
+
+  /** Time for a piece of what is drawn at rest [ms]. */
+  get pieceBudget(): number {
+    return Math.min(this.frameBudget, mostOfPiece);
   }
 
   /**
@@ -117,15 +128,14 @@ export class DrawBudget {
    * coarsest; of `samples` at its finest. From one to the next it becomes finer by one at most: so none is many times
    * as slow as the one before, whatever was learned of another view.
    */
-  picture(samples: number, triangles = 0): MovingPicture {
+  picture(samples: number, triangles = 0): Level {
     const { frameBudget, moving } = this;
-    const taken = ({ divisor, step }: MovingPicture): number => (samples * step) / divisor ** 2;
-    const useful = movingPictures.filter((one) => one.divisor <= divisorOfFew || taken(one) >= leastSamples);
-    const times = useful.map((one) => moving.expected({ waits: 1, samples: taken(one), triangles }));
+    const taken = ({ divisor, step }: Level): number => (samples * step) / divisor ** 2;
+    const times = movingPictures.map((one) => moving.expected({ waits: 1, samples: taken(one), triangles }));
     const most = Math.max(aimed * frameBudget, worthwhile * (times.at(-1) ?? 0));
-    const place = Math.min(useful.length - 1, Math.max(times.findIndex((time) => time <= most), (this.moved ?? 0) - 1));
+    const place = Math.max(times.findIndex((time) => time <= most), (this.moved ?? 0) - 1);
     this.count(place);
-    return useful[this.tried(place, times)] ?? movingPictures[0];
+    return movingPictures[this.tried(place, times)] ?? movingPictures[0];
   }
 
   /** Counts pictures that are meant to be as fine as the last one. */
@@ -154,15 +164,19 @@ export class DrawBudget {
     return other;
   }
 
-  /** Rows of a level that are drawn within a frame. */
-  stripRows(width: number, height: number, stepsPerVoxel: number): number {
-    const row = this.resting.expected({ samples: width * stepsPerVoxel });
-    const fitting = row > 0 ? Math.floor(this.frameBudget / row) : height;
-    return Math.min(height, Math.max(Math.ceil(height / (mostStrips * stepsPerVoxel)), fitting));
+  /**
+   * Rows of a picture at rest, of so many pixels each, that are a piece of it. None is smaller than the last picture
+   * that moved: a view that is turned waits as long for that.
+   */
+  pieceRows(width: number, height: number, stepsPerVoxel: number): number {
+    const fitting = Math.floor(Math.max(this.fitting, this.movedSamples) / (width * stepsPerVoxel));
+    return Math.min(height, Math.max(Math.ceil(height / (mostPieces * stepsPerVoxel)), fitting));
   }
 }
 
-/** The divisors still to draw after `done` when the view rests: halving down to 1. */
-export function levelsAfter(done: number): number[] {
-  return done > 2 ? [2, 1] : [1];
+/** The pictures still to draw, after one whose resolution was divided by `done`, when the view rests. */
+export function levelsAfter(done: number): Level[] {
+  return [4, 2, 1]
+    .filter((divisor) => divisor === 1 || 1.5 * divisor <= done)
+    .map((divisor) => ({ divisor, step: divisor > 1 ? restingStep : 1 }));
 }

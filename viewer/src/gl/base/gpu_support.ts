@@ -9,10 +9,6 @@ export interface GpuSupport {
   readonly software: boolean;
   /** Largest edge of a 3-D texture [texels]. */
   readonly largestEdge: number;
-  /** 16-bit normalised textures. */
-  readonly norm16: boolean;
-  /** Linear filtering of 32-bit float textures. */
-  readonly floatLinear: boolean;
   /** Rendering into half-float textures. */
   readonly halfFloatTarget: boolean;
 }
@@ -29,8 +25,6 @@ export function gpuSupport(): GpuSupport | null {
     renderer,
     software: /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer),
     largestEdge: Number(gl.getParameter(gl.MAX_3D_TEXTURE_SIZE)),
-    norm16: gl.getExtension("EXT_texture_norm16") !== null,
-    floatLinear: gl.getExtension("OES_texture_float_linear") !== null,
     halfFloatTarget:
       gl.getExtension("EXT_color_buffer_float") !== null || gl.getExtension("EXT_color_buffer_half_float") !== null,
   };

@@ -41,9 +41,9 @@ export class PictureTarget {
     this.target.viewport.set(0, 0, this.width, this.height);
   }
 
-  /** Restricts drawing to rows of the part in use. */
-  useRows(from: number, to: number): void {
-    this.target.scissor.set(0, from, this.width, to - from);
+  /** Restricts drawing to rows of the part in use, and to columns of it. */
+  useRows(from: number, to: number, left = 0, right = this.width): void {
+    this.target.scissor.set(left, from, right - left, to - from);
     this.target.scissorTest = true;
   }
 

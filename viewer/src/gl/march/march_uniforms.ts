@@ -86,7 +86,7 @@ export type FieldUniform =
   | keyof DisplacementTexture["uniforms"];
 
 /** Where the values of a scan stand in its grid, all or every `step`-th. */
-export function standAt(u: MarchUniforms, { frame, dimensions, step }: ScanVolume): void {
+export function standAt(u: ReturnType<typeof marchUniforms>, { frame, dimensions, step }: ScanVolume): void {
   u.dimensions.value.set(...frame.dimensions);
   u.spacing.value.set(...frame.spacing);
   u.sampleStep.value.setScalar(step);

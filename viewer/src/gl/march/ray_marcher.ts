@@ -18,11 +18,11 @@ import { smallestSpacing, type ScanFrame } from "../../core/scan/scan_volume";
 import { mostRanges, type ShownRange } from "../../core/segments/shown_segments";
 import { biasedOf, largest, physical, type Rescale } from "../../core/scan/stored_values";
 import { domainOf, sample, type TransferFunction } from "../../core/appearance/transfer_function";
-import { add, addScaled, dot, multiply, type Vec3 } from "../../core/geometry/vector";
+import { add, addScaled, dot, multiply, scale, type Vec3 } from "../../core/geometry/vector";
 import type { Box } from "../../core/scan/voxel_change";
 import { DisplacementTexture } from "../textures/displacement_texture";
 import { EmptySpace } from "./empty_space";
-import type { FieldFormat, FieldTexture } from "../textures/field_texture";
+import { formatDefines, type FieldFormat, type FieldTexture } from "../textures/field_texture";
 import { transferTextures } from "../textures/lookup_textures";
 import { LightVolume } from "./light_volume";
 import { MarchProgram } from "./march_program";
@@ -50,8 +50,6 @@ export interface RayMarcherOptions {
   /** Cells along the scan's longest edge in which light is worked out. */
   readonly lightCells: number;
 }
-
-const formatDefines: Readonly<Record<FieldFormat, string>> = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" };
 
 /** Shift within the pixel [texels], and the number of the noise pattern. */
 export type Shift = readonly [number, number, number];
@@ -96,6 +94,7 @@ export class RayMarcher {
    */
   async prepare(renderer: THREE.WebGLRenderer, target: PictureTarget, format: FieldFormat): Promise<void> {
     this.format = formatDefines[format];
+    this.second.format = format;
     this.compile();
     await this.program.prepareFirst(renderer, target);
   }
@@ -302,6 +301,14 @@ export class RayMarcher {
     const low = addScaled([-step, -step, -step], bounds.low, brickEdge * step);
     const high = addScaled([step, step, step], add(bounds.high, [1, 1, 1]), brickEdge * step);
     return cornersOf({ bounds: [low, high], grid: null }, frame.sceneFromGrid);
+  }
+
+  /** Corners of a box of voxels, as `changeVoxels` is given it, with all that its values reach; scene [mm]. */
+  cornersOf({ low, high }: Box): readonly Vec3[] {
+    const { frame, step } = this;
+    const reach: Vec3 = [2 * step, 2 * step, 2 * step];
+    const bounds = [addScaled(scale(reach, -1), low, step), addScaled(reach, high, step)] as const;
+    return frame === null ? [] : cornersOf({ bounds, grid: null }, frame.sceneFromGrid);
   }
 
   /**

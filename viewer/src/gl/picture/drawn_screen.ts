@@ -5,10 +5,15 @@
 import type * as THREE from "three";
 import type { Viewport } from "../../core/geometry/camera";
 import type { Rect } from "../../core/view/picture_layout";
-import { screenDivisor } from "../../core/view/screen_divisor";
 import type { Vec3 } from "../../core/geometry/vector";
 import type { Slices } from "./slices";
 import type { ViewPane } from "./view_pane";
+
+/**
+ * By how much the screen divides its own pixels while it shows a coarse picture and the CPU draws: to enlarge that to
+ * all of them takes as long as to draw it, and browsers do it in less time.
+ */
+const fewer = 2;
 
 export class DrawnScreen {
   /** All of it is to be drawn again. */
@@ -51,17 +56,11 @@ export class DrawnScreen {
     return ratio;
   }
 
-  /**
-   * Where the CPU draws, gives the screen fewer pixels while it shows nothing but a coarse picture.
-   *
-   * @param divisor of the picture's resolution.
-   */
-  fit(divisor: number): void {
-    const { canvas, pane, pixelRatio, renderer } = this;
+  /** Where the CPU draws, gives the screen fewer pixels while it shows nothing but a coarse picture. */
+  fit(): void {
+    const { pane, pixelRatio, renderer } = this;
     const isFew = this.keeps && this.slices.isEmpty && pane.stereo.mode === "off" && pane.isCoarse;
-    const ratio = isFew
-      ? pixelRatio / screenDivisor(canvas.width * canvas.height * pixelRatio ** 2, divisor)
-      : pixelRatio;
+    const ratio = isFew ? pixelRatio / fewer : pixelRatio;
     if (ratio !== renderer.getPixelRatio()) {
       renderer.setPixelRatio(ratio);
       this.stale = true;

@@ -21,12 +21,13 @@ import type { Box, LabelVolume } from "../../core/scan/voxel_change";
 import { Compositor } from "./compositor";
 import { DrawnScan } from "../textures/drawn_scan";
 import { DrawnScreen } from "./drawn_screen";
-import { fieldFormatFor, type FieldFormat } from "../textures/field_texture";
+import type { FieldFormat } from "../textures/field_texture";
 import { GpuClock } from "../base/gpu_clock";
 import type { GpuSupport } from "../base/gpu_support";
 import { LabelTexture } from "../textures/label_texture";
 import { labelColours } from "../textures/lookup_textures";
 import type { MarkerState } from "../markers/markers";
+import { chooseFilter, type FieldFilter } from "../march/field_filter";
 import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
@@ -34,6 +35,7 @@ import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
+import { ThreeCamera } from "./three_camera";
 import { ViewPane } from "./view_pane";
 
 /** Cells along the scan's longest edge in which its light is worked out. */
@@ -43,7 +45,7 @@ export interface PictureOptions {
   readonly support: GpuSupport;
   /** Device pixels per CSS pixel, at most. */
   readonly mostPixelRatio: number;
-  /** Another format for the scan's values than the GPU's best. */
+  /** Another format for the scan's values than the one that is measured to be the best. */
   readonly format?: FieldFormat;
 }
 
@@ -57,6 +59,8 @@ export class Picture {
   private readonly slices: Slices;
   private readonly screen: DrawnScreen;
   private readonly support: GpuSupport;
+  /** How the GPU filters the scan's values. */
+  readonly filter: FieldFilter;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
   private readonly scan: DrawnScan;
@@ -67,6 +71,9 @@ export class Picture {
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
   private begun = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
+  /** What was last drawn, or is. */
+  private aimed: { readonly camera: Camera; readonly extent: Extent } | null = null;
+  private readonly eyeCamera = new ThreeCamera();
   /** A snapshot is drawn: the screen waits. */
   private snapping = false;
   private readonly closing = new AbortController();
@@ -77,7 +84,6 @@ export class Picture {
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
     this.support = support;
-    this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
     this.marcher = new RayMarcher({
       software: support.software,
       lightCells: support.software ? lightCells.software : lightCells.gpu,
@@ -95,6 +101,8 @@ export class Picture {
     });
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
+    this.filter = options.format === undefined ? chooseFilter(this.renderer) : { format: options.format, errors: {} };
+    this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
     this.quality = firstQuality(support.software);
     const means = { software: support.software, halfFloat: support.halfFloatTarget };
@@ -104,10 +112,12 @@ export class Picture {
       this.marcher,
       this.surfaces,
       means,
-      (eye) => {
-        this.aimEye(eye);
+      {
+        aim: (eye) => { this.aimEye(eye); },
+        present: () => { this.present(); },
+        mayGoOn: () => this.begun && !this.suspended && !this.snapping,
+        isLoaded: () => this.begun && !this.scan.isLoading,
       },
-      () => this.begun && !this.suspended && !this.snapping,
     );
     this.setQuality(this.quality);
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
@@ -134,7 +144,8 @@ export class Picture {
 
   /** A picture of the scan, with all of the values that were given, is on the screen. */
   get hasPicture(): boolean {
-    return !this.scan.isLoading && this.scan.ready && this.refiner.drawnPieces > 0;
+    const { refiner, scan } = this;
+    return !scan.isLoading && scan.ready && refiner.drawnPieces > 0 && !refiner.awaitsFrame;
   }
 
   /** With what the picture on display was drawn, and whether it is final. */
@@ -198,13 +209,19 @@ export class Picture {
 
   /** Segments that are no threshold; null where there are none. */
   setLabels(volume: LabelVolume | null): void {
+    const isFirst = this.labels === null;
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
     this.marcher.setLabels(
       volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks },
     );
     this.slices.follow(this.scan.frame);
-    this.refiner.restart();
+    if (isFirst) {
+      // they come with an edit that is seen already, and show the same as thresholds did
+      this.refiner.renew();
+    } else {
+      this.refiner.restart();
+    }
   }
 
   /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
@@ -241,7 +258,12 @@ export class Picture {
     }
     this.marcher.changeVoxels(box, this.renderer);
     this.slices.changed();
-    this.refiner.restart();
+    const region = this.pane.regionOf(this.marcher.cornersOf(box));
+    if (region === null || this.deforming) {
+      this.refiner.restart();
+    } else {
+      this.refiner.change(region);
+    }
   }
 
   /** Exchanges patches of surfaces. */
@@ -339,7 +361,7 @@ export class Picture {
       return;
     }
     const drawn = this.refiner.advance(now);
-    this.screen.fit(this.refiner.shown.divisor);
+    this.screen.fit();
     if (this.begun) {
       this.screen.draw(drawn, () => (this.surfaces.stray ? null : this.marcher.outline));
     } else {
@@ -364,7 +386,7 @@ export class Picture {
     const eyes = eyesOf(stereo, size);
     const seen = viewportOf(stereo, size);
     const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, quality, (eye) => {
-      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height, eye);
+      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
     });
     this.snapping = true;
     try {
@@ -429,24 +451,30 @@ export class Picture {
     }
   }
 
-  /** Turns to what an eye sees: picture and markers change their view in the same frame. */
+  /** Turns ray caster and surfaces to what an eye sees. */
   private aimEye(eye: number): void {
     const { rect, stereo } = this.pane;
     const place = eyesOf(stereo, rect)[eye];
     if (this.view !== null && place !== undefined) {
       const { camera, extent } = this.view;
       const { width, height } = viewportOf(stereo, rect);
-      this.pane.shownCamera = camera;
-      this.aim(eyeCamera(camera, place.aside), extent, width / height, eye);
+      this.aimed = this.view;
+      this.aim(eyeCamera(camera, place.aside), extent, width / height);
     }
   }
 
-  /** Takes ray caster, surfaces and markers to a view. */
-  private aim(camera: Camera, extent: Extent, aspect: number, eye = 0): void {
-    const drawn = this.pane.cameraOf(eye);
+  /** What was aimed at last is on display: markers are seen in the same view from the same frame on. */
+  private present(): void {
+    if (this.aimed !== null) {
+      this.pane.look(this.aimed.camera, this.aimed.extent);
+    }
+  }
+
+  /** Takes ray caster and surfaces to a view. */
+  private aim(camera: Camera, extent: Extent, aspect: number): void {
     this.marcher.setCamera(camera, extent, aspect);
-    drawn.update(camera, extent, aspect);
-    this.surfaces.setCamera(camera, drawn.camera);
+    this.eyeCamera.update(camera, extent, aspect);
+    this.surfaces.setCamera(camera, this.eyeCamera.camera);
   }
 
   private get gl(): WebGL2RenderingContext {

@@ -1,15 +1,17 @@
 /**
- * Draws the cached picture in pieces that fit into the time of a frame: at once and coarse
- * while the view moves; then, at rest, level by level in strips of rows; last, as the quality
- * says, several shifted pictures averaged for smooth edges. Surfaces are drawn with
- * each of them before its first strip. At rest a GPU goes on as soon as it has drawn a piece; where the CPU draws the
- * next one waits for the next frame, since engine and page need that time. Two eyes have a picture each: while the view
- * moves both are drawn at once, so that they never see different views; at rest one after the other.
+ * Draws the cached picture: at once while the view moves; then, at rest, level by level, each in pieces that are seen
+ * as they come, from the middle out; last, as the quality says, several shifted pictures averaged for smooth edges.
+ * Where only a part of the view has changed, that part is drawn first, and nothing becomes coarser. Surfaces are drawn
+ * with each picture before its first piece. At rest the next piece follows as soon as one is drawn; where the CPU
+ * draws, those that are to be seen come to the screen first. Two eyes have a picture each: while the view moves both
+ * are drawn at once, so that they never see different views; at rest one after the other.
  */
 import type * as THREE from "three";
 import { halton } from "../../core/view/halton";
-import { levelsAfter, DrawBudget, type Detail } from "../../core/view/draw_budget";
+import { levelsAfter, DrawBudget, type Detail, type Level } from "../../core/view/draw_budget";
+import { MiddleOut } from "../../core/view/middle_out";
 import type { RestingPicture } from "../../core/view/quality";
+import { joined, texelsOf, type Region } from "../../core/view/region";
 import type { FieldFormat } from "../textures/field_texture";
 import type { GpuClock } from "../base/gpu_clock";
 import type { Tally } from "../surfaces/patch_mesh";
@@ -17,10 +19,23 @@ import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
 import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
+import { Stretcher } from "./stretcher";
 
 export interface RefinerOptions {
   readonly software: boolean;
   readonly halfFloat: boolean;
+}
+
+/** What the picture is drawn for. */
+export interface RefinerHost {
+  /** Turns ray caster and surfaces to what an eye sees now. */
+  readonly aim: (eye: number) => void;
+  /** What they were turned to last is on display from now on. */
+  readonly present: () => void;
+  /** Whether pieces may be drawn between two frames now. */
+  readonly mayGoOn: () => boolean;
+  /** Whether all that is awaited for the first pictures has come. */
+  readonly isLoaded: () => boolean;
 }
 
 /** With what the picture on display was drawn. */
@@ -35,13 +50,33 @@ export interface Shown {
   readonly triangles: number;
 }
 
-/** Rest before refining starts [ms]: a drag that pauses should not wait for a strip. */
-const settleMilliseconds = 90;
+/** The pictures of an eye: on display, and another to draw the next one into. */
+interface EyePictures {
+  shown: PictureTarget;
+  next: PictureTarget;
+}
 
-/** Layers of the light volume that are worked out at once, at first; then as many as fit into a strip's time. */
+/** A picture or a part of it that is drawn at rest, piece by piece. */
+interface Work {
+  readonly target: PictureTarget;
+  readonly stepsPerVoxel: number;
+  readonly shift: Shift;
+  readonly rows: MiddleOut;
+  /** The first, and the one after the last. */
+  readonly columns: readonly [number, number];
+}
+
+/** Rest before refining starts [ms]: a drag that pauses should not wait for a piece. */
+const settleMilliseconds = 90;
+/** Without an edit before light is worked out again [ms]: while one drills it would come too late. */
+const settleOfEdits = 400;
+/** Between two looks at a picture whose pieces come one by one [ms]: each costs time on the screen. */
+const pauseOfPieces = 600;
+
+/** Layers of the light volume that are worked out at once, at first; then as many as fit into a piece's time. */
 const firstLayers = 4;
 /** Into so many pieces at most opacity and light are divided each. */
-const mostPieces = 6;
+const mostPieces = 12;
 /** And while the view moves, where the GPU draws. */
 const movingLayers = 8;
 
@@ -63,34 +98,40 @@ const mostPreparing = 100;
 const unshifted: Shift = [0, 0, 0];
 
 export class Refiner {
-  /** A picture for each eye. */
-  private readonly pictures: PictureTarget[];
-  private working: PictureTarget;
+  private eyePictures: [EyePictures, ...EyePictures[]];
+  private readonly stretcher = new Stretcher();
   private readonly pace: DrawBudget;
   private resting: RestingPicture = { stepsPerVoxel: 1, passes: 1 };
   private stale = true;
-  private drawnAt = 0;
-  private levels: number[] = [];
-  private row = 0;
+  /** When the view, or all that is seen, has changed last, and when a part of it has [ms]. */
+  private movedAt = 0;
+  private editedAt = 0;
+  /** What is still to be drawn at rest. */
+  private levels: Level[] = [];
+  private work: Work | null = null;
   private pass = 0;
   private layers = firstLayers;
   /** Whose picture is drawn at rest. */
   private eye = 0;
   private completing: Promise<void> | null = null;
-  /** 1 while what is on display is drawn again, 2 where it will have to be once more. */
-  private renewals = 0;
+  /** What the picture shows has changed since the level at work was begun. */
+  private again = false;
+  /** The part of the view that has changed and is still to be drawn, and the one that is drawn. */
+  private region: Region | null = null;
+  private patch: Work | null = null;
+  /** Parts that have changed were drawn last: the whole is to have its turn. */
+  private hasPatched = false;
   /** Of surfaces while the view moves. */
   private detail: Detail = "all";
   /** Triangles of the last picture that moved: those in view, and those that were drawn. */
   private seen: Tally = { all: 0, drawn: 0 };
   /** How long that picture took [ms]. */
   private took = 0;
-  /** What the picture that is drawn at rest costs, strip by strip. */
-  private level = { waits: 0, samples: 0, triangles: 0, milliseconds: 0 };
   /** Triangles of the picture that is drawn at rest. */
   private triangles = 0;
-  /** What is on display has changed between two frames. */
+  /** What is on display has changed since the last frame. */
   private changed = false;
+  private changedAt = 0;
   /** Whether rays start at random shares of a step. */
   jitter = true;
   shown: Shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
@@ -103,32 +144,29 @@ export class Refiner {
     private readonly marcher: RayMarcher,
     private readonly surfaces: Surfaces,
     private readonly options: RefinerOptions,
-    /** Turns ray caster and surfaces to what an eye sees now. */
-    private readonly aim: (eye: number) => void,
-    /** Whether pieces may be drawn between two frames now. */
-    private readonly mayGoOn: () => boolean,
+    private readonly host: RefinerHost,
   ) {
-    this.pictures = [new PictureTarget(options.halfFloat)];
-    this.working = new PictureTarget(options.halfFloat);
+    this.eyePictures = [this.newPictures()];
     this.pace = new DrawBudget(0, options.software ? firstCosts.software : firstCosts.gpu);
   }
 
   /** The picture of an eye; of the first one where there are no more. */
   pictureOf(eye: number): PictureTarget {
-    return this.pictures[eye] ?? this.first;
+    return this.picturesOf(eye).shown;
   }
 
   /** How many pictures there are; to be followed by `resize`. */
   set eyes(count: number) {
-    for (const picture of this.pictures.splice(count)) {
-      picture.dispose();
+    for (const { shown, next } of this.eyePictures.splice(count)) {
+      shown.dispose();
+      next.dispose();
     }
-    while (this.pictures.length < count) {
-      this.pictures.push(new PictureTarget(this.options.halfFloat));
+    while (this.eyePictures.length < count) {
+      this.eyePictures.push(this.newPictures());
     }
   }
 
-  /** What pictures at rest are drawn with, and the time of a frame [ms]. */
+  /** What pictures at rest are drawn with, and the time of one while the view moves [ms]. */
   setQuality(resting: RestingPicture, frameBudget: number): void {
     this.pace.frameBudget = frameBudget;
     if (resting !== this.resting) {
@@ -143,16 +181,20 @@ export class Refiner {
       !this.stale &&
       !this.changed &&
       this.marcher.isWhole &&
+      this.completing === null &&
       !this.marcher.light.pending &&
       this.levels.length === 0 &&
+      this.region === null &&
+      this.patch === null &&
       !this.averaging &&
       !this.clock.busy
     );
   }
 
   resize(width: number, height: number): void {
-    for (const picture of [...this.pictures, this.working]) {
-      picture.resize(width, height);
+    for (const { shown, next } of this.eyePictures) {
+      shown.resize(width, height);
+      next.resize(width, height);
     }
     this.restart();
   }
@@ -160,30 +202,47 @@ export class Refiner {
   /** Camera, appearance or scan have changed. */
   restart(): void {
     this.stale = true;
+    this.movedAt = performance.now();
     this.levels = [];
-    this.renewals = 0;
+    this.again = false;
+    this.work = null;
+    this.region = null;
+    this.patch = null;
+    this.eye = 0;
   }
 
-  /** Values are finer than before: what is on display stays until it is drawn again, just as fine at least. */
+  /** Values are finer than before, or lit in another way: what is on display becomes so piece by piece. */
   renew(): void {
     if (this.stale) {
       return;
     }
-    if (this.renewals > 0) {
-      this.renewals = 2;
+    if (this.work === null) {
+      this.levels = levelsAfter(this.shown.divisor);
+      this.pass = 0;
+    } else {
+      this.again = true;
+    }
+  }
+
+  /** Only a part of a single eye's view has changed: it is drawn first, all else stays as fine as it is. */
+  change(region: Region): void {
+    if (this.stale || this.eyePictures.length > 1) {
+      this.restart();
       return;
     }
-    const { divisor } = this.shown;
-    this.renewals = 1;
-    this.levels = divisor > 1 ? [divisor, ...levelsAfter(divisor)] : [divisor];
-    this.row = 0;
-    this.pass = 0;
-    this.eye = 0;
+    this.region = this.region === null ? region : joined(this.region, region);
+    this.editedAt = performance.now();
+    this.renew();
   }
 
   /** Whether the view has changed since it was drawn. */
   get isStale(): boolean {
     return this.stale;
+  }
+
+  /** There is a picture that is on display with the next frame. */
+  get awaitsFrame(): boolean {
+    return this.changed;
   }
 
   /** Counts pieces from here on: what the GPU has not drawn to the end yet is not counted. */
@@ -194,9 +253,12 @@ export class Refiner {
 
   /** Has the GPU ready what the first picture will be drawn with. */
   async prepare(format: FieldFormat): Promise<void> {
-    await this.onPixel(async (pixel) => {
-      await this.marcher.prepare(this.renderer, pixel, format);
-    });
+    await Promise.all([
+      this.stretcher.prepare(this.renderer),
+      this.onPixel(async (pixel) => {
+        await this.marcher.prepare(this.renderer, pixel, format);
+      }),
+    ]);
   }
 
   /** Has the GPU ready what all others are drawn with. */
@@ -206,50 +268,31 @@ export class Refiner {
     });
   }
 
-  /** Draws the next piece; true where what is on display has changed since the last frame. */
+  /**
+   * Draws the next piece; true where what is on display has changed since the last frame. Where the CPU draws, what is
+   * on the screen is read back at the end of the frame: a piece begun before would be waited for.
+   */
   advance(now: number): boolean {
-    const before = this.changed;
+    const { changed } = this;
     this.changed = false;
-    if (this.stale && !this.clock.busy) {
-      this.drawMoving(now);
+    if (this.options.software && changed) {
+      setTimeout(() => {
+        this.goOn();
+      });
       return true;
     }
-    return this.refine(now) || before;
-  }
-
-  /** Draws the next piece at rest; true where what is on display has changed. */
-  private refine(now: number): boolean {
-    if (this.stale || this.clock.busy) {
-      return false;
-    }
-    const settled = now - this.drawnAt >= settleMilliseconds;
-    const [level] = this.levels;
-    // what is finer is seen at once, by what program there is and in the light before
-    if (this.renewals > 0 && settled && level !== undefined) {
-      return this.drawLevel(level);
-    }
-    if (!this.marcher.isWhole) {
-      this.completing ??= this.complete();
-      return false;
-    }
-    if (!settled) {
-      return false;
-    }
-    this.chooseDetail();
-    if (this.marcher.light.pending) {
-      this.workOutLight();
-      return false;
-    }
-    if (level !== undefined) {
-      return this.drawLevel(level);
-    }
-    return this.averaging && this.drawAverage();
+    this.drawNext(now);
+    const moved = this.changed;
+    this.changed = false;
+    return changed || moved;
   }
 
   dispose(): void {
     this.clock.forget();
-    for (const picture of [...this.pictures, this.working]) {
-      picture.dispose();
+    this.stretcher.dispose();
+    for (const { shown, next } of this.eyePictures) {
+      shown.dispose();
+      next.dispose();
     }
   }
 
@@ -260,7 +303,7 @@ export class Refiner {
   }
 
   private get first(): PictureTarget {
-    return this.pictures[0] ?? this.working;
+    return this.eyePictures[0].shown;
   }
 
   /** Of a ray while the view moves, at the finest. */
@@ -270,7 +313,7 @@ export class Refiner {
 
   /** Of all eyes' pictures while the view moves, at the finest. */
   private get movingSamples(): number {
-    return this.pictures.length * this.pixels * this.movingSteps;
+    return this.eyePictures.length * this.pixels * this.movingSteps;
   }
 
   /** Translucent layers while the view moves: each costs all triangles once, however coarse the picture. */
@@ -289,56 +332,126 @@ export class Refiner {
     return width * height;
   }
 
-  /** What is drawn at rest waits for its light: pictures that move show the light before. */
+  private newPictures(): EyePictures {
+    return { shown: new PictureTarget(this.options.halfFloat), next: new PictureTarget(this.options.halfFloat) };
+  }
+
+  private picturesOf(eye: number): EyePictures {
+    return this.eyePictures[eye] ?? this.eyePictures[0];
+  }
+
+  private drawNext(now: number): void {
+    if (this.clock.busy) {
+      return;
+    }
+    if (this.stale) {
+      this.drawMoving();
+    } else {
+      this.refine(now);
+    }
+  }
+
+  /** Draws the next piece at rest. */
+  private refine(now: number): void {
+    if ((this.patch !== null || this.region !== null) && !this.hasPatched) {
+      this.drawPatch();
+      return;
+    }
+    this.hasPatched = false;
+    if (now - this.movedAt < settleMilliseconds) {
+      return;
+    }
+    this.chooseDetail();
+    const [level] = this.levels;
+    if (level !== undefined && level.divisor > 1) {
+      this.drawLevel(level);
+    } else if (this.marcher.light.pending && this.marcher.isWhole) {
+      if (now - this.editedAt >= settleOfEdits) {
+        this.workOutLight();
+      }
+    } else {
+      this.completeOnce();
+      if (level !== undefined) {
+        this.drawLevel(level);
+      } else if (this.averaging) {
+        this.drawAverage();
+      }
+    }
+  }
+
+  /** Has the whole program made, once there is a picture that bears to be looked at meanwhile. */
+  private completeOnce(): void {
+    if (!this.marcher.isWhole && this.completing === null && this.host.isLoaded()) {
+      this.completing = this.complete().then(() => {
+        this.completing = null;
+        // what the light program has begun is not finished by it
+        this.work = null;
+        this.renew();
+      });
+    }
+  }
+
+  /** Only the last picture waits for its light: until then the light before is seen. */
   private workOutLight(): void {
     const { light } = this.marcher;
     // however busy the machine is, pieces are not so small that frames between them are all of the time
     const layers = Math.max(this.layers, Math.ceil(light.counts[2] / mostPieces));
     light.advance(this.renderer, layers);
     this.clock.start((milliseconds) => {
-      const fitting = (layers * this.pace.frameBudget) / Math.max(milliseconds, 1);
+      const fitting = (layers * this.pace.pieceBudget) / Math.max(milliseconds, 1);
       this.layers = Math.max(1, Math.min(2 * layers, Math.round(fitting)));
-      this.goOn();
+      if (!light.pending) {
+        this.renew();
+      }
+      this.goOnAtOnce();
     });
   }
 
-  private drawMoving(now: number): void {
+  private drawMoving(): void {
     // its program is not one of those that the first picture waits for
     if (!this.options.software && this.marcher.isWhole && this.marcher.light.pending) {
       this.marcher.light.advance(this.renderer, movingLayers);
     }
     this.chooseDetail();
     const begun = performance.now();
-    const eyes = this.pictures.length;
     const { divisor, step } = this.pace.picture(
       this.movingSamples,
       this.detail === "all" ? this.seen.all : this.seen.drawn,
     );
     const stepsPerVoxel = step * this.movingSteps;
     const seen = { all: 0, drawn: 0 };
-    for (let eye = 0; eye < eyes; ++eye) {
-      this.aim(eye);
-      this.working.useLevel(divisor);
+    let samples = 0;
+    this.eyePictures.forEach(({ next }, eye) => {
+      this.host.aim(eye);
+      next.useLevel(divisor);
       const surfaces = { divisor, stepsPerVoxel, shift: unshifted, depth: this.movingLayers, detail: this.detail };
-      const { all, drawn } = this.surfaces.draw(this.renderer, this.working, surfaces);
+      const { all, drawn } = this.surfaces.draw(this.renderer, next, surfaces);
       seen.all += all;
       seen.drawn += drawn;
-      this.drawRows(this.working, [0, this.working.height], stepsPerVoxel, unshifted);
-      this.swap(eye);
-    }
+      next.useRows(0, next.height);
+      this.march(next, stepsPerVoxel, unshifted);
+      samples += next.width * next.height * stepsPerVoxel;
+    });
     this.seen = seen;
-    const samples = eyes * this.first.width * this.first.height * stepsPerVoxel;
+    this.stale = false;
+    this.levels = levelsAfter(divisor);
+    this.pass = 0;
+    const put = (): void => {
+      this.eyePictures.forEach((_, eye) => { this.swap(eye); });
+      this.shown = { divisor, stepsPerVoxel, passes: 1, triangles: seen.drawn };
+      this.host.present();
+      this.show();
+    };
+    if (!this.options.software) {
+      put();
+    }
     this.time(() => {
       this.took = performance.now() - begun;
       this.pace.learnMoving({ waits: 1, samples, triangles: seen.drawn }, this.took);
+      if (this.options.software) {
+        put();
+      }
     });
-    this.shown = { divisor, stepsPerVoxel, passes: 1, triangles: seen.drawn };
-    this.stale = false;
-    this.drawnAt = now;
-    this.levels = levelsAfter(divisor);
-    this.row = 0;
-    this.pass = 0;
-    this.eye = 0;
   }
 
   /**
@@ -352,73 +465,89 @@ export class Refiner {
     }
   }
 
-  /** Draws a strip of a finer picture, which replaces the one on display once it is whole. */
-  private drawLevel(divisor: number): boolean {
-    this.working.useLevel(divisor);
-    if (!this.drawStrip(this.working, divisor, unshifted)) {
-      return false;
+  /** Draws a piece of the part that has changed over what is on display. */
+  private drawPatch(): void {
+    if (this.patch === null && this.region !== null) {
+      const target = this.first;
+      const { rows, columns } = texelsOf(this.region, target.width, target.height);
+      this.region = null;
+      const { stepsPerVoxel } = this.shown;
+      this.patch = { target, stepsPerVoxel, shift: unshifted, rows: new MiddleOut(rows), columns };
     }
-    this.swap(this.eye);
-    if (this.nextEye()) {
-      this.shown = { divisor, stepsPerVoxel: this.resting.stepsPerVoxel, passes: 1, triangles: this.triangles };
-      this.levels.shift();
-      this.pass = 1;
-      this.endRenewal();
+    const { patch } = this;
+    if (patch !== null) {
+      this.hasPatched = true;
+      this.drawPiece(patch, () => { this.show(); });
+      this.patch = patch.rows.done ? null : patch;
     }
-    return true;
   }
 
-  /** What has become finer meanwhile is drawn too. */
-  private endRenewal(): void {
-    const again = this.renewals > 1;
-    this.renewals = 0;
-    if (again) {
+  /** Draws a piece of a finer picture over what is on display. */
+  private drawLevel({ divisor, step }: Level): void {
+    const stepsPerVoxel = divisor > 1 ? step * this.movingSteps : this.resting.stepsPerVoxel;
+    const work = (this.work ??= this.begin(divisor, stepsPerVoxel, unshifted));
+    this.drawPiece(work, (whole) => {
+      if (whole || performance.now() - this.changedAt >= pauseOfPieces) {
+        this.show();
+      }
+    });
+    if (!work.rows.done) {
+      return;
+    }
+    this.work = null;
+    if (this.nextEye()) {
+      this.shown = { divisor, stepsPerVoxel, passes: 1, triangles: this.triangles };
+      this.levels.shift();
+      this.pass = 1;
+      this.endLevel();
+    }
+  }
+
+  /** What has changed meanwhile is drawn too. */
+  private endLevel(): void {
+    if (this.again) {
+      this.again = false;
       this.renew();
     }
   }
 
-  /** Blends a strip of one more picture, shifted within the pixel, into the one on display. */
-  private drawAverage(): boolean {
+  /** Blends a piece of one more picture, shifted within the pixel, into the one on display. */
+  private drawAverage(): void {
     const count = this.pass + 1;
-    // covers the pixel evenly
-    const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
+    if (this.work === null) {
+      // covers the pixel evenly
+      const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
+      this.work = this.begin(1, this.resting.stepsPerVoxel, shift);
+    }
     this.marcher.blend = 1 / count;
-    const whole = this.drawStrip(this.pictureOf(this.eye), 1, shift);
-    this.marcher.blend = null;
-    if (whole && this.nextEye()) {
-      this.pass = count;
-      this.shown = { ...this.shown, passes: count };
-    }
-    return whole;
-  }
-
-  /** Draws the next rows that fit into a frame; true where they were the last. */
-  private drawStrip(target: PictureTarget, divisor: number, shift: Shift): boolean {
-    const { stepsPerVoxel } = this.resting;
-    this.turn();
-    const { width, height } = target;
-    if (this.row === 0) {
-      const triangles = this.drawSurfaces(target, divisor, shift);
-      this.level = { waits: 0, samples: width * height * stepsPerVoxel, triangles, milliseconds: 0 };
-    }
-    const to = Math.min(height, this.row + this.pace.stripRows(width, height, stepsPerVoxel));
-    this.drawRows(target, [this.row, to], stepsPerVoxel, shift);
-    const { level } = this;
-    const whole = to === height;
-    this.time((milliseconds) => {
-      level.waits += 1;
-      level.milliseconds += milliseconds;
+    const { work } = this;
+    this.drawPiece(work, (whole) => {
       if (whole) {
-        this.pace.learnResting(level, level.milliseconds);
+        this.show();
       }
     });
-    this.row = whole ? 0 : to;
-    return whole;
+    this.marcher.blend = null;
+    if (!work.rows.done) {
+      return;
+    }
+    this.work = null;
+    if (this.nextEye()) {
+      this.pass = count;
+      this.shown = { ...this.shown, passes: count };
+      this.endLevel();
+    }
   }
 
-  /** Draws all of the surfaces for a picture at rest; returns their triangles. */
-  private drawSurfaces(target: PictureTarget, divisor: number, shift: Shift): number {
-    const { stepsPerVoxel } = this.resting;
+  /** Begins a picture at rest over what is on display, with all of the surfaces. */
+  private begin(divisor: number, stepsPerVoxel: number, shift: Shift): Work {
+    this.turn();
+    const { shown, next } = this.picturesOf(this.eye);
+    next.useLevel(divisor);
+    if (next.width !== shown.width || next.height !== shown.height) {
+      this.stretcher.draw(this.renderer, shown, next);
+      this.swap(this.eye);
+    }
+    const target = this.pictureOf(this.eye);
     const { drawn } = this.surfaces.draw(this.renderer, target, {
       divisor,
       stepsPerVoxel,
@@ -427,46 +556,72 @@ export class Refiner {
       detail: "all",
     });
     this.triangles = this.eye === 0 ? drawn : this.triangles + drawn;
-    return drawn;
+    return { target, stepsPerVoxel, shift, rows: new MiddleOut([0, target.height]), columns: [0, target.width] };
   }
 
-  private drawRows(target: PictureTarget, rows: readonly [number, number], stepsPerVoxel: number, shift: Shift): void {
-    target.useRows(...rows);
+  /** Draws the next rows that fit into a piece's time; calls back once they are there: with true for the last ones. */
+  private drawPiece({ target, stepsPerVoxel, shift, rows, columns }: Work, done: (whole: boolean) => void): void {
+    const width = columns[1] - columns[0];
+    const [from, to] = rows.take(this.pace.pieceRows(Math.max(1, width), target.height, stepsPerVoxel));
+    const whole = rows.done;
+    target.useRows(from, to, ...columns);
+    this.march(target, stepsPerVoxel, shift);
+    this.time((milliseconds) => {
+      if (width === target.width) {
+        // a part of the view may be so small that it tells of waits alone
+        this.pace.learnPiece(width * (to - from) * stepsPerVoxel, milliseconds);
+      }
+      done(whole);
+    });
+  }
+
+  private march(target: PictureTarget, stepsPerVoxel: number, shift: Shift): void {
     this.marcher.draw(this.renderer, target, { stepsPerVoxel, jitter: this.jitter }, shift);
+  }
+
+  /** What was drawn is on display with the next frame. */
+  private show(): void {
+    this.changed = true;
+    this.changedAt = performance.now();
   }
 
   /** Counts a piece, and tells what it cost, once the GPU has drawn it. */
   private time(done: (milliseconds: number) => void): void {
     this.clock.start((milliseconds) => {
-      done(milliseconds);
       this.drawnPieces += 1;
-      this.goOn();
+      done(milliseconds);
+      this.goOnAtOnce();
     });
   }
 
-  /** Draws the next piece at rest without waiting for a frame, where a GPU draws. */
+  /** Draws the next piece at rest without waiting for a frame, unless one has to be shown first where the CPU draws. */
+  private goOnAtOnce(): void {
+    if (!this.stale && !(this.options.software && this.changed)) {
+      this.goOn();
+    }
+  }
+
   private goOn(): void {
-    if (!this.options.software && this.mayGoOn()) {
-      this.changed = this.refine(performance.now()) || this.changed;
+    if (this.host.mayGoOn()) {
+      this.drawNext(performance.now());
     }
   }
 
   /** Turns to the eye whose picture is drawn; a single one stays where the view left it. */
   private turn(): void {
-    if (this.pictures.length > 1) {
-      this.aim(this.eye);
+    if (this.eyePictures.length > 1) {
+      this.host.aim(this.eye);
     }
   }
 
   /** Goes on to the next eye; true where all had their turn. */
   private nextEye(): boolean {
-    this.eye = (this.eye + 1) % this.pictures.length;
+    this.eye = (this.eye + 1) % this.eyePictures.length;
     return this.eye === 0;
   }
 
   private swap(eye: number): void {
-    const drawn = this.working;
-    this.working = this.pictureOf(eye);
-    this.pictures[eye] = drawn;
+    const pictures = this.picturesOf(eye);
+    [pictures.shown, pictures.next] = [pictures.next, pictures.shown];
   }
 }

@@ -2,10 +2,11 @@
  * The pane of the 3-D view on the screen: what each eye sees of the scan, and over it marks and the markers of touch.
  */
 import * as THREE from "three";
-import { project, type Camera } from "../../core/geometry/camera";
+import { project, type Camera, type Extent } from "../../core/geometry/camera";
 import { coarsest } from "../../core/view/draw_budget";
 import type { Rect } from "../../core/view/picture_layout";
-import { eyesOf, firstStereo, viewportOf, type Stereo } from "../../core/view/stereo";
+import type { Region } from "../../core/view/region";
+import { eyeCamera, eyesOf, firstStereo, viewportOf, type Stereo } from "../../core/view/stereo";
 import type { Vec3 } from "../../core/geometry/vector";
 import { Anaglyph } from "./anaglyph";
 import { Compositor, type Composition } from "./compositor";
@@ -23,10 +24,10 @@ export class ViewPane {
   /** The pane, and the height of the canvas that it is a part of [CSS pixels from the upper left]. */
   rect: Rect = { x: 0, y: 0, width: 1, height: 1 };
   canvasHeight = 1;
-  /** What is on display, as seen from between the eyes. */
-  shownCamera: Camera | null = null;
   /** Markers stand elsewhere than they were drawn. */
   stale = true;
+  /** What is on display, as seen from between the eyes. */
+  private shownCamera: Camera | null = null;
   private readonly cameras = [new ThreeCamera(), new ThreeCamera()] as const;
   private readonly anaglyph = new Anaglyph();
   private readonly marks = new MarkStrokes();
@@ -51,8 +52,21 @@ export class ViewPane {
     private readonly pictureOf: (eye: number) => PictureTarget,
   ) {}
 
-  cameraOf(eye: number): ThreeCamera {
-    return this.cameras[eye === 0 ? 0 : 1];
+  /** The picture is of this view from now on, and so are marks and markers. */
+  look(camera: Camera, extent: Extent): void {
+    const { rect, stereo } = this;
+    const { width, height } = viewportOf(stereo, rect);
+    this.shownCamera = camera;
+    eyesOf(stereo, rect).forEach(({ aside }, eye) => {
+      this.cameraOf(eye).update(eyeCamera(camera, aside), extent, width / height);
+    });
+  }
+
+  /** What covers points of the scene in the picture on display; null where that cannot be told. */
+  regionOf(points: readonly Vec3[]): Region | null {
+    const box = this.boxAround(points, 0);
+    const { width, height } = this.rect;
+    return box === null ? null : [box.min.x / width, 1 - box.max.y / height, box.max.x / width, 1 - box.min.y / height];
   }
 
   /** The picture is enlarged on the screen. */
@@ -123,6 +137,10 @@ export class ViewPane {
     this.anaglyph.dispose();
     this.marks.dispose();
     this.markers.dispose();
+  }
+
+  private cameraOf(eye: number): ThreeCamera {
+    return this.cameras[eye === 0 ? 0 : 1];
   }
 
   private drawPart(part: THREE.Box2 | null): void {

@@ -43,9 +43,11 @@ import segments from "./scan/segments.glsl?raw";
 import shells from "./march/shells.glsl?raw";
 import sliceFrag from "./picture/slice.frag?raw";
 import solid from "./march/solid.glsl?raw";
+import stretchFrag from "./picture/stretch.frag?raw";
 import surfaceFrag from "./surfaces/surface.frag?raw";
 import surfaceVert from "./surfaces/surface.vert?raw";
 import surfaces from "./surfaces/surfaces.glsl?raw";
+import toldValues from "./scan/told_values.frag?raw";
 import tissue from "./march/tissue.glsl?raw";
 import transfer from "./march/transfer.glsl?raw";
 
@@ -97,10 +99,12 @@ export const shaders = {
     alongRays,
     marchFrag,
   ),
+  toldValues: joined(displaced, field, toldValues),
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
   enlarge: joined(enlargeFrag),
+  stretch: joined(stretchFrag),
   anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, second, secondGrey, secondSlice, secondLines, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },

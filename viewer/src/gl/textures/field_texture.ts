@@ -2,28 +2,32 @@
  * The scan's values on the GPU, uploaded slab by slab so that no frame waits for all of it, and again where
  * they have arrived since.
  *
- * R16 where the GPU has it; else RG8, the same bytes as two texels of 8 bits, which the
- * shader joins; R32F (twice the memory) where it is asked for. Keep the formats in sync with
+ * R16; or RG8, the same bytes as two texels of 8 bits, which the shader joins; or R32F (twice the memory); or RG8 that
+ * the shader filters itself ("texels"). `march/field_filter.ts` chooses. Keep the formats in sync with
  * `shaders/scan/field.glsl`.
  */
 import * as THREE from "three";
+import { subtract, type Vec3 } from "../../core/geometry/vector";
 import type { ScanVolume } from "../../core/scan/scan_volume";
 import { forEachCell, type Box } from "../../core/scan/voxel_change";
-import type { GpuSupport } from "../base/gpu_support";
 
-export type FieldFormat = "r16" | "rg8" | "r32f";
+export type FieldFormat = "r16" | "rg8" | "r32f" | "texels";
 
-/** The format that is exact and small on this GPU. */
-export function fieldFormatFor(support: GpuSupport): FieldFormat {
-  return support.norm16 ? "r16" : "rg8";
-}
+/** What shaders that read the scan are told of its format. */
+export const formatDefines: Readonly<Record<FieldFormat, string>> = {
+  r16: "FIELD_R16",
+  rg8: "FIELD_RG8",
+  r32f: "FIELD_R32F",
+  texels: "FIELD_TEXELS",
+};
 
 /** Bytes sent to the GPU at once. */
 const slabBytes = 8 * 2 ** 20;
 
 export class FieldTexture {
   readonly texture: THREE.Data3DTexture;
-  private readonly source: THREE.Data3DTexture;
+  /** The scan's own values, of which boxes are copied; null where these are made floats first. */
+  private readonly source: THREE.Data3DTexture | null;
   private readonly slabPlanes: number;
   /** Slabs that are still to be sent. */
   private readonly waiting: Set<number>;
@@ -34,8 +38,8 @@ export class FieldTexture {
     readonly volume: ScanVolume,
     readonly format: FieldFormat,
   ) {
-    this.source = textureOf(volume, format, texelsOf(volume.values, format));
-    this.texture = textureOf(volume, format, null);
+    this.source = format === "r32f" ? null : textureOf(volume.dimensions, format, texelsOf(volume.values, format));
+    this.texture = textureOf(volume.dimensions, format, null);
     // allocated without a copy on the CPU; filled by `uploadSlab`
     this.texture.source.dataReady = false;
     this.texture.needsUpdate = true;
@@ -71,10 +75,14 @@ export class FieldTexture {
 
   /** Sends the values of a box, and only those. */
   uploadBox(renderer: THREE.WebGLRenderer, box: Box): void {
-    if (this.format === "r32f") {
-      refill(this.source.image.data as unknown as Float32Array, this.volume, box);
+    if (this.source !== null) {
+      copyBox(renderer, this.source, this.texture, box);
+      return;
     }
-    copyBox(renderer, this.source, this.texture, box);
+    const [size, floats] = floatsOf(this.volume, box);
+    const source = textureOf(size, this.format, floats);
+    copyBox(renderer, source, this.texture, { low: [0, 0, 0], high: size }, box.low);
+    source.dispose();
   }
 
   private get slabs(): number {
@@ -83,51 +91,57 @@ export class FieldTexture {
 
   dispose(): void {
     this.texture.dispose();
-    this.source.dispose();
+    this.source?.dispose();
   }
 }
 
-/** Copies a box of texels from an array that is never drawn itself into a texture. */
+/** Copies a box of texels from an array that is never drawn itself into a texture, there or elsewhere. */
 export function copyBox(
   renderer: THREE.WebGLRenderer,
   source: THREE.Data3DTexture,
   texture: THREE.Data3DTexture,
   { low, high }: Box,
+  to: Vec3 = low,
 ): void {
-  const from = new THREE.Vector3(...low);
-  renderer.copyTextureToTexture(source, texture, new THREE.Box3(from, new THREE.Vector3(...high)), from);
+  const box = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
+  renderer.copyTextureToTexture(source, texture, box, new THREE.Vector3(...to));
 }
 
-/** Floats are a copy of the scan's values: those of the box are made when they are sent. */
-function refill(floats: Float32Array, { values, dimensions }: ScanVolume, box: Box): void {
+/** The size of a box, and its values, x fastest: no whole copy of the scan is held for them. */
+function floatsOf({ values, dimensions }: ScanVolume, box: Box): readonly [Vec3, Float32Array] {
+  const size = subtract(box.high, box.low);
+  const floats = new Float32Array(size[0] * size[1] * size[2]);
+  let next = 0;
   forEachCell(box, dimensions, (i) => {
-    floats[i] = values[i] ?? 0;
+    floats[next++] = values[i] ?? 0;
   });
+  return [size, floats];
 }
 
-function texelsOf(values: Uint16Array, format: FieldFormat): Uint16Array | Uint8Array | Float32Array {
-  switch (format) {
-    case "r16":
-      return values;
-    case "rg8":
-      return new Uint8Array(values.buffer, values.byteOffset, values.byteLength);
-    case "r32f":
-      return new Float32Array(values.length);
-  }
+function texelsOf(values: Uint16Array, format: "r16" | "rg8" | "texels"): Uint16Array | Uint8Array {
+  return format === "r16" ? values : new Uint8Array(values.buffer, values.byteOffset, values.byteLength);
 }
 
 function textureOf(
-  volume: ScanVolume,
+  dimensions: Vec3,
   format: FieldFormat,
   texels: Uint16Array | Uint8Array | Float32Array | null,
 ): THREE.Data3DTexture {
   // the types of three know no unsigned 16-bit texels, its code does
-  const texture = new THREE.Data3DTexture(texels as Uint8Array<ArrayBuffer> | null, ...volume.dimensions);
-  texture.format = format === "rg8" ? THREE.RGFormat : THREE.RedFormat;
-  texture.type = { r16: THREE.UnsignedShortType, rg8: THREE.UnsignedByteType, r32f: THREE.FloatType }[format];
+  const texture = new THREE.Data3DTexture(texels as Uint8Array<ArrayBuffer> | null, ...dimensions);
+  const filter = format === "texels" ? THREE.NearestFilter : THREE.LinearFilter;
+  texture.format = format === "rg8" || format === "texels" ? THREE.RGFormat : THREE.RedFormat;
+  texture.type = typeOf[format];
   texture.normalized = format === "r16";
-  texture.minFilter = THREE.LinearFilter;
-  texture.magFilter = THREE.LinearFilter;
+  texture.minFilter = filter;
+  texture.magFilter = filter;
   texture.unpackAlignment = 1;
   return texture;
 }
+
+const typeOf: Readonly<Record<FieldFormat, THREE.TextureDataType>> = {
+  r16: THREE.UnsignedShortType,
+  rg8: THREE.UnsignedByteType,
+  r32f: THREE.FloatType,
+  texels: THREE.UnsignedByteType,
+};

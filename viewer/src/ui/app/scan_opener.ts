@@ -14,7 +14,7 @@ import { needsLabels, type HeldScan, type ShownEdits } from "../features/scan/sh
 import type { Session } from "../state/session.svelte";
 import type { Controls } from "./controls";
 import type { DrawnScene } from "./drawn_scene.svelte";
-import type { PictureHost } from "./picture_host";
+import type { PictureHost } from "./picture_host.svelte";
 
 interface Outside extends Controls {
   readonly session: Session;

@@ -12,7 +12,7 @@ import { ImageControl } from "../features/view/image_control.svelte";
 import { makeControls, type Controls, type Surroundings } from "./controls";
 import { DrawnScene } from "./drawn_scene.svelte";
 import { Picker } from "./picker";
-import { PictureHost } from "./picture_host";
+import { PictureHost } from "./picture_host.svelte";
 import { ScanOpener } from "./scan_opener";
 
 /**

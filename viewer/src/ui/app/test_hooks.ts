@@ -16,6 +16,7 @@ import {
 import type { Vec3 } from "../../core/geometry/vector";
 import { benchHooks, type BenchHooks } from "./bench_hooks";
 import type { GpuSupport } from "../../gl/base/gpu_support";
+import type { FieldFilter } from "../../gl/march/field_filter";
 import type { Shown } from "../../gl/picture/refiner";
 import type { ShownSlice } from "../../gl/picture/slices";
 import type { HandControl } from "../features/touch/hand_control.svelte";
@@ -89,6 +90,8 @@ export interface TestHooks {
   readonly pick: (x: number, y: number) => Picked | null;
   /** What the browser's graphics can do. */
   readonly support: GpuSupport;
+  /** How the scan's values are filtered, and how far off which formats were; null before there is a canvas. */
+  readonly filter: FieldFilter | null;
   readonly bench: BenchHooks;
   /** The second scan, as the engine has reported it; null where there is none. */
   readonly second: SecondScan | null;
@@ -183,6 +186,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     setView: (direction) => { stage.view.lookFrom(direction); },
     pick: (x, y) => stage.picker.at(x, y),
     support: stage.picture.support,
+    get filter() { return stage.picture.filter; },
     bench: benchHooks(stage),
     get second() {
       return stage.second.reported;

@@ -13,27 +13,44 @@ uniform vec3 sampleStep;
 // physical value = slope * biased + constant; only the slope matters to gradients
 uniform float slope;
 
-float biasedAt(vec3 grid) {
-  vec3 place = atRest(grid) * textureScale + textureOffset;
-#if defined(FIELD_RG8)
-  // red holds the low byte, green the high one: linear in both, so filtering stays exact
-  return dot(texture(fieldTexture, place).rg, vec2(255.0, 65280.0));
+// The value that a texel tells of, or what lies between some.
+float storedIn(vec4 texel) {
+#if defined(FIELD_RG8) || defined(FIELD_TEXELS)
+  // red holds the low byte, green the high one: linear in both, so that they can be filtered before they are joined
+  return dot(texel.rg, vec2(255.0, 65280.0));
 #elif defined(FIELD_R16)
-  return texture(fieldTexture, place).r * 65535.0;
+  return texel.r * 65535.0;
 #else
-  return texture(fieldTexture, place).r;
+  return texel.r;
 #endif
+}
+
+#ifdef FIELD_TEXELS
+// The eight texels around a place by their shares: where the GPU does it too roughly (gl/march/field_filter.ts).
+vec4 filtered(sampler3D values, vec3 place) {
+  ivec3 last = textureSize(values, 0) - 1;
+  vec3 at = clamp(place * vec3(last + 1) - 0.5, vec3(0.0), vec3(last));
+  ivec3 a = ivec3(at);
+  ivec3 b = min(a + 1, last);
+  vec3 f = at - vec3(a);
+#define TEXEL(x, y, z) texelFetch(values, ivec3(x, y, z), 0)
+  vec4 front = mix(
+    mix(TEXEL(a.x, a.y, a.z), TEXEL(b.x, a.y, a.z), f.x), mix(TEXEL(a.x, b.y, a.z), TEXEL(b.x, b.y, a.z), f.x), f.y);
+  vec4 back = mix(
+    mix(TEXEL(a.x, a.y, b.z), TEXEL(b.x, a.y, b.z), f.x), mix(TEXEL(a.x, b.y, b.z), TEXEL(b.x, b.y, b.z), f.x), f.y);
+  return mix(front, back, f.z);
+}
+#else
+#define filtered texture
+#endif
+
+float biasedAt(vec3 grid) {
+  return storedIn(filtered(fieldTexture, atRest(grid) * textureScale + textureOffset));
 }
 
 // The value of one texel.
 float biasedOf(ivec3 texel) {
-#if defined(FIELD_RG8)
-  return dot(texelFetch(fieldTexture, texel, 0).rg, vec2(255.0, 65280.0));
-#elif defined(FIELD_R16)
-  return texelFetch(fieldTexture, texel, 0).r * 65535.0;
-#else
-  return texelFetch(fieldTexture, texel, 0).r;
-#endif
+  return storedIn(texelFetch(fieldTexture, texel, 0));
 }
 
 // Gradient of the physical value [per mm] along the grid's axes, by central differences.

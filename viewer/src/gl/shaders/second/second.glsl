@@ -27,21 +27,11 @@ bool isOnSecond(vec3 place) {
   return all(greaterThanEqual(place, vec3(0.0))) && all(lessThanEqual(place, vec3(1.0)));
 }
 
-float secondNumber(vec4 texel) {
-#if defined(FIELD_RG8)
-  return dot(texel.rg, vec2(255.0, 65280.0));
-#elif defined(FIELD_R16)
-  return texel.r * 65535.0;
-#else
-  return texel.r;
-#endif
-}
-
 float secondBiased(vec3 share) {
-  return secondNumber(texture(secondTexture, share * secondTextureScale + secondTextureOffset));
+  return storedIn(filtered(secondTexture, share * secondTextureScale + secondTextureOffset));
 }
 
 float secondTexel(ivec3 place) {
-  return secondNumber(texelFetch(secondTexture, place, 0));
+  return storedIn(texelFetch(secondTexture, place, 0));
 }
 #endif

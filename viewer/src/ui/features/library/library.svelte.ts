@@ -20,9 +20,14 @@ import {
   type JobProgress,
 } from "../../../core/library/library";
 import { LatePictures } from "../../../core/library/late_pictures";
-import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../../../core/library/reconstruction";
+import type {
+  AskedReconstruction,
+  GeometryFile,
+  Projections,
+  ReconstructionGrid,
+} from "../../../core/library/reconstruction";
 import type { Vec3 } from "../../../core/geometry/vector";
-import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../../../live/library_requests";
+import { askAbout, askGrid, askLayout, bring, dropUpload, forgetRecent, work } from "../../../live/library_requests";
 
 export interface Found {
   readonly find: number;
@@ -233,14 +238,25 @@ export class Library {
   }
 
   /** Opens a scan that is made of the projections that were found. */
-  async reconstruct(request: ReconstructionRequest): Promise<void> {
-    const find = this.projections?.find;
-    await this.attempt((signal) => this.exchange({ find, request }, signal, "reconstruct"));
+  async reconstruct(asked: AskedReconstruction): Promise<void> {
+    await this.attempt((signal) => this.exchange(asked, signal, "reconstruct"));
+  }
+
+  /** Brings the file that states the geometry of projections. Throws why it was not taken. */
+  async bringGeometry(file: File): Promise<GeometryFile> {
+    const { signal } = new AbortController();
+    const upload = await bring([{ name: file.name, file }], { token: this.token, signal }, () => undefined);
+    return { name: file.name, upload };
+  }
+
+  /** The file is not wanted any more. */
+  dropGeometry(file: GeometryFile): void {
+    void dropUpload(file.upload, this.token);
   }
 
   /** The grid of the scan that would come. Throws why none would. */
-  async gridOf(find: number, request: ReconstructionRequest): Promise<ReconstructionGrid> {
-    return askGrid({ find, request }, this.token);
+  async gridOf(asked: AskedReconstruction): Promise<ReconstructionGrid> {
+    return askGrid(asked, this.token);
   }
 
   /** The scan that files would give by a layout. Throws why they would give none. */

@@ -6,6 +6,7 @@ import type { Camera } from "../../core/geometry/camera";
 import type { Segment } from "../../core/protocol";
 import type { Panes } from "../../core/view/picture_layout";
 import type { GpuSupport } from "../../gl/base/gpu_support";
+import type { FieldFilter } from "../../gl/march/field_filter";
 import { Picture } from "../../gl/picture/picture";
 import type { SnapshotWish } from "../../gl/picture/snapshot";
 import type { AppearanceControl } from "../features/appearance/appearance_control.svelte";
@@ -38,6 +39,8 @@ interface Sources extends SyncedControls {
 
 export class PictureHost {
   readonly frameRate = new FrameRate();
+  /** How the scan's values are filtered; null before there is a canvas. */
+  filter = $state.raw<FieldFilter | null>(null);
   /** Nothing is drawn; for the benchmark of edits. */
   suspended = false;
 
@@ -158,6 +161,7 @@ export class PictureHost {
       loader.failure = `the graphics did not start: ${error instanceof Error ? error.message : String(error)}`;
       return;
     }
+    this.filter = this.picture.filter;
     this.drawnCamera = null;
     this.sync.forget();
     touch.redraw();
