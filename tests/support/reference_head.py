@@ -7,9 +7,20 @@ from pathlib import Path
 import SimpleITK
 from reference_renderer import Look
 
+from palpate.pictures.appearance import Mode
+
 __all__ = ["GREY", "LOOK", "MODES", "small_head"]
 
-MODES = ("shaded", "composite", "absorption", "emission", "mip", "minip", "average", "iso")
+MODES: tuple[Mode, ...] = (
+    "shaded",
+    "composite",
+    "absorption",
+    "emission",
+    "mip",
+    "minip",
+    "average",
+    "iso",
+)
 GREY = ("mip", "minip", "average")
 SOFT_TISSUE, BONE = 40.0, 250.0
 """Of a CT in HU."""
