@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import SimpleITK
-from reference_renderer import Look
-
 from palpate.pictures.appearance import Mode
+from reference_renderer import Look
 
 __all__ = ["GREY", "LOOK", "MODES", "small_head"]
 
