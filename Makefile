@@ -18,8 +18,10 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # what each built part is made of
 RUST_SOURCES := Cargo.toml Cargo.lock rust-toolchain.toml python/Cargo.toml python/pyproject.toml \
 	$(wildcard crates/*/Cargo.toml) $(shell find crates/*/src python/src -name '*.rs')
-VIEWER_SOURCES := $(shell find viewer -type f -not -path '*/node_modules/*' -not -path '*/e2e/*')
-PACKAGE_SOURCES := $(shell find python/palpate -type f -name '*.py*' -not -path '*/__pycache__/*')
+VIEWER_SOURCES := python/palpate/pictures/looks.json \
+	$(shell find viewer -type f -not -path '*/node_modules/*' -not -path '*/e2e/*')
+PACKAGE_SOURCES := python/palpate/pictures/looks.json \
+	$(shell find python/palpate -type f -name '*.py*' -not -path '*/__pycache__/*')
 
 # stamps
 VENV_READY := $(VENV)/.packages

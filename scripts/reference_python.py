@@ -34,6 +34,7 @@ SUBJECTS = {
     "Registration": "register Registration SearchOptions",
     "Sessions": "Scene Session SessionOptions TouchSettings ScriptedPath",
     "Recordings": "Recording Replay",
+    "Pictures": "render Camera",
     "Export": "export_scene",
 }
 """Headings and their names, in order; errors and names that stand nowhere here come last."""

@@ -10,7 +10,7 @@ import pytest
 import SimpleITK
 from numpy.typing import NDArray
 from palpate import _core
-from palpate.pictures.appearance import Appearance, Lighting
+from palpate.pictures.appearance import Appearance, Lighting, Mode
 from palpate.pictures.camera import Camera
 from reference_head import GREY, LOOK, MODES, small_head
 from reference_renderer import Reference, View, ground_at, linear_of_hex, on_screen, unit
@@ -71,7 +71,7 @@ def transfer() -> tuple[tuple[float, tuple[float, float, float], float], ...]:
     )
 
 
-def appearance(mode: str) -> Appearance:
+def appearance(mode: Mode) -> Appearance:
     """Returns how a mode shows the head, without the light volume, which the reference lacks."""
     slab = LOOK.slabs.get(mode, 0)
     points = transfer()

@@ -19,6 +19,8 @@ export default defineConfig({
   worker: { format: "es" },
   server: {
     host: "127.0.0.1",
+    // looks.json of the Python package
+    fs: { allow: [".."] },
     proxy: { "/api": { target: engine, ws: true, changeOrigin: true } },
   },
   test: {

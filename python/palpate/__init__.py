@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from palpate.io.dicomweb.series import fetch_series, remote_series
     from palpate.io.reading import read
     from palpate.labels.labels import Label, Labels, read_labels
+    from palpate.pictures.camera import Camera
+    from palpate.pictures.render import render
     from palpate.registration.carry import Carrier
     from palpate.registration.inverse import Inverse
     from palpate.registration.options import RegistrationError, SearchOptions
@@ -66,6 +68,7 @@ if TYPE_CHECKING:
     from palpate.volumes.volume import Volume
 
 __all__ = [
+    "Camera",
     "Carrier",
     "DicomWebError",
     "EmptySegmentError",
@@ -112,6 +115,7 @@ __all__ = [
     "read_transform",
     "register",
     "remote_series",
+    "render",
     "resampled",
     "segment_of_mesh",
     "statistics",
@@ -122,6 +126,7 @@ __all__ = [
 __getattr__ = lazy_exports(
     __name__,
     {
+        "Camera": "pictures.camera",
         "Carrier": "registration.carry",
         "DicomWebError": "base.errors",
         "EmptySegmentError": "base.errors",
@@ -168,6 +173,7 @@ __getattr__ = lazy_exports(
         "read_transform": "volumes.second_scan",
         "register": "registration.registration",
         "remote_series": "io.dicomweb.series",
+        "render": "pictures.render",
         "resampled": "volumes.resampled",
         "segment_of_mesh": "volumes.mesh_read",
         "statistics": "segmentation.segment_statistics",

@@ -5,11 +5,21 @@ from __future__ import annotations
 from pathlib import Path
 
 import SimpleITK
+from palpate.pictures.appearance import Mode
 from reference_renderer import Look
 
 __all__ = ["GREY", "LOOK", "MODES", "small_head"]
 
-MODES = ("shaded", "composite", "absorption", "emission", "mip", "minip", "average", "iso")
+MODES: tuple[Mode, ...] = (
+    "shaded",
+    "composite",
+    "absorption",
+    "emission",
+    "mip",
+    "minip",
+    "average",
+    "iso",
+)
 GREY = ("mip", "minip", "average")
 SOFT_TISSUE, BONE = 40.0, 250.0
 """Of a CT in HU."""

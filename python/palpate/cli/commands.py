@@ -46,6 +46,8 @@ from palpate.cli.reconstruct import reconstruct
 from palpate.cli.record import record
 from palpate.cli.register import EXAMPLES as REGISTER_EXAMPLES
 from palpate.cli.register import register
+from palpate.cli.render import EXAMPLES as RENDER_EXAMPLES
+from palpate.cli.render import render
 from palpate.cli.replay import replay
 from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
@@ -182,6 +184,7 @@ app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
 app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("transform", epilog=TRANSFORM_EXAMPLES)(transform)
+app.command("render", epilog=RENDER_EXAMPLES)(render)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(statistics)

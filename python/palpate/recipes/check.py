@@ -105,6 +105,8 @@ def _steps(recipe: Recipe) -> Iterator[tuple[str, Request]]:
         yield f"$.export[{number}]", export
     for number, carried in enumerate(recipe.transform):
         yield f"$.transform[{number}]", carried
+    for number, picture in enumerate(recipe.picture):
+        yield f"$.picture[{number}]", picture
     yield "$", recipe
 
 

@@ -5,18 +5,19 @@ It does not name the patient.
 
 from __future__ import annotations
 
-import base64
+from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.package_version import package_version
-from palpate.base.simpleitk import simpleitk
 from palpate.base.whole_file import whole_file
+from palpate.pictures.choices import View
+from palpate.pictures.picture_file import png_bytes
+from palpate.pictures.render import DrawnScene
 from palpate.segmentation.mask_shape import box_of
 from palpate.segmentation.segment_statistics import statistics
 from palpate.segmentation.statistics_table import statistics_cells
@@ -31,6 +32,8 @@ WINDOW_HU = (-160.0, 240.0)
 """What is black and white of a scan in HU: soft tissue."""
 
 PICTURE_WIDTH = 320
+
+VIEWS: tuple[View, ...] = ("anterior", "left", "superior")
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 1040px; margin: 32px auto; padding: 0 16px;
@@ -71,6 +74,12 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
         f"<figcaption>{name}</figcaption></figure>"
         for name, picture, ratio in slice_pictures(scene)
     )
+    views = "\n".join(
+        f'<figure><img src="data:image/png;base64,{_png(picture)}" '
+        f'width="{PICTURE_WIDTH}" height="{PICTURE_WIDTH}" alt="seen from {side}">'
+        f"<figcaption>{side}</figcaption></figure>"
+        for side, picture in _views(scene)
+    )
     files = "".join(f"<li>{escape(each.name)}</li>" for each in written)
     notes = "".join(f"<li>{escape(each)}</li>" for each in told)
     text = f"""<!doctype html>
@@ -85,6 +94,8 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
 <tr><th>{headings[0]}</th>{_row("th", headings[1:])}</tr>
 {rows}
 </table></div>
+<h2>Seen from outside</h2>
+{views}
 <h2>Slices through the middle of all segments</h2>
 {figures}
 {f"<h2>Files</h2><ul>{files}</ul>" if files else ""}
@@ -94,6 +105,13 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
 """
     with whole_file(path) as unfinished:
         unfinished.write_text(text, "utf-8")
+
+
+def _views(scene: Scene) -> list[tuple[str, NDArray[np.uint8]]]:
+    """Returns pictures of all segments in the scan, from sides of the patient."""
+    size = (2 * PICTURE_WIDTH, 2 * PICTURE_WIDTH)
+    drawn = DrawnScene(scene)
+    return [(view, drawn.draw(drawn.camera(view, size), size, quality="fast")) for view in VIEWS]
 
 
 def _row(tag: str, cells: Sequence[str]) -> str:
@@ -149,10 +167,4 @@ def _hex(colour: tuple[float, float, float]) -> str:
 
 def _png(picture: NDArray[np.uint8]) -> str:
     """Returns a picture as PNG in base64."""
-    sitk = simpleitk()
-    with TemporaryDirectory(prefix="palpate-") as folder:
-        path = Path(folder) / "slice.png"
-        sitk.WriteImage(
-            sitk.GetImageFromArray(np.ascontiguousarray(picture), isVector=True), str(path)
-        )
-        return base64.b64encode(path.read_bytes()).decode("ascii")
+    return b64encode(png_bytes(picture)).decode("ascii")

@@ -70,6 +70,10 @@ def run_recipe(
     for carried_step in recipe.transform:
         told += carried(carried_step, volume, progress=progress)
         written.append(carried_step.output)
+    for picture in recipe.picture:
+        drawn, doubts = picture.write(scene, progress=progress)
+        told += doubts
+        written += drawn
     if recipe.report is not None:
         progress("writing the report", None)
         write_report(scene, recipe.report, written=written, told=told)

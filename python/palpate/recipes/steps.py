@@ -12,6 +12,7 @@ from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.base.request import Request, words
 from palpate.export.request import ExportRequest
 from palpate.io.request import ReadRequest
+from palpate.pictures.request import PictureRequest
 from palpate.reconstruction.request import ReconstructionRequest
 from palpate.registration.request import RegisterRequest
 from palpate.registration.transform_request import TransformRequest
@@ -81,6 +82,9 @@ class Recipe(Request, frozen=True, kw_only=True):
         default_factory=list
     )
     transform: Annotated[list[TransformStep], words("Files to carry.")] = msgspec.field(
+        default_factory=list
+    )
+    picture: Annotated[list[PictureRequest], words("Pictures and films to draw.")] = msgspec.field(
         default_factory=list
     )
     report: Annotated[

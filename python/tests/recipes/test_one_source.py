@@ -10,6 +10,7 @@ from palpate.base.hints import retold
 from palpate.base.request import Option, Request, options_of
 from palpate.cli.commands import app
 from palpate.export.request import ExportRequest
+from palpate.pictures.request import PictureRequest
 from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterStep, TransformStep
 from palpate.segmentation.request import SegmentRequest
 from palpate.volumes.mesh_write import SUFFIXES
@@ -24,6 +25,7 @@ STEPS: dict[str, tuple[type[Request], str]] = {
     "surface": (SurfaceRequest, "surface export"),
     "export": (ExportRequest, "export"),
     "transform": (TransformStep, "transform"),
+    "picture": (PictureRequest, "render"),
 }
 """Each step, and the command that it is."""
 
@@ -55,6 +57,7 @@ ELSEWHERE: dict[str, set[str]] = {
         "path", "json_file", "segments", "threshold", "resample", "another_patient",
     } | READING,
     "export": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
+    "picture": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
 }  # fmt: skip
 """Parameters of a command that other steps of a recipe stand for."""
 

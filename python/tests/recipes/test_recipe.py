@@ -43,6 +43,10 @@ export:
   - out: labels.nii.gz
     only: [ball]
 report: report.html
+picture:
+  - out: left.png
+    view: left
+    size: 60x40
 """
 
 
@@ -91,10 +95,14 @@ def test_a_whole_pipeline_runs_and_its_files_are_read_again(folder: Path, capsys
     assert "<small>" not in report
     # nothing is loaded from elsewhere
     assert not re.search(r"(src|href)=\"(?!data:)", report)
+    left = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(folder / "left.png")))
+    assert left.shape == (40, 60, 3)
+    assert left[20, 30].max() > left[0, 0].max() + 30
     pictures = re.findall(r"base64,([A-Za-z0-9+/=]+)", report)
-    assert len(pictures) == 3
+    # from three sides, and three slices
+    assert len(pictures) == 6
     file = folder / "slice.png"
-    file.write_bytes(base64.b64decode(pictures[0]))
+    file.write_bytes(base64.b64decode(pictures[3]))
     picture = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(file)))
     assert picture.shape == (32, 60, 3)
     # the segment has a colour of its own; 0 HU is 0.4 of the way through the window

@@ -1,6 +1,7 @@
 /**
  * Everything but the camera that decides how the scan is drawn.
  */
+import { looks } from "./looks";
 import type { Optics } from "./optics";
 import type { ShownRange } from "../segments/shown_segments";
 import type { TransferFunction } from "./transfer_function";
@@ -30,17 +31,9 @@ export interface Appearance {
 }
 
 /** Share of its extinction that flat tissue keeps, away from any boundary. */
-export const flatShare = 0.06;
+export const flatShare = 1 - looks.lighting.edges;
 
-export const firstLighting: Lighting = {
-  ambient: 1,
-  diffuse: 1,
-  specular: 1,
-  shininess: 1,
-  edges: 1 - flatShare,
-  occlusion: 0.8,
-  shadow: 0.6,
-};
+export const firstLighting: Lighting = looks.lighting;
 
 /** What of an appearance tells how opaque places are; other light is no reason to work that out again. */
 export function opacityKey({ transferFunction, ranges, edgeGradient, lighting, optics }: Appearance): string {

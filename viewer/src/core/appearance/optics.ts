@@ -4,6 +4,7 @@
  *
  * Source: Max, "Optical models for direct volume rendering", IEEE TVCG 1 (1995).
  */
+import { looks } from "./looks";
 import type { WindowLevel } from "./window_level";
 
 /** In the order of the numbers in `gl/shaders/blends.glsl`. */
@@ -97,24 +98,26 @@ function valueAt(place: number, { softTissue, bone }: Anchors): number {
 
 /** Value of fat, from which on there is tissue and no cushion: with CT values about -130 HU. */
 export function firstTissue(anchors: Anchors): number {
-  return valueAt(-0.8, anchors);
+  return valueAt(looks.modes.firstTissue, anchors);
 }
 
 /** @param brightest value that hardly any voxel exceeds */
 export function firstChoice(anchors: Anchors, brightest: number): OpticsChoice {
   const fromTo = (low: number, high: number): WindowLevel => ({ window: high - low, level: (low + high) / 2 });
-  const between = (low: number, high: number): WindowLevel => fromTo(valueAt(low, anchors), valueAt(high, anchors));
+  const between = ([low, high]: readonly [number, number]): WindowLevel =>
+    fromTo(valueAt(low, anchors), valueAt(high, anchors));
+  const { densities, slabs, windows } = looks.modes;
   return {
     blend: "shaded",
-    densities: { shaded: 1, composite: 1, absorption: 0.012, emission: 0.006 },
+    densities,
     // vessels and bone; lungs and airways; everything
     windows: {
-      mip: fromTo(valueAt(0.2, anchors), Math.max(brightest, anchors.bone)),
-      minip: between(-4.9, 0.3),
-      average: between(-1.5, 1.5),
+      mip: fromTo(valueAt(windows.mip[0], anchors), Math.max(brightest, anchors.bone)),
+      minip: between(windows.minip),
+      average: between(windows.average),
     },
     // of all of a body the least and the mean are those of the air between it and the table
-    slabs: { mip: 0, minip: 30, average: 30 },
+    slabs,
     isoValue: anchors.bone,
   };
 }

@@ -6,6 +6,7 @@
  * fat is at -0.7, contrast-filled vessels at 0.5..1.5, dense bone above 4.
  */
 import { linearFromHex } from "../base/colour";
+import { looks } from "./looks";
 import type { ControlPoint, TransferFunction } from "./transfer_function";
 
 /** Values between which the scan is drawn. */
@@ -26,11 +27,17 @@ export interface SoftTissueAndBone {
 }
 
 export function defaultSoftTissueAndBone({ softTissue, bone }: Anchors): SoftTissueAndBone {
-  return { level: (softTissue + bone) / 2, window: bone - softTissue, softTissue: 0.28, bone: 1 };
+  const first = looks.tissue;
+  return {
+    level: (softTissue + bone) / 2,
+    window: bone - softTissue,
+    softTissue: first.softTissue,
+    bone: first.bone,
+  };
 }
 
 /** A stop of the curve: place in tissue units, colour, extinction at full strength [1/mm]. */
-interface Stop {
+export interface Stop {
   readonly at: number;
   readonly colour: string;
   readonly soft: number;
@@ -38,24 +45,7 @@ interface Stop {
 }
 
 // warm from skin over fat and muscle to contrast-filled vessels, ivory from spongy to dense bone
-const stops: readonly Stop[] = [
-  { at: -3.0, colour: "#b8705a", soft: 0, bone: 0 },
-  { at: -1.9, colour: "#cf9272", soft: 0, bone: 0 },
-  { at: -0.95, colour: "#e6bd8c", soft: 0.5, bone: 0 },
-  { at: -0.55, colour: "#e9c592", soft: 0.35, bone: 0 },
-  { at: -0.2, colour: "#c47a5c", soft: 0.8, bone: 0 },
-  { at: 0.15, colour: "#ab4a3f", soft: 1, bone: 0 },
-  { at: 0.55, colour: "#b53c33", soft: 1.1, bone: 0 },
-  { at: 0.9, colour: "#d9a184", soft: 1.1, bone: 0 },
-  { at: 1.0, colour: "#e8cfa9", soft: 1.1, bone: 0.4 },
-  { at: 1.3, colour: "#efdfc0", soft: 1.1, bone: 1 },
-  { at: 3.0, colour: "#f4e9d2", soft: 1.1, bone: 2.5 },
-  { at: 8.0, colour: "#fdf8ec", soft: 1.1, bone: 4 },
-];
-
-/** Extinction of opaque skin [1/mm] and of skin that is only just seen. */
-const strongestSoft = 1.6;
-const weakestSoft = 0.004;
+const { stops, strongestSoft, weakestSoft } = looks.tissue;
 
 /** Strength of soft tissue for a slider 0..1: equal steps of the slider look equal. */
 function softStrength(slider: number): number {

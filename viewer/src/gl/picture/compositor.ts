@@ -2,6 +2,7 @@
  * Puts the cached picture with its depth into its pane of the screen, over the background.
  */
 import * as THREE from "three";
+import { looks } from "../../core/appearance/looks";
 import { linearFromHex } from "../../core/base/colour";
 import { Upscaler, type ScreenPane } from "./upscaler";
 import { FullscreenPass } from "../base/fullscreen_pass";
@@ -11,8 +12,8 @@ import { shaders } from "../shaders/shaders";
 /** Pictures that are so many times as coarse as their pane are put together before they are enlarged. */
 const coarse = 4;
 
-const centre = linearFromHex("#1b222b");
-const rim = linearFromHex("#0b0e12");
+const centre = linearFromHex(looks.ground.centre);
+const rim = linearFromHex(looks.ground.edge);
 
 export interface Composition {
   /** The renderer's viewport; of the screen, a picture that is not coarse fills it pixel by pixel. */

@@ -1,6 +1,7 @@
 /**
  * Opens a scan: the page's controls take it up, and the picture shows it, a large one coarsely first.
  */
+import { looks } from "../../core/appearance/looks";
 import { transformPoint } from "../../core/geometry/affine";
 import { extentOf, type Camera } from "../../core/geometry/camera";
 import type { Scan } from "../../core/protocol";
@@ -84,7 +85,7 @@ export class ScanOpener {
 
   /** Finds where the body stands in the scan. */
   private measure(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
-    const air = scan.soft_tissue - 1.5 * (scan.bone - scan.soft_tissue);
+    const air = scan.soft_tissue + looks.framing.air * (scan.bone - scan.soft_tissue);
     const [low, high] = biasedRange(air, Math.max(scan.range[1], air), volume.frame.rescale);
     const { frame: scanFrame, step } = volume;
     const hull = contentHull(bricks, step, scanFrame.spacing, (from, to) => from <= high && low <= to);

@@ -16,6 +16,7 @@ import {
   type Curve,
 } from "../../../core/appearance/curve";
 import { curveOfPreset, presets } from "../../../core/appearance/curve_presets";
+import { looks } from "../../../core/appearance/looks";
 import { valueAbove } from "../../../core/scan/histogram";
 import { firstLighting, type Lighting, type Appearance } from "../../../core/appearance/appearance";
 import {
@@ -34,8 +35,7 @@ import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
 import { recall, remember } from "../../state/remembered";
 
-/** A boundary at full strength changes by this share of the soft-tissue-to-bone span per mm. */
-const edgeShare = 0.2;
+const { edgeShare } = looks.tissue;
 
 /** A transfer function by points, as it stands; null where sliders of tissue and bone make it. */
 export interface CurveChoice {
@@ -53,8 +53,7 @@ const noInside: InsideModes = {};
 
 const firstCurve: CurveChoice = { name: anatomy, curve: null, shift: 0, stretch: 1 };
 
-/** Share of the voxels that may be brighter than white in a MIP. */
-const fewVoxels = 2e-4;
+const { fewVoxels } = looks.modes;
 
 /** How far a function is stretched, at most. */
 export const mostStretch = 5;
