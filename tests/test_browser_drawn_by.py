@@ -20,7 +20,7 @@ SIZE = {"width": 1000, "height": 460}
 @pytest.fixture(scope="module")
 def page(data_folder: Path) -> Iterator[Browser]:
     path = data_folder / "cthead_stanford" / "CThead.mha"
-    with palpate("open", path) as command, browser() as opened:
+    with palpate("open", path) as command, browser(drawer="") as opened:
         opened.do("open", url=command.url, **SIZE)
         # the browser works light out in coarse cells
         light = json.dumps({"occlusion": 0, "shadow": 0})

@@ -71,6 +71,6 @@ fn give_way(_: usize) {
     }
 }
 
-/// How much pictures give way: the scheduler's half of the way to the least.
+/// How much pictures give way: they get less than half of the time that a thread of a session or a browser gets.
 #[cfg(target_os = "linux")]
-const NICE: i32 = 10;
+const NICE: i32 = 4;

@@ -33,14 +33,15 @@ ANSWER_LIMIT = 300.0
 class Browser:
     """A browser with one page; every call is one action of ``drive.mjs``."""
 
-    def __init__(self, *, flags: str = "") -> None:
-        """Starts it; ``flags`` go to Chromium."""
+    def __init__(self, *, flags: str = "", drawer: str = "browser") -> None:
+        """Starts it; ``flags`` go to Chromium, ``drawer`` is who draws the 3-D view, "" unchosen."""
         found = subprocess.run(
             [ROOT / "scripts" / "chromium.sh"], check=True, capture_output=True, text=True
         )
         self._process = subprocess.Popen(
             ["node", ROOT / "viewer" / "e2e" / "drive.mjs"],
-            env=os.environ | {"CHROMIUM": found.stdout.strip(), "CHROMIUM_FLAGS": flags},
+            env=os.environ
+            | {"CHROMIUM": found.stdout.strip(), "CHROMIUM_FLAGS": flags, "DRAWER": drawer},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -146,9 +147,9 @@ class Browser:
 
 
 @contextmanager
-def browser(*, flags: str = "") -> Iterator[Browser]:
-    """Gives a browser and ends it."""
-    started = Browser(flags=flags)
+def browser(*, flags: str = "", drawer: str = "browser") -> Iterator[Browser]:
+    """Gives a browser and ends it; most tests are of what the browser itself draws."""
+    started = Browser(flags=flags, drawer=drawer)
     try:
         yield started
     finally:

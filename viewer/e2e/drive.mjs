@@ -38,6 +38,15 @@ import { launchChromium } from "./chromium.mjs";
 const moreFlags = (process.env.CHROMIUM_FLAGS ?? "").split(" ").filter((flag) => flag !== "");
 const browser = await launchChromium(moreFlags);
 const page = await browser.newPage();
+const drawer = process.env.DRAWER ?? "";
+if (drawer !== "") {
+  // as a person chose it before
+  await page.addInitScript((choice) => {
+    if (localStorage.getItem("palpate.drawer") === null) {
+      localStorage.setItem("palpate.drawer", JSON.stringify({ choice }));
+    }
+  }, drawer);
+}
 await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
 // limits are for what never comes: software GL on a busy machine takes its time
 page.setDefaultTimeout(120_000);
