@@ -34,7 +34,7 @@ class Browser:
     """A browser with one page; every call is one action of ``drive.mjs``."""
 
     def __init__(self, *, flags: str = "", drawer: str = "browser") -> None:
-        """Starts it; ``flags`` go to Chromium, ``drawer`` is who draws the 3-D view, "" unchosen."""
+        """Starts it; ``flags`` go to Chromium, ``drawer`` draws the 3-D view, "" where unchosen."""
         found = subprocess.run(
             [ROOT / "scripts" / "chromium.sh"], check=True, capture_output=True, text=True
         )
