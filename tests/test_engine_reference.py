@@ -16,7 +16,7 @@ from reference_head import GREY, LOOK, MODES, small_head
 from reference_renderer import Reference, View, ground_at, linear_of_hex, on_screen, unit
 
 SIZE = (640, 500)
-APART = 8
+APART = 6
 """Every so many pixels, along both edges, one is held against the reference."""
 STEPS = 5.0
 """Steps per voxel, as of a still image of the page."""

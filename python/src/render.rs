@@ -127,7 +127,10 @@ impl PyRenderer {
     /// Takes what a session has now; true where something had changed.
     fn follow(&self, py: Python<'_>, session: &PySession) -> Result<bool, CoreError> {
         let session = &session.session;
-        let voxels = py.detach(|| session.voxels())?;
+        let known = py.detach(|| self.lock().edit_number());
+        let Some(voxels) = py.detach(|| session.voxels_since(known))? else {
+            return Ok(false);
+        };
         Ok(parallel(py, || self.lock().follow(voxels)))
     }
 

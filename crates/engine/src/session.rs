@@ -235,6 +235,17 @@ impl Session {
         self.ask(|simulation| simulation.voxels().clone())
     }
 
+    /// The true voxels where they are those of another edit than this one; none where nothing has changed.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn voxels_since(&self, edit_number: u64) -> Result<Option<Voxels>, SessionError> {
+        self.ask(move |simulation| {
+            let voxels = simulation.voxels();
+            (voxels.edit_number() != edit_number).then(|| voxels.clone())
+        })
+    }
+
     /// Has the simulation answer; waits for it.
     fn ask<R: Send + 'static>(
         &self,

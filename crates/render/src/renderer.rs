@@ -60,9 +60,15 @@ impl Renderer {
         })
     }
 
+    /// The edit whose voxels are drawn.
+    #[must_use]
+    pub fn edit_number(&self) -> u64 {
+        self.scene.voxels().edit_number()
+    }
+
     /// Takes the voxels of a later edit of the same scan; returns whether anything had changed.
     pub fn follow(&mut self, voxels: Voxels) -> bool {
-        if voxels.edit_number() == self.scene.voxels().edit_number() {
+        if voxels.edit_number() == self.edit_number() {
             return false;
         }
         let changed = self.scene.follow(voxels);

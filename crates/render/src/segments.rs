@@ -335,6 +335,8 @@ pub(crate) fn by_voxels(appearance: &Appearance) -> Vec<u8> {
             asked.push(segment.id);
         }
     }
+    // where segments overlap a voxel has the highest number, as in the session
+    asked.sort_unstable();
     asked
 }
 

@@ -55,6 +55,10 @@ class SessionPictures:
         self._numbers = count(1)
         self._renderer: _core.Renderer | None = None
 
+    def next_number(self) -> int:
+        """Returns the number of the next picture."""
+        return next(self._numbers)
+
     def give_up(self) -> None:
         """Gives up the picture that is drawn, unless it is to be drawn to its end."""
         if self._renderer is not None:
@@ -67,9 +71,11 @@ class SessionPictures:
         size: tuple[int, int],
         *,
         fineness: Fineness,
-        may_be_given_up: bool,
+        number: int | None,
     ) -> DrawnArrays | None:
         """Draws the voxels as they are, in columns and rows; returns None where it was given up.
+
+        Without a number of its own it is drawn to its end.
 
         Raises:
             ValueError: Appearance, camera or size are not allowed.
@@ -85,7 +91,7 @@ class SessionPictures:
                 samples=fineness.samples,
                 jitter=fineness.jitter,
                 haste=fineness.haste,
-                number=next(self._numbers) if may_be_given_up else NEVER_GIVEN_UP,
+                number=NEVER_GIVEN_UP if number is None else number,
             )
         return None if picture is None else DrawnArrays(picture.colours(), picture.depths())
 

@@ -80,7 +80,7 @@ class PictureLook(Message, frozen=True, tag="picture_look"):
     mode: Mode
     density: Factor
     transfer: Annotated[
-        list[tuple[Value, LinearColour, Factor]], msgspec.Meta(min_length=2, max_length=256)
+        list[tuple[Value, LinearColour, Factor]], msgspec.Meta(min_length=2, max_length=4096)
     ]
     edge_gradient: Annotated[float, msgspec.Meta(gt=0.0, le=1e9)]
     window: tuple[Value, Value]

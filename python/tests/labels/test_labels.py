@@ -402,7 +402,7 @@ def test_the_structures_of_lidc_have_their_names(data_folder: Path) -> None:
 @pytest.mark.data
 def test_other_files_are_refused(data_folder: Path, scan: Volume, tmp_path: Path) -> None:
     for path, said in (
-        (data_folder / "dcmqi_seg" / "ct-3slice" / "01.dcm", "modality CT; allowed: SEG"),
+        (data_folder / "dcmqi_seg" / "ct-3slice" / "01.dcm", "modality 'CT'; allowed: SEG"),
         (tmp_path, "holds no masks; allowed"),
     ):
         with pytest.raises(PalpateError, match=said):

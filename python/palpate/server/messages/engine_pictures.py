@@ -30,10 +30,10 @@ from palpate.session.session import Session
 
 __all__ = ["EnginePictures"]
 
-MOST_PIXELS = 1 << 25
+MOST_PIXELS = 1 << 24
 """Of one picture; about a gigabyte while it is drawn."""
 HASTE_STEPS = 1.0
-"""Steps for each smallest voxel edge while the view moves."""
+"""Steps for each smallest voxel edge of a picture in haste."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,10 @@ class Stage:
     """One of the pictures that answer a request, each finer than that before."""
 
     divisor: float
-    samples: int
-    moving: bool
-    last: bool
+    samples: int = 1
+    haste: bool = False
+    """With the light of the picture before and few steps; drawn to its end, whatever is asked."""
+    last: bool = False
 
 
 class PagePainter:
@@ -102,28 +103,23 @@ class PagePainter:
             raise OptionError(
                 f"picture of {columns} × {rows} pixels given; allowed: {MOST_PIXELS} in all"
             )
-        for place, stage in enumerate(self._stages(request)):
-            if not self._draw(look, request, stage, whole=place == 0):
+        for stage in self._stages(request):
+            if not self._draw(look, request, stage):
                 return
 
-    def _draw(
-        self,
-        look: Appearance,
-        request: protocol.DrawPicture,
-        stage: Stage,
-        *,
-        whole: bool,
-    ) -> bool:
+    def _draw(self, look: Appearance, request: protocol.DrawPicture, stage: Stage) -> bool:
         """Draws and sends one picture; False where a newer request waits."""
         picture = None
         while picture is None:
-            if not whole and self._is_superseded:
+            # what is asked after this number gives the picture up
+            number = self._shared.next_number()
+            if not stage.haste and self._is_superseded:
                 return False
             began = time.perf_counter()
             # another page may have had it given up: then it is drawn again
-            picture = self._picture(look, request, stage, whole=whole)
+            picture = self._picture(look, request, stage, number=None if stage.haste else number)
         seconds = time.perf_counter() - began
-        if stage.moving:
+        if stage.haste:
             self._pace.learn(stage.divisor, seconds)
         self._send(
             encoded_picture(
@@ -143,32 +139,32 @@ class PagePainter:
         request: protocol.DrawPicture,
         stage: Stage,
         *,
-        whole: bool,
+        number: int | None,
     ) -> DrawnArrays | None:
         columns, rows = (math.ceil(edge / stage.divisor) for edge in request.size)
         fineness = Fineness(
-            steps_per_voxel=HASTE_STEPS if stage.moving else request.steps_per_voxel,
+            steps_per_voxel=HASTE_STEPS if stage.haste else request.steps_per_voxel,
             samples=stage.samples,
             jitter=request.jitter,
-            haste=stage.moving,
+            haste=stage.haste,
         )
         return self._shared.draw(
             look,
             msgspec.convert(request.camera, Camera, from_attributes=True),
             (columns, rows),
             fineness=fineness,
-            may_be_given_up=not whole,
+            number=number,
         )
 
     def _stages(self, request: protocol.DrawPicture) -> Iterator[Stage]:
         """Yields what is drawn for a request, coarse to fine."""
         if request.moving:
-            yield Stage(self._pace.divisor, samples=1, moving=True, last=False)
+            yield Stage(self._pace.divisor, haste=True)
             return
-        yield Stage(2.0, samples=1, moving=False, last=False)
-        yield Stage(1.0, samples=1, moving=False, last=request.samples == 1)
+        yield Stage(2.0, haste=True)
+        yield Stage(1.0, last=request.samples == 1)
         if request.samples > 1:
-            yield Stage(1.0, samples=request.samples, moving=False, last=True)
+            yield Stage(1.0, samples=request.samples, last=True)
 
     @property
     def _is_superseded(self) -> bool:

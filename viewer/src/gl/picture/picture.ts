@@ -127,7 +127,7 @@ export class Picture {
       {
         aim: (eye) => { this.aimEye(eye); },
         present: () => { this.present(); },
-        mayGoOn: () => this.begun && !this.suspended && !this.snapping,
+        mayGoOn: () => this.begun && !this.byEngine && !this.suspended && !this.snapping,
         isLoaded: () => this.begun && !this.scan.isLoading,
       },
     );
@@ -156,6 +156,7 @@ export class Picture {
     if (on !== this.byEngine) {
       this.byEngine = on;
       this.engine.pictures.forget();
+      this.refiner.recount();
       this.refiner.restart();
     }
   }
@@ -300,6 +301,10 @@ export class Picture {
     if (what.labels) {
       this.labels?.uploadBox(this.renderer, box);
     }
+    if (this.byEngine) {
+      // it draws its own voxels, whatever has come here of the scan
+      this.refiner.restart();
+    }
     if (this.scan.isLoading) {
       // it is drawn with the scan that comes
       return;
@@ -307,7 +312,7 @@ export class Picture {
     this.marcher.changeVoxels(box, this.renderer);
     this.slices.changed();
     const region = this.pane.regionOf(this.marcher.cornersOf(box));
-    if (region === null || this.deforming) {
+    if (region === null || this.deforming || this.byEngine) {
       this.refiner.restart();
     } else {
       this.refiner.change(region);
@@ -400,7 +405,14 @@ export class Picture {
       return;
     }
     this.prepare();
-    if (!this.scan.ready || !this.isPrepared || this.view === null || this.suspended || this.snapping) {
+    if (!this.scan.ready || this.view === null || this.suspended || this.snapping) {
+      return;
+    }
+    if (!this.isPrepared) {
+      if (this.begun) {
+        // markers go on over the engine's last picture until the browser can draw
+        this.show(false);
+      }
       return;
     }
     if (this.scan.comesWhole && !this.refiner.isStale) {
