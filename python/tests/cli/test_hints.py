@@ -26,7 +26,7 @@ OWN = {"--help", "--version"}
 
 OF_SEVERAL = {
     "of", "like", "inverse", "landmarks", "keep_identity", "only", "another_patient", "resample",
-    "bone", "smoothing", "fast",
+    "bone", "smoothing", "fast", "out", "turntable",
 }  # fmt: skip
 """Options that only the commands have that use them."""
 
