@@ -1,6 +1,6 @@
 /**
  * Who draws the 3-D view: this browser, or the engine, which is quicker where the browser's graphics are drawn by the
- * CPU. Always one of them alone, for a whole picture.
+ * CPU. Always one of them alone, but for opaque surfaces, which the browser draws over the engine's picture.
  */
 import type { Segment } from "../protocol";
 import { drawnAsSurface } from "../segments/shown_segments";
