@@ -64,7 +64,7 @@ def measure(
     chromium()
     path = data_file(CTHEAD) if scan is None else scan
     found: dict[str, Times] = {}
-    with served(path) as url, opened(url, **SIZE) as page:
+    with served(path) as url, opened(url, **SIZE, drawer="browser") as page:
         page.read("document.querySelector('[data-testid=shown-as-both]').click()")
         page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
         for done, case in enumerate((EDIT_SUSPENDED, EDIT_PRESSED, EDIT_DRAWN)):

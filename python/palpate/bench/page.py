@@ -151,9 +151,19 @@ class Page:
         return result
 
 
+CHOSEN = """try {
+  localStorage.setItem("palpate.drawer", JSON.stringify({ choice: "%s" }));
+} catch { /* an empty page has no storage */ }"""
+"""Chooses who draws."""
+
+
 @contextmanager
-def opened(url: str | None, *, width: int, height: int) -> Iterator[Page]:
+def opened(
+    url: str | None, *, width: int, height: int, drawer: str | None = None
+) -> Iterator[Page]:
     """Opens an address in a browser of its own, and closes it; None leaves the page empty.
+
+    ``drawer``: who draws the 3-D view, as a person chose it before; None leaves it to the page.
 
     Raises:
         OptionError: There is no browser.
@@ -170,6 +180,8 @@ def opened(url: str | None, *, width: int, height: int) -> Iterator[Page]:
             shown = next(one for one in pages if one["type"] == "page")
             page = Page(shown["webSocketDebuggerUrl"], process.pid)
             try:
+                if drawer is not None:
+                    page.before(CHOSEN % drawer)
                 if url is not None:
                     page.go(url)
                 yield page

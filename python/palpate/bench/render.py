@@ -123,11 +123,11 @@ def measure(
     progress("first picture", 0.1)
     report[OPENED_CASE] |= first_picture(data_file(LIDC) if scan is None else scan, **WINDOW)
     with served(path) as url:
-        with opened(url, **WINDOW) as page:
+        with opened(url, **WINDOW, drawer="browser") as page:
             progress("what is seen", 0.15)
             report[SEEN_CASE] = seen(page, effort.seen)
         for done, size in enumerate(effort.sizes):
-            with opened(url, **WINDOW) as page:
+            with opened(url, **WINDOW, drawer="browser") as page:
                 support = page.read("window.palpate.support")
                 _fit(page, size)
                 for mode in effort.modes:
@@ -135,7 +135,7 @@ def measure(
                     _show(page, mode)
                     report[picture_case(mode, size)] = _times(page, size, effort)
         if peer is not None:
-            with opened(url, **WINDOW) as page:
+            with opened(url, **WINDOW, drawer="browser") as page:
                 progress("beside vtk.js", 0.7)
                 page.wait("window.palpate.finished")
                 report |= _beside(page, peer.read_text(encoding="utf-8"), effort)
@@ -266,7 +266,7 @@ A rotation reaches the picture within 50 ms, and until then the previous picture
 
 
 def _counted(url: str, effort: Effort) -> Report:
-    with opened(None, width=960, height=400) as page:
+    with opened(None, width=960, height=400, drawer="browser") as page:
         page.before(COUNTING)
         page.go(url)
         page.wait("window.palpate.finished")
