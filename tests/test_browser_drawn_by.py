@@ -70,31 +70,6 @@ def test_a_segment_that_is_hidden_is_gone_from_the_picture(page: Browser) -> Non
 
 
 @pytest.mark.data
-def test_each_cut_into_a_segment_is_seen_without_a_turn_of_the_view(page: Browser) -> None:
-    page.do("click", testid="tool-eraser")
-    page.wait("window.palpate.state.tool?.kind === 'eraser'")
-    # the first makes voxels of a threshold, which alone would change the picture
-    cut(page, x=10)
-    before = page.picture(OUTPUT / "drawn-by-engine-cut.png")
-    cut(page, x=60)
-    after = page.picture(OUTPUT / "drawn-by-engine-cuts.png")
-    assert (np.abs(after - before).max(axis=2) > 0.1).mean() > 1e-4
-    for _ in range(2):
-        page.do("press", key="Control+z")
-        page.all_done()
-    page.do("press", key="h")
-
-
-def cut(page: Browser, *, x: float) -> None:
-    """Erases along a short way, and lets go."""
-    before = page.read("window.palpate.lastEdit")
-    page.do("stroke", x=x, y=0, depth=-200, steps=10, held=True)
-    page.wait(f"window.palpate.lastEdit > {before}")
-    page.do("release")
-    page.all_done()
-
-
-@pytest.mark.data
 def test_what_the_engine_cannot_draw_the_browser_draws(page: Browser) -> None:
     page.do("choose", testid="stereo", value="side")
     page.wait("window.palpate.drawer.engine === false")
