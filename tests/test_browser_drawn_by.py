@@ -70,6 +70,45 @@ def test_a_segment_that_is_hidden_is_gone_from_the_picture(page: Browser) -> Non
 
 
 @pytest.mark.data
+def test_each_cut_into_a_segment_is_seen_without_a_turn_of_the_view(page: Browser) -> None:
+    page.do("press", key="e")
+    # the first makes voxels of a threshold, which alone would change the picture
+    cut(page, right=-90)
+    before = page.picture(OUTPUT / "drawn-by-engine-cut.png")
+    cut(page, right=40)
+    after = page.picture(OUTPUT / "drawn-by-engine-cuts.png")
+    # the hole of one touch covers some hundreds of the view's 200 000 pixels
+    assert (np.abs(after - before).max(axis=2) > 0.1).mean() > 1e-4
+    for _ in range(2):
+        page.do("press", key="Control+z")
+        page.all_done()
+    page.do("press", key="h")
+
+
+def cut(page: Browser, *, right: int) -> None:
+    """Erases where bone is met so many pixels beside the middle of the view."""
+    edit = page.read("window.palpate.lastEdit")
+    aim = (
+        "(({width, height}) => window.palpate.pick(width / 2 + %d, 0.4 * height).point)"
+        "(document.querySelector('[data-testid=canvas]').getBoundingClientRect())"
+    )
+    point = page.read(aim % right)
+    page.read(f"window.palpate.place({point})")
+    hold(page, "keydown")
+    deep = "((point, {back}) => point.map((p, i) => p - 4 * back[i]))"
+    page.read(f"window.palpate.hand({deep}({point}, window.palpate.camera))")
+    page.wait(f"window.palpate.lastEdit > {edit}")
+    hold(page, "keyup")
+    page.wait("!window.palpate.state.tool.on")
+    page.all_done()
+
+
+def hold(page: Browser, kind: str) -> None:
+    """Holds the key of the tool, or lets it go."""
+    page.read(f"void window.dispatchEvent(new KeyboardEvent('{kind}', {{key: 'x'}}))")
+
+
+@pytest.mark.data
 def test_what_the_engine_cannot_draw_the_browser_draws(page: Browser) -> None:
     page.do("choose", testid="stereo", value="side")
     page.wait("window.palpate.drawer.engine === false")
