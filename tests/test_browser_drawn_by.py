@@ -86,7 +86,11 @@ def test_each_cut_into_a_segment_is_seen_without_a_turn_of_the_view(page: Browse
 
 
 def cut(page: Browser, *, right: int) -> None:
-    """Erases where bone is met so many pixels beside the middle of the view."""
+    """Erases where bone is met so many pixels beside the middle of the view.
+
+    The probe is back where it was then: it is seen too.
+    """
+    start = page.read("window.palpate.state.proxy")
     edit = page.read("window.palpate.lastEdit")
     aim = (
         "(({width, height}) => window.palpate.pick(width / 2 + %d, 0.4 * height).point)"
@@ -100,6 +104,8 @@ def cut(page: Browser, *, right: int) -> None:
     page.wait(f"window.palpate.lastEdit > {edit}")
     hold(page, "keyup")
     page.wait("!window.palpate.state.tool.on")
+    page.read(f"window.palpate.place({start})")
+    page.wait(f"Math.hypot(...window.palpate.state.proxy.map((p, i) => p - {start}[i])) < 0.01")
     page.all_done()
 
 
