@@ -51,6 +51,23 @@ impl Light {
         Vector::splat(GROUND).along(Vector::splat(SKY - GROUND), share)
     }
 
+    /// The picture's factors with those of segments.
+    #[inline(always)]
+    fn with_own<L: Lanes>(&self, own: OwnFactors<L>) -> OwnFactors<L> {
+        OwnFactors {
+            ambient: own.ambient * Floats::splat(self.factors.ambient),
+            specular: own.specular * Floats::splat(self.factors.specular),
+        }
+    }
+
+    /// Strength of highlights whose sharpness is an exponent.
+    #[inline(always)]
+    fn highlight<L: Lanes>(&self, normal: Vector<L>, to_eye: Vector<L>, exponent: f32) -> L::Float {
+        let halfway = (Vector::splat(self.lamp) + to_eye).normalized();
+        let toward = normal.dot(halfway).max(Floats::splat(0.0));
+        power::<L>(toward, exponent * self.factors.shininess)
+    }
+
     /// A solid surface. `near`: the fraction of the sky that what stands close leaves it.
     #[inline(always)]
     pub fn on_surface<L: Lanes>(
@@ -63,13 +80,11 @@ impl Light {
         own: OwnFactors<L>,
     ) -> Vector<L> {
         let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
-        let ambient = own.ambient * Floats::splat(self.factors.ambient);
-        let specular = own.specular * Floats::splat(self.factors.specular);
+        let OwnFactors { ambient, specular } = self.with_own(own);
         let open = near.min(reaching.sky);
         let key = normal.dot(Vector::splat(self.lamp)).max(zero);
         let facing = normal.dot(to_eye).max(zero);
-        let halfway = (Vector::splat(self.lamp) + to_eye).normalized();
-        let highlight = power::<L>(normal.dot(halfway).max(zero), 28.0 * self.factors.shininess);
+        let highlight = self.highlight(normal, to_eye, 28.0);
         let shine = L::Float::splat(0.16) * specular * highlight;
 
         let sky = self.sky_at(normal).scaled(ambient * open);
@@ -100,15 +115,13 @@ impl Light {
         own: OwnFactors<L>,
     ) -> Vector<L> {
         let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
-        let ambient = own.ambient * Floats::splat(self.factors.ambient);
-        let specular = own.specular * Floats::splat(self.factors.specular);
+        let OwnFactors { ambient, specular } = self.with_own(own);
         let wrapped = ((normal.dot(Vector::splat(self.lamp)) + Floats::splat(0.35))
             * Floats::splat(1.0 / 1.35))
         .max(zero);
         let grazing = one - normal.dot(to_eye).max(zero);
         let rim = L::Float::splat(0.18) * (grazing * grazing * grazing);
-        let halfway = (Vector::splat(self.lamp) + to_eye).normalized();
-        let highlight = power::<L>(normal.dot(halfway).max(zero), 36.0 * self.factors.shininess);
+        let highlight = self.highlight(normal, to_eye, 36.0);
         let shine = L::Float::splat(0.22) * specular * highlight * reaching.lamp;
 
         let sky = (self.sky_at(normal) + Vector::new(rim, rim, rim)).scaled(ambient * reaching.sky);
