@@ -17,6 +17,7 @@ use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::Scene;
 use crate::shading::{FAR_AWAY, Shading};
+use crate::stop::Stop;
 
 /// Rows of a band, the portion of a thread.
 const BAND: usize = 8;
@@ -46,7 +47,7 @@ pub fn draw(
     prepared: &Prepared,
     light: Option<&LightVolume>,
     request: &Request,
-    stop: &(dyn Fn() -> bool + Sync),
+    stop: Stop<'_>,
 ) -> Option<Picture> {
     let fan = RayFan::new(&request.camera, scene.grid(), request.size);
     let shading = shading_of(scene, prepared, light, request, &fan);
@@ -87,7 +88,7 @@ pub fn draw_averaged(
     light: Option<&LightVolume>,
     request: &Request,
     samples: u32,
-    stop: &(dyn Fn() -> bool + Sync),
+    stop: Stop<'_>,
 ) -> Option<Picture> {
     let mut sum = draw(scene, prepared, light, request, stop)?;
     for sample in 1..samples {

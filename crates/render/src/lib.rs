@@ -22,4 +22,5 @@ pub mod renderer;
 pub mod scene;
 mod segments;
 mod shading;
+pub mod stop;
 mod transfer;

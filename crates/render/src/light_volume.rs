@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::prepared::Prepared;
 use crate::scene::Scene;
+use crate::stop::Stop;
 
 mod cells;
 mod clarity;
@@ -33,9 +34,6 @@ pub(crate) use lookup::LightLookup;
 
 /// All of the light.
 const WHOLE: f32 = 32767.0;
-
-/// Asked between rows whether the work is still wanted.
-type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Fractions of sky and lamp in cells that cover the scan. Nothing of a volume is changed once it is whole:
 /// another lamp or an edit gives another volume, so that pictures can be drawn by the one before.

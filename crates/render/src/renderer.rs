@@ -1,6 +1,6 @@
 //! A scene, how it looks and its light, kept ready for one picture after another.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 use thiserror::Error;
@@ -11,12 +11,10 @@ use crate::light_volume::LightVolume;
 use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::{Scene, SceneError};
+use crate::stop::Stop;
 
 /// Cells along the scan's longest edge in which light is worked out.
 const LIGHT_CELLS: u32 = 128;
-
-/// Asked now and then whether a picture is still wanted.
-pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Draws pictures of a scan that is edited meanwhile.
 #[derive(Debug)]
@@ -160,12 +158,82 @@ impl Renderer {
 
 /// Whether all places let as much light through; other colours and lights change nothing of that.
 fn is_as_opaque(one: &Appearance, other: &Appearance) -> bool {
-    let opacity = |appearance: &Appearance| Appearance {
-        lighting: Lighting {
-            edges: appearance.lighting.edges,
-            ..Lighting::default()
-        },
-        ..appearance.clone()
+    without_colours(one) == without_colours(other)
+}
+
+/// What of an appearance tells how opaque places are.
+fn without_colours(appearance: &Appearance) -> Appearance {
+    let mut opacity = appearance.clone();
+    opacity.lighting = Lighting {
+        edges: appearance.lighting.edges,
+        ..Lighting::default()
     };
-    opacity(one) == opacity(other)
+    opacity.iso_colour = Vec3::ZERO;
+    for point in &mut opacity.transfer {
+        point.colour = Vec3::ZERO;
+    }
+    for segment in &mut opacity.segments {
+        (segment.colour, segment.ambient, segment.specular) = (Vec3::ZERO, 1.0, 1.0);
+    }
+    opacity
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_as_opaque;
+    use crate::appearance::{Appearance, Blend, ControlPoint, Lighting, Shown, ShownSegment};
+    use glam::Vec3;
+
+    fn appearance() -> Appearance {
+        let point = |value, extinction| ControlPoint {
+            value,
+            colour: Vec3::ONE,
+            extinction,
+        };
+        Appearance {
+            blend: Blend::Shaded,
+            density: 1.0,
+            transfer: vec![point(0.0, 0.0), point(100.0, 1.0)],
+            edge_gradient: 10.0,
+            window: (100.0, 50.0),
+            iso_value: 50.0,
+            iso_colour: Vec3::ONE,
+            tissue_from: 20.0,
+            slab: None,
+            lighting: Lighting::default(),
+            segments: vec![ShownSegment {
+                id: 1,
+                range: None,
+                is_edited: false,
+                shown: Shown::Solid,
+                colour: Vec3::ONE,
+                ambient: 1.0,
+                specular: 1.0,
+            }],
+            clip: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn colours_and_lights_keep_the_light_and_opacities_do_not() {
+        let first = appearance();
+        let mut coloured = appearance();
+        coloured.segments[0].colour = Vec3::X;
+        coloured.segments[0].specular = 2.0;
+        coloured.transfer[1].colour = Vec3::Y;
+        coloured.lighting.diffuse = 0.5;
+        assert!(is_as_opaque(&first, &coloured));
+
+        let changes: [fn(&mut Appearance); 4] = [
+            |it| it.transfer[1].extinction = 2.0,
+            |it| it.segments[0].shown = Shown::Hidden,
+            |it| it.lighting.edges = 0.5,
+            |it| it.density = 2.0,
+        ];
+        for change in changes {
+            let mut other = appearance();
+            change(&mut other);
+            assert!(!is_as_opaque(&first, &other), "{other:?}");
+        }
+    }
 }

@@ -10,13 +10,13 @@ use crate::appearance::Blend;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::Avx2;
 use crate::lanes::{Floats, Gather, Ints, LANES, Plain, Vector, exp_of_negative};
-use crate::light_volume::Stop;
 use crate::light_volume::cells::CellGrid;
 use crate::light_volume::clarity::Clarity;
 use crate::light_volume::line::Line;
 use crate::prepared::Prepared;
 use crate::scene::Scene;
 use crate::shading::{boundary, is_before_a_plane};
+use crate::stop::Stop;
 
 /// Places of a cell along each axis.
 const PLACES: i32 = 3;

@@ -14,7 +14,7 @@ const REFINEMENTS: usize = 5;
 pub(super) const ISO: i32 = -2;
 
 /// Where between two samples a ray enters something solid, and what: of segments in one another the outer one.
-/// `asked`: lanes for which it is asked; `enclosed` tells what is solid at a place, 0 nothing.
+/// `code` is what is solid at the second.
 #[inline(always)]
 pub(super) fn refined_entry<L: Gather>(
     shading: &Shading<'_>,
