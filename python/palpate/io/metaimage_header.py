@@ -27,6 +27,10 @@ MOST_NUMBERS = {"DimSize": 1, "ElementSpacing": 1, "ElementSize": 1, "Offset": 1
                 "Origin": 1, "CenterOfRotation": 1, "TransformMatrix": 2, "Orientation": 2,
                 "Rotation": 2}  # fmt: skip
 """Fields of one number for each axis, or for each pair of axes."""
+SWITCHES = "BinaryData", "BinaryDataByteOrderMSB", "ElementByteOrderMSB", "CompressedData"
+"""Fields that are true or false."""
+MOST_NAME = 255
+"""Letters of a Name; MetaIO writes beyond the room that it has without asking."""
 LARGEST = 1e9
 """Of a length or place [mm]."""
 TYPE_BYTES = {
@@ -43,12 +47,18 @@ def check_metaimage(path: Path) -> None:
         VolumeFormatError: It does.
     """
     fields, rest = _fields(path)
+    _check_words(path, fields)
     size = _size(path, fields)
     _check_numbers(path, fields, axes=len(size))
     name = fields["ElementDataFile"]
     files = _files(path, name, rest=rest, size=size)
     packed = fields.get("CompressedData", "").lower() in ("true", "1")
     text = fields.get("BinaryData", "True").lower() in ("false", "0")
+    if packed and text:
+        # MetaIO frees a part of it twice
+        raise VolumeFormatError(
+            f"{path} has BinaryData False and CompressedData True; allowed: one of both"
+        )
     channels = _whole(path, fields, "ElementNumberOfChannels", low=1, high=1 << 16, otherwise=1)
     _whole(path, fields, "HeaderSize", low=-1, high=files[0].stat().st_size, otherwise=0)
     numbers = math.prod(size) * channels
@@ -87,6 +97,19 @@ def _fields(path: Path) -> tuple[dict[str, str], list[str]]:
 def _parted(line: str) -> tuple[str, str]:
     found = re.match(r"\s*([^=:]*?)\s*[=:]\s*(.*?)\s*$", line)
     return (found[1], found[2]) if found else ("", "")
+
+
+def _check_words(path: Path, fields: dict[str, str]) -> None:
+    """Refuses words of which MetaIO makes something else, or too much."""
+    for key in SWITCHES:
+        told = fields.get(key, "False")
+        if told.lower() not in ("true", "false", "1", "0"):
+            raise VolumeFormatError(f"{path} has {key} {told[:80]!r}; allowed: True or False")
+    name = fields.get("Name", "").encode()
+    if len(name) > MOST_NAME:
+        raise VolumeFormatError(
+            f"{path} has a Name of {len(name)} letters; allowed: at most {MOST_NAME}"
+        )
 
 
 def _size(path: Path, fields: dict[str, str]) -> list[int]:

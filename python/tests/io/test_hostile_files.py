@@ -7,6 +7,7 @@ mended in silence once; they stand for their kinds.
 from __future__ import annotations
 
 import os
+import re
 import socket
 import struct
 import zipfile
@@ -146,6 +147,24 @@ def test_a_metaimage_header_is_held_against_its_file(tmp_path: Path, old: str, n
     path = tmp_path / "a.mha"
     path.write_bytes(META.replace(old, new).encode() + VOXELS)
     with pytest.raises(VolumeFormatError, match="allowed: "):
+        palpate.read(path)
+
+
+@pytest.mark.parametrize(
+    ("new", "said"),
+    [
+        ("BinaryData = {}", "BinaryData '{}'; allowed: True or False"),
+        ("BinaryData = False\nCompressedData = True", "BinaryData False and CompressedData True"),
+        # more than the 255 that MetaIO has room for
+        (f"BinaryData = True\nName = {'9' * 300}", "a Name of 300 letters"),
+    ],
+)
+def test_words_that_end_metaio_are_refused_before_it_sees_them(
+    tmp_path: Path, new: str, said: str
+) -> None:
+    path = tmp_path / "a.mha"
+    path.write_bytes(META.replace("BinaryData = True", new).encode() + VOXELS)
+    with pytest.raises(VolumeFormatError, match=re.escape(said)):
         palpate.read(path)
 
 
