@@ -10,7 +10,8 @@ use std::process::Command;
 const CRATES: [&str; 3] = ["volume", "haptics", "engine"];
 
 fn main() {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    // asked now: a build folder may be used from another checkout than that which compiled this
+    let crates = Path::new(&variable("CARGO_MANIFEST_DIR")).join("..");
     let mut hash = Hash::default();
     let lock = crates.join("..").join("Cargo.lock");
     hash.add(&fs::read(&lock).unwrap_or_default());
