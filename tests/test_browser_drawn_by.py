@@ -64,8 +64,10 @@ def test_both_draw_the_same_picture(page: Browser) -> None:
 def test_a_segment_that_is_hidden_is_gone_from_the_picture(page: Browser) -> None:
     before = page.picture(OUTPUT / "drawn-by-engine-bone.png")
     page.do("click", testid="visible-1")
+    page.all_done()
     after = page.picture(OUTPUT / "drawn-by-engine-hidden.png")
     page.do("click", testid="visible-1")
+    page.all_done()
     assert np.abs(after - before).mean() > 0.02
 
 
