@@ -15,7 +15,10 @@ from palpate.protocol.engine_picture import (
     DrawPicture,
     LookLight,
     LookSegment,
+    PictureFailed,
     PictureLook,
+    PicturePart,
+    PictureTaken,
     SeenFrom,
 )
 from palpate.protocol.outline import FillOutline, Outline, TraceLevel, Wire
@@ -224,7 +227,10 @@ __all__ = [
     "Outline",
     "Paint",
     "Passed",
+    "PictureFailed",
     "PictureLook",
+    "PicturePart",
+    "PictureTaken",
     "Place",
     "PointPair",
     "Pose",
@@ -312,6 +318,8 @@ ToPage = (
     | Gap
     | Outline
     | DrawnPicture
+    | PicturePart
+    | PictureFailed
     | CutPreview
     | NeedleEvents
     | SegmentWork
@@ -326,6 +334,7 @@ FromPage = (
     | View
     | PictureLook
     | DrawPicture
+    | PictureTaken
     | Clutch
     | Threshold
     | Otsu
