@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from browser import ROOT, Browser, browser, palpate
+from numpy.typing import NDArray
+from PIL import Image
+from slow_way import SlowWay, slow_way
 
 pytestmark = pytest.mark.browser
 
@@ -18,14 +22,20 @@ SIZE = {"width": 1000, "height": 460}
 
 
 @pytest.fixture(scope="module")
-def page(data_folder: Path) -> Iterator[Browser]:
+def way(data_folder: Path) -> Iterator[SlowWay]:
     path = data_folder / "cthead_stanford" / "CThead.mha"
-    with palpate("open", path) as command, browser(drawer="") as opened:
-        opened.do("open", url=command.url, **SIZE)
+    with palpate("open", path) as command, slow_way(command.url) as way:
+        yield way
+
+
+@pytest.fixture(scope="module")
+def page(way: SlowWay) -> Iterator[Browser]:
+    with browser(drawer="") as opened:
+        opened.do("open", url=way.url, **SIZE)
         # the browser works light out in coarse cells
         light = json.dumps({"occlusion": 0, "shadow": 0})
         opened.read(f"localStorage.setItem('palpate.lighting.CThead', {json.dumps(light)})")
-        assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        assert opened.do("open", url=way.url, **SIZE)["firstPicture"] is not None
         opened.do("clickText", text="Quality")
         opened.do("clickText", text="Stereo")
         yield opened
@@ -114,6 +124,63 @@ def cut(page: Browser, *, right: int) -> None:
 def hold(page: Browser, kind: str) -> None:
     """Holds the key of the tool, or lets it go."""
     page.read(f"void window.dispatchEvent(new KeyboardEvent('{kind}', {{key: 'x'}}))")
+
+
+@pytest.mark.data
+def test_over_a_slow_line_pictures_are_small_and_look_the_same(page: Browser, way: SlowWay) -> None:
+    before = page.picture(OUTPUT / "drawn-by-engine-near.png")
+    way.rate = 300e3
+    try:
+        for _ in range(4):
+            page.read("window.palpate.bench.turn(0.05)")
+            page.frames()
+            page.wait("window.palpate.shown.divisor > 1")
+        began, handed = time.monotonic(), way.handed
+        page.read("window.palpate.bench.turn(-0.2)")
+        page.finish()
+        # beside states, which take less than 120 000 in a second
+        sent = way.handed - handed - 120e3 * (time.monotonic() - began)
+        far = page.picture(OUTPUT / "drawn-by-engine-far.png")
+    finally:
+        way.rate = None
+    assert np.abs(far - before).mean() <= 2 / 255
+    assert sent < 1e6, "one that is not packed has two million bytes"
+    assert page.read("window.palpate.drawer.engine")
+
+
+@pytest.mark.data
+def test_a_resized_view_keeps_its_picture_and_without_answers_the_browser_draws(
+    page: Browser, way: SlowWay
+) -> None:
+    page.finish()
+    way.rate = 0.0
+    try:
+        page.do("resize", width=SIZE["width"] - 60, height=SIZE["height"] + 80)
+        page.frames()
+        page.do("screenshot", path=str(OUTPUT / "drawn-by-engine-resized.png"), testid="canvas")
+        resized = pixels_of(OUTPUT / "drawn-by-engine-resized.png")
+        assert not page.read("window.palpate.finished")
+        # the ground alone is dark
+        assert (resized.max(axis=2) > 0.4).mean() > 0.05
+        page.wait("window.palpate.drawer.engine === false")
+        assert page.text("drawer-obstacle").startswith(
+            "Drawn by this browser: the engine sent no picture for 10 s; "
+        )
+    finally:
+        way.rate = None
+    page.finish()
+    # who chooses again need not wait until it is tried
+    drawn_by(page, "auto")
+    page.wait("window.palpate.drawer.engine")
+    page.do("resize", **SIZE)
+    page.finish()
+    assert page.text("drawer-reason").startswith("Drawn by the engine: ")
+
+
+def pixels_of(path: Path) -> NDArray[np.float64]:
+    """Returns the colours of a picture, 0 to 1."""
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"), np.float64) / 255.0
 
 
 @pytest.mark.data

@@ -80,13 +80,16 @@ class Missed:
 class Outbox:
     """Waiting messages of one page."""
 
-    def __init__(self, *, missed: Missed | None = None) -> None:
-        """Starts empty; what a page has ``missed`` comes after all messages."""
+    def __init__(self, *, missed: Missed | None = None, is_near: bool = False) -> None:
+        """Starts empty; what a page has ``missed`` comes after all messages.
+
+        ``is_near``: the page seems to be on this machine.
+        """
         self._messages: list[ToPage] = []
         self._bytes = 0
         self._missed = missed
         self._state: State | None = None
-        self._pictures = PictureLane()
+        self._pictures = PictureLane(is_near=is_near)
         self._picture_is_next = False
         self._filled = asyncio.Event()
         self._mark()

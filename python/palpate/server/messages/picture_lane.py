@@ -15,13 +15,13 @@ from collections.abc import Callable
 
 from palpate.protocol import PicturePart
 
-__all__ = ["FIRST_RATE", "PictureLane"]
+__all__ = ["PictureLane"]
 
-FIRST_RATE = 1e6
-"""Bytes a second, before anything was measured: pictures are small at first, and soon are not."""
+FIRST_RATE, FIRST_NEAR_RATE = 1e6, 50e6
+"""Bytes a second before anything was measured, from afar and on one machine."""
 PART_SECONDS = 0.025
 """Of a part on its way: so long may a state wait behind it."""
-LEAST_PART = 2048
+LEAST_PART, MOST_PART = 2048, 1 << 17
 HEAD = 64
 """Bytes that go before a picture, to be measured from."""
 MEASURED = 8
@@ -35,8 +35,10 @@ SHORTEST = 1e-4
 class PictureLane:
     """The newest picture for a page, in parts; on the event loop."""
 
-    def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
-        """Has no picture."""
+    def __init__(
+        self, clock: Callable[[], float] = time.perf_counter, *, is_near: bool = False
+    ) -> None:
+        """Has no picture; the page ``is_near`` where it seems to be on this machine."""
         self._clock = clock
         self._serial = 0
         self._number = 0
@@ -46,7 +48,7 @@ class PictureLane:
         self._arrived_at = 0.0
         self._measured: deque[tuple[int, float]] = deque(maxlen=MEASURED)
         self._delays: deque[float] = deque(maxlen=MEASURED)
-        self.rate = FIRST_RATE
+        self.rate = FIRST_NEAR_RATE if is_near else FIRST_RATE
         """Bytes a second that the way to the page takes; may be read by any thread."""
 
     def put(self, number: int, packed: bytes) -> None:
@@ -94,4 +96,4 @@ class PictureLane:
 
     @property
     def _part_size(self) -> int:
-        return max(LEAST_PART, int(self.rate * PART_SECONDS))
+        return min(MOST_PART, max(LEAST_PART, int(self.rate * PART_SECONDS)))

@@ -12,7 +12,7 @@ export type Drawer = "browser" | "engine";
 /** Pictures that come within this time are soon enough [ms]. */
 const enough = 200;
 /** So many times as quick must one be to take over. */
-const margin = 1.5;
+const margin = 2;
 /** The median of so many times counts, of so few at least: the first of a view are slower. */
 const [mostTimes, fewestTimes] = [5, 3];
 /** So long a time is believed of the one that does not draw, and of the browser [ms]. */
@@ -69,7 +69,8 @@ export class QuickerDrawer {
       return this.drawer === "engine" ? "this browser has no graphics card" : "it was quicker";
     }
     const other = browserTime === null ? "this browser has no graphics card" : `this browser ${told(browserTime)}`;
-    return `the engine takes ${told(engine)} for a picture while the view turns, ${other}`;
+    const who = this.drawer === "engine" ? "it" : "the engine";
+    return `${who} takes ${told(engine)} for a picture while the view turns, ${other}`;
   }
 
   private get engine(): number | null {

@@ -41,6 +41,7 @@ export class DrawerControl {
   choose(choice: DrawerChoice): void {
     this.choice = choice;
     this.lookedAt = -Infinity;
+    this.retriedAt = -Infinity;
     remember("drawer", { choice });
   }
 
