@@ -225,7 +225,7 @@ data:
 
 test-rust: ## tests of the crates
 	$(call step,Rust: tests)
-	cargo test --locked --workspace --exclude palpate-benches --lib --tests --no-fail-fast --quiet
+	cargo test --locked --workspace --exclude palpate-benches --tests --no-fail-fast --quiet
 	cargo test --locked --workspace --exclude palpate-benches --doc --no-fail-fast --quiet
 
 test-python: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository
