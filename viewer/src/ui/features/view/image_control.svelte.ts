@@ -27,6 +27,12 @@ interface Source {
   readonly picture: {
     readonly support: { readonly software: boolean };
     readonly snapshot: (context: CanvasRenderingContext2D, wish: SnapshotWish) => Promise<void>;
+    readonly film: (
+      context: CanvasRenderingContext2D,
+      cameras: readonly Camera[],
+      wish: Omit<SnapshotWish, "camera">,
+      taken: (view: number) => Promise<void>,
+    ) => Promise<void>;
   };
 }
 
@@ -94,11 +100,10 @@ export class ImageControl {
       try {
         const context = contextOf(size);
         const cameras = turntable(start, { seconds, turns, framesPerSecond: pace });
-        for (const [i, camera] of cameras.entries()) {
-          await this.source.picture.snapshot(context, { camera, size, stereo, transparent: false, signal });
+        await this.source.picture.film(context, cameras, { size, stereo, transparent: false, signal }, async (i) => {
           await animation.add(context.canvas);
           this.report((i + 1) / cameras.length);
-        }
+        });
         keep(await animation.end(), `${this.fileName}.webm`);
       } finally {
         animation.dispose();
