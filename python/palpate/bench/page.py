@@ -122,6 +122,22 @@ class Page:
         for kind in ("keyDown", "keyUp"):
             self._ask("Input.dispatchKeyEvent", type=kind, key=key, code=key)
 
+    def mouse(self, kind: str, place: tuple[float, float]) -> None:
+        """Presses, moves or releases the left button of the mouse at a place [CSS pixels].
+
+        ``kind`` is "mousePressed", "mouseMoved" or "mouseReleased".
+        """
+        x, y = place
+        self._ask(
+            "Input.dispatchMouseEvent",
+            type=kind,
+            x=x,
+            y=y,
+            button="left",
+            buttons=0 if kind == "mouseReleased" else 1,
+            clickCount=0 if kind == "mouseMoved" else 1,
+        )
+
     def heap(self) -> float:
         """Returns the memory of the page's scripts after garbage collection [bytes]."""
         self._ask("HeapProfiler.collectGarbage")
