@@ -7,7 +7,7 @@ import type { Camera, Viewport } from "../../core/geometry/camera";
 import type { DrawnPicture, PictureLook } from "../../core/protocol";
 import { tilesOf } from "../../core/view/image_size";
 import type { RestingPicture } from "../../core/view/quality";
-import { savedSamples, type PictureWish } from "../../core/view/saved_pictures";
+import { fewestSamples, savedSamples, type PictureWish } from "../../core/view/saved_pictures";
 import { EnginePass } from "../engine_pictures/engine_pass";
 import { seenFrom } from "../engine_pictures/engine_pictures";
 import type { RayMarcher } from "../march/ray_marcher";
@@ -57,12 +57,16 @@ export class EngineSnapshot {
   private readonly tile: SnapshotTile;
   private readonly pass: EnginePass;
 
-  /** @param aim turns surfaces to what is seen by a camera. */
+  /**
+   * @param aim turns surfaces to what is seen by a camera.
+   * @param over draws over a tile.
+   */
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     private readonly drawing: Drawing,
     private readonly source: Source,
     private readonly aim: (camera: Camera) => void,
+    private readonly over: (tile: SnapshotTile) => void,
   ) {
     this.tile = new SnapshotTile(renderer, drawing.compositor, source.halfFloat);
     this.pass = new EnginePass(drawing.marcher);
@@ -135,6 +139,7 @@ export class EngineSnapshot {
       surfaces.draw(renderer, tile.drawn, { divisor: 1, stepsPerVoxel, shift: [0, 0, 0], depth: 0, detail: "all" });
       pass.draw(renderer, tile.drawn, rowsOf(strip, height - rows.y - rows.height, rows.height));
       tile.compose(transparent);
+      this.over(tile);
       context.putImageData(tile.read(), x + rows.x, height - rows.y - rows.height);
     }
     compositor.bendsHighlights = bentNow;
@@ -143,13 +148,15 @@ export class EngineSnapshot {
 }
 
 function asked({ look, cameras, fineness, jitter, shown, size }: EngineSnapshotWish): PictureWish {
+  const samples = savedSamples(fineness.passes, size, shown);
   return {
     look,
     cameras: cameras.map(seenFrom),
     size: [size.width, size.height],
     steps_per_voxel: fineness.stepsPerVoxel,
-    samples: savedSamples(fineness.passes, size, shown),
-    jitter,
+    samples,
+    // of few rays for each pixel the noise would be seen
+    jitter: jitter && samples >= fewestSamples,
   };
 }
 

@@ -34,6 +34,7 @@ import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
+import type { SnapshotTile } from "./snapshot_tile";
 import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
@@ -589,9 +590,17 @@ export class Picture {
     const { extent } = this.view;
     const eyes = eyesOf(stereo, size);
     const seen = viewportOf(stereo, size);
-    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, quality, (eye) => {
-      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
-    });
+    const snapshot = new Snapshot(
+      this.renderer,
+      this.marcher,
+      this.surfaces,
+      this.compositor,
+      quality,
+      (eye) => {
+        this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
+      },
+      this.overTile(wish.marks === true && stereo.mode === "off"),
+    );
     this.snapping = true;
     try {
       await this.refiner.complete();
@@ -604,11 +613,23 @@ export class Picture {
     }
   }
 
+  /** What draws over a tile of the view that was aimed at. */
+  private overTile(marks: boolean): (tile: SnapshotTile) => void {
+    const { height } = this.pane.rect;
+    return (tile) => {
+      if (marks) {
+        tile.over(this.eyeCamera.camera, (camera, share) => {
+          this.pane.drawMarks(camera, share * height);
+        });
+      }
+    };
+  }
+
   /** Draws views by the engine into a canvas, all of the scan as it is now. */
   private async saveByEngine(
     context: CanvasRenderingContext2D,
     cameras: readonly Camera[],
-    { size, transparent, signal, progress }: Omit<SnapshotWish, "camera">,
+    { size, transparent, marks, signal, progress }: Omit<SnapshotWish, "camera">,
     taken: (view: number) => Promise<void>,
   ): Promise<void> {
     const { extent } = this.view ?? { extent: null };
@@ -624,6 +645,7 @@ export class Picture {
       (camera) => {
         this.aim(camera, extent, size.width / size.height);
       },
+      this.overTile(marks === true),
     );
     const fineness = restingPictures[this.quality.quality];
     const { jitter } = this.engine.pictures;
