@@ -40,6 +40,19 @@ test("values, light and planes go out in physical units", () => {
   });
 });
 
+test("a scan of two values has no edges and no window, which the engine takes as the least", () => {
+  const appearance: Appearance = {
+    transferFunction: { points },
+    ranges: [],
+    edgeGradient: 0,
+    lighting: firstLighting,
+    optics: { ...shadedOptics, window: { window: 0, level: 40 } },
+  };
+  const look = engineLook(appearance, { segments: [], modes: {} }, []);
+  expect(look.edge_gradient).toBeGreaterThan(0);
+  expect(look.window[0]).toBeGreaterThan(0);
+});
+
 test("a threshold goes out by its limits, a painted segment by its voxels", () => {
   const { segments } = lookOf([bone, painted]);
   expect(segments.map(({ id, range, edited, shown }) => ({ id, range, edited, shown }))).toEqual([
