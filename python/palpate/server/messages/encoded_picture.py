@@ -16,7 +16,7 @@ from PIL import Image
 
 from palpate import protocol
 from palpate.pictures.session_pictures import DrawnArrays
-from palpate.server.messages.picture_coding import Packing
+from palpate.server.messages.picture_coding import NOT_PACKED, Packing
 
 __all__ = ["encoded_picture"]
 
@@ -37,7 +37,7 @@ def encoded_picture(
     samples: int,
     finished: bool,
     seconds: float,
-    packing: Packing,
+    packing: Packing = NOT_PACKED,
 ) -> protocol.DrawnPicture:
     """Returns the message with a picture that took so many seconds."""
     rows, columns = picture.depths.shape

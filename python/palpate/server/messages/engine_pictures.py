@@ -24,6 +24,7 @@ from palpate.base.errors import OptionError
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.pictures.session_pictures import DrawnArrays, Fineness, SessionPictures
+from palpate.pictures.still_pictures import StillPictures
 from palpate.server.messages.encoded_picture import encoded_picture
 from palpate.server.messages.fine_turn import FineTurn
 from palpate.server.messages.outbox import Outbox
@@ -62,11 +63,28 @@ class Stage:
     last: bool = False
 
 
+class AllPages(SessionPictures):
+    """Stands for what is drawn for all pages: pictures that are saved make way for it."""
+
+    def __init__(self, session: Session, fine_turn: FineTurn) -> None:
+        """Draws nothing itself."""
+        super().__init__(session)
+        self._fine_turn = fine_turn
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a fine picture is drawn, or another is likely to be requested."""
+        return super().is_busy or self._fine_turn.is_taken
+
+
 class PagePainter:
     """Draws what one page asks for last, in a thread of its own."""
 
-    def __init__(self, session: Session, page: Outbox, fine_turn: FineTurn) -> None:
+    def __init__(
+        self, session: Session, page: Outbox, *, fine_turn: FineTurn, every: AllPages
+    ) -> None:
         """Sends pictures to a page; to be called on its event loop."""
+        self._all = every
         self._own = SessionPictures(session)
         self._fine_turn = fine_turn
         self._page = page
@@ -93,6 +111,7 @@ class PagePainter:
             self._waiting = request
             self._changed.notify()
         self._own.give_up()
+        self._all.give_up()
 
     def end(self) -> None:
         """Ends the thread, once the picture that it draws is given up or done."""
@@ -246,8 +265,13 @@ class EnginePictures:
         """Draws what a session has."""
         self._session = session
         self._fine_turn = FineTurn()
+        self._all = AllPages(session, self._fine_turn)
         self._painters: dict[Outbox, PagePainter] = {}
         """Those that drew last at the end."""
+
+    def still(self) -> StillPictures:
+        """Returns pictures of the session as it is now, for which no page has to wait."""
+        return StillPictures(self._session, self._all)
 
     def add_to(self, table: MessageTable) -> None:
         """Adds the rows of pictures."""
@@ -279,5 +303,7 @@ class EnginePictures:
 
     def _painter(self, page: Outbox) -> PagePainter:
         if page not in self._painters:
-            self._painters[page] = PagePainter(self._session, page, self._fine_turn)
+            self._painters[page] = PagePainter(
+                self._session, page, fine_turn=self._fine_turn, every=self._all
+            )
         return self._painters[page]

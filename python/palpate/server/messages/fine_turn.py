@@ -21,6 +21,11 @@ class FineTurn:
         self._changed = Condition()
         self._line: deque[object] = deque()
 
+    @property
+    def is_taken(self) -> bool:
+        """Whether somebody has it."""
+        return len(self._line) > 0
+
     @contextmanager
     def taken(self, given_up: Callable[[], bool]) -> Iterator[bool]:
         """Waits for the turn, and has it; yields False where that was given up meanwhile."""

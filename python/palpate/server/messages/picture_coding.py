@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["Packing", "PictureCoder"]
+__all__ = ["NOT_PACKED", "Packing", "PictureCoder"]
 
 RAW_BYTES = 10
 """Of a pixel that is not packed."""
@@ -39,6 +39,9 @@ class Packing:
     """Depths of every so many-th pixel of every so many-th row."""
 
 
+NOT_PACKED = Packing()
+
+
 class PictureCoder:
     """Learns how small pictures become, and chooses how they are packed."""
 
@@ -49,7 +52,7 @@ class PictureCoder:
     def packing(self, pixels: int, rate: float, *, moving: bool, last: bool) -> Packing:
         """Returns how to pack a picture for a way of so many bytes a second."""
         if RAW_BYTES * pixels <= rate * (LAST_RAW_SECONDS if last else RAW_SECONDS):
-            return Packing()
+            return NOT_PACKED
         if last:
             return Packing(LAST_QUALITY)
         fitting = rate * WANTED_SECONDS / (pixels * self._size)

@@ -30,13 +30,11 @@ export interface ShownThings {
   readonly failure: string | null;
   readonly stereo: Stereo["mode"];
   readonly second: boolean;
-  readonly deforming: boolean;
   readonly segments: readonly Segment[];
 }
 
 /** Why the engine cannot draw what is shown; null where it can. */
-export function engineObstacle(shown: ShownThings): string | null {
-  const { connected, failure, stereo, second, deforming, segments } = shown;
+export function engineObstacle({ connected, failure, stereo, second, segments }: ShownThings): string | null {
   const surfaces = segments.filter(drawnAsSurface);
   if (!connected) {
     return "the engine is not connected";
@@ -49,9 +47,6 @@ export function engineObstacle(shown: ShownThings): string | null {
   }
   if (second) {
     return "a second scan is shown";
-  }
-  if (deforming) {
-    return "soft tissue is deformed";
   }
   if (segments.some(({ visible, pose, grid }) => visible && (pose !== null || grid !== null))) {
     return "a segment was moved";

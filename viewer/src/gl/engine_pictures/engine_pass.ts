@@ -6,7 +6,7 @@ import { FullscreenPass } from "../base/fullscreen_pass";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { shaders } from "../shaders/shaders";
-import type { ArrivedPicture } from "./engine_pictures";
+import type { PictureTexels } from "./picture_texels";
 
 const noSurfaces = { LAYERS: "0" };
 const withSurfaces = { SURFACES: "", LAYERS: "0" };
@@ -35,7 +35,7 @@ export class EnginePass {
   }
 
   /** Takes a picture to the GPU. */
-  take({ picture, colours, depths, depthSize }: ArrivedPicture): void {
+  take({ picture, colours, depths, depthSize }: PictureTexels): void {
     const u = this.uniforms;
     const isRaw = colours instanceof Uint16Array;
     u.engineColour.value = isRaw
@@ -52,7 +52,8 @@ export class EnginePass {
    *
    * @param size that was asked for; the target may be another by now, and shows less or more at its sides then.
    */
-  draw(renderer: THREE.WebGLRenderer, target: PictureTarget, [width, height]: readonly [number, number]): void {
+  draw(renderer: THREE.WebGLRenderer, target: PictureTarget, size?: readonly [number, number]): void {
+    const [width, height] = size ?? [target.target.width, target.target.height];
     const u = this.uniforms;
     u.used.value.set(target.width, target.height);
     // the height of a view is the same in all sizes

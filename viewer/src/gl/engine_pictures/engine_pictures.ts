@@ -8,6 +8,7 @@
 import type { Camera, Extent } from "../../core/geometry/camera";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { RestingPicture } from "../../core/view/quality";
+import { fewestSamples } from "../../core/view/saved_pictures";
 import { rawTexels, unpackedTexels, type PictureTexels } from "./picture_texels";
 
 /**
@@ -15,8 +16,6 @@ import { rawTexels, unpackedTexels, type PictureTexels } from "./picture_texels"
  * them given up at once.
  */
 const settleMilliseconds = 50;
-/** The engine averages so many pictures at least: each takes it a moment only. */
-const fewestSamples = 4;
 /** So long an answer may take [ms]. */
 const patience = 10_000;
 
@@ -57,6 +56,8 @@ export class EnginePictures {
   failure: string | null = null;
   /** Is told how long each picture took from its request until it came, while the view moved [ms]. */
   onAnswer: (milliseconds: number) => void = () => undefined;
+  /** Number of the request whose picture came last; 0 before the first. */
+  answered = 0;
   private look: PictureLook | null = null;
   private toldLook: PictureLook | null = null;
   private asked: readonly Asked[] = [];
@@ -93,6 +94,11 @@ export class EnginePictures {
     this.wanted = null;
     this.unanswered = null;
     this.lastSeen = null;
+  }
+
+  /** Number of the last request, or of the one that is due; 0 before the first. */
+  get requested(): number {
+    return this.number + (this.wanted === null ? 0 : 1);
   }
 
   recount(): void {
@@ -169,6 +175,7 @@ export class EnginePictures {
       const { picture } = arrived;
       const fits = arrived.size[0] === size[0] && arrived.size[1] === size[1];
       this.count += 1;
+      this.answered = picture.number;
       this.finished = picture.finished && picture.number === this.number && this.wanted === null && fits;
     }
     return arrived;
@@ -240,6 +247,7 @@ export class EnginePictures {
   }
 }
 
-function seenFrom({ target, distance, right, up, back, field, parallel, aside = 0 }: Camera): DrawPicture["camera"] {
+export function seenFrom(camera: Camera): DrawPicture["camera"] {
+  const { target, distance, right, up, back, field, parallel, aside = 0 } = camera;
   return { target, distance, right, up, back, field, parallel, aside };
 }

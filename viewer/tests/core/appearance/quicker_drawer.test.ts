@@ -29,7 +29,7 @@ test("where the engine is slow the browser is timed, and draws if it is much qui
   expect([quicker.drawer, quicker.due]).toEqual(["engine", null]);
   quicker.forget();
   engine(700, 800, 900);
-  quicker.learnBrowser(400);
+  quicker.learnBrowser(300);
   expect(quicker.drawer).toBe("browser");
 });
 

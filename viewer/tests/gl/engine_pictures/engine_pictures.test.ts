@@ -104,6 +104,19 @@ test("a picture is shown with the camera that it was asked with", () => {
   expect(pictures.finished).toBe(false);
 });
 
+test("it is known which request the picture on display answers, also while the next is due", () => {
+  const { pictures } = started();
+  pictures.ask(true, viewAt(1), size);
+  pictures.ask(true, viewAt(2), size);
+  expect([pictures.requested, pictures.answered]).toEqual([2, 0]);
+  pictures.take(drawn(1));
+  pictures.next(size);
+  expect(pictures.answered).toBe(1);
+  pictures.take(drawn(2));
+  pictures.next(size);
+  expect(pictures.answered).toBe(2);
+});
+
 test("a picture that nobody asked for is left out; one of another size stands in, and is not the last", () => {
   const { pictures } = started();
   pictures.take(drawn(99));
