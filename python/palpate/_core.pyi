@@ -545,6 +545,9 @@ class Renderer:
     def follow(self, session: Session) -> bool:
         """Takes what a session has now, and reads what was changed; true where something was."""
 
+    def set_surfaces(self, surfaces: Sequence[tuple[int, Surface]]) -> None:
+        """Takes the surfaces of segments, by their numbers."""
+
     def set_appearance(self, appearance: Appearance) -> None:
         """Shows the scan in another way.
 

@@ -1,19 +1,24 @@
 //! `_core.Renderer` and `_core.Picture`: pictures of a scan, drawn here.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3, ToPyArray};
+use palpate_engine::error::SessionError;
+use palpate_engine::picture::ShownSurface as ShownSurfaceOfSession;
+use palpate_engine::session::Session;
 use palpate_render::appearance::{
-    Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment,
+    Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment, ShownSurface,
 };
 use palpate_render::camera::Camera;
 use palpate_render::draw::Request;
 use palpate_render::picture::{Ground, Picture};
 use palpate_render::renderer::Renderer;
 use palpate_render::scene::SceneError;
+use palpate_render::surfaces::{SegmentSurface, Triangles};
+use palpate_surface::Patch;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::simd_dispatch::SimdLevel;
 use palpate_volume::voxels::Voxels;
@@ -24,6 +29,7 @@ use crate::errors::CoreError;
 use crate::parallel::{in_background, parallel};
 use crate::segment::PySegment;
 use crate::session::PySession;
+use crate::surface::PySurface;
 use crate::volume::PyVolume;
 
 /// Most pixels of a picture along an edge.
@@ -83,6 +89,35 @@ struct GivenSegment {
     specular: f32,
 }
 
+/// A segment's surface as Python has it, see `palpate.pictures.appearance`.
+#[derive(FromPyObject)]
+struct GivenSurface {
+    id: u8,
+    colour: Colour,
+    opacity: f32,
+    wireframe: bool,
+    ambient: f32,
+    specular: f32,
+}
+
+/// A part of a surface that the session has too.
+#[derive(Debug)]
+struct SharedPatch(Arc<Patch>);
+
+impl Triangles for SharedPatch {
+    fn positions(&self) -> &[[f32; 3]] {
+        &self.0.vertices
+    }
+
+    fn normals(&self) -> &[[f32; 3]] {
+        &self.0.normals
+    }
+
+    fn corners(&self) -> &[[u32; 3]] {
+        &self.0.triangles
+    }
+}
+
 /// An appearance as Python has it, see `palpate.pictures.appearance`.
 #[derive(FromPyObject)]
 pub struct GivenAppearance {
@@ -97,6 +132,7 @@ pub struct GivenAppearance {
     slab: Option<f64>,
     lighting: GivenLighting,
     segments: Vec<GivenSegment>,
+    surfaces: Vec<GivenSurface>,
     clip: Vec<(Triple, f64)>,
 }
 
@@ -121,17 +157,39 @@ impl PyRenderer {
     fn of_session(py: Python<'_>, session: &PySession) -> Result<Self, CoreError> {
         let session = &session.session;
         let voxels = py.detach(|| session.voxels())?;
-        Self::of(parallel(py, || Renderer::new(voxels)))
+        let renderer = Self::of(parallel(py, || Renderer::new(voxels)))?;
+        py.detach(|| renderer.lock_following(session).map(drop))?;
+        Ok(renderer)
     }
 
-    /// Takes what a session has now; true where something had changed.
+    /// Takes what a session has now; true where voxels had changed.
     fn follow(&self, py: Python<'_>, session: &PySession) -> Result<bool, CoreError> {
         let session = &session.session;
-        let known = py.detach(|| self.lock().edit_number());
+        let known = py.detach(|| {
+            let renderer = self.lock_following(session)?;
+            Ok::<_, SessionError>(renderer.edit_number())
+        })?;
         let Some(voxels) = py.detach(|| session.voxels_since(known))? else {
             return Ok(false);
         };
         Ok(parallel(py, || self.lock().follow(voxels)))
+    }
+
+    /// Takes the surfaces of segments, by their numbers.
+    fn set_surfaces(&self, py: Python<'_>, surfaces: Vec<(u8, PyRef<'_, PySurface>)>) {
+        let surfaces = surfaces.iter();
+        let surfaces = surfaces
+            .map(|(id, surface)| {
+                let (origin, patches) = surface.patches();
+                SegmentSurface {
+                    id: *id,
+                    origin,
+                    pose: DAffine3::IDENTITY,
+                    patches: patches.into_iter().map(shared).collect(),
+                }
+            })
+            .collect();
+        py.detach(|| self.lock().set_surfaces(surfaces));
     }
 
     /// Shows the scan in another way.
@@ -193,6 +251,16 @@ impl PyRenderer {
             renderer: Mutex::new(renderer?),
             newest: AtomicU64::new(0),
         })
+    }
+
+    /// The renderer with the surfaces that a session shows, or while these are made with those before.
+    fn lock_following(&self, session: &Session) -> Result<MutexGuard<'_, Renderer>, SessionError> {
+        let surfaces = session.shown_surfaces()?;
+        let mut renderer = self.lock();
+        if let Some(surfaces) = surfaces {
+            renderer.set_surfaces(surfaces.into_iter().map(surface_of).collect());
+        }
+        Ok(renderer)
     }
 
     fn lock(&self) -> MutexGuard<'_, Renderer> {
@@ -260,6 +328,19 @@ impl PyPicture {
     }
 }
 
+fn surface_of(shown: ShownSurfaceOfSession) -> SegmentSurface {
+    SegmentSurface {
+        id: shown.id.0,
+        origin: shown.origin,
+        pose: shown.pose,
+        patches: shown.patches.into_iter().map(shared).collect(),
+    }
+}
+
+fn shared(patch: Arc<Patch>) -> Arc<dyn Triangles> {
+    Arc::new(SharedPatch(patch))
+}
+
 fn check_size(size: (u32, u32)) -> Result<(), CoreError> {
     let allowed = 1..=MOST_PIXELS;
     if allowed.contains(&size.0) && allowed.contains(&size.1) {
@@ -306,6 +387,7 @@ impl GivenAppearance {
                 .into_iter()
                 .map(ShownSegment::try_from)
                 .collect::<Result<_, _>>()?,
+            surfaces: self.surfaces.into_iter().map(ShownSurface::from).collect(),
             clip: self.clip.into_iter().map(plane).collect(),
         };
         appearance.check()?;
@@ -354,6 +436,19 @@ impl From<GivenLighting> for Lighting {
             edges: given.edges,
             occlusion: given.occlusion,
             shadow: given.shadow,
+        }
+    }
+}
+
+impl From<GivenSurface> for ShownSurface {
+    fn from(given: GivenSurface) -> Self {
+        Self {
+            id: given.id,
+            colour: given.colour.into(),
+            opacity: given.opacity,
+            is_wireframe: given.wireframe,
+            ambient: given.ambient,
+            specular: given.specular,
         }
     }
 }

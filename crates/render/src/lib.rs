@@ -23,4 +23,5 @@ pub mod scene;
 mod segments;
 mod shading;
 pub mod stop;
+pub mod surfaces;
 mod transfer;

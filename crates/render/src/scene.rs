@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use crate::bricks::BrickRanges;
 use crate::field::Field;
+use crate::surfaces::SegmentSurface;
 
 /// A scan that cannot be drawn.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -35,6 +36,7 @@ pub struct Scene {
     voxels: Voxels,
     pub(crate) field: Field,
     pub(crate) ranges: BrickRanges,
+    pub(crate) surfaces: Vec<SegmentSurface>,
 }
 
 impl Scene {
@@ -59,6 +61,7 @@ impl Scene {
             voxels,
             field,
             ranges,
+            surfaces: Vec::new(),
         })
     }
 
@@ -85,6 +88,11 @@ impl Scene {
             .iter()
             .fold(segments, |all, voxels| all.union(voxels))
             .intersect(&whole)
+    }
+
+    /// Takes the surfaces of segments as they are now.
+    pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
+        self.surfaces = surfaces;
     }
 
     /// Where the voxels stand.

@@ -14,5 +14,6 @@ mod light;
 mod modes;
 mod same_picture;
 mod segments;
+mod surfaces;
 mod tissue;
 mod views;

@@ -6,7 +6,7 @@ use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
 use crate::error::SessionError;
-use crate::picture::{Frame, PictureChange, Rates};
+use crate::picture::{Frame, PictureChange, Rates, ShownSurface};
 use crate::replay::{Recording, Tape};
 use crate::scene::SurfaceOptions;
 use crate::simulation::Simulation;
@@ -59,6 +59,26 @@ impl Session {
     #[must_use]
     pub fn whole_surfaces(&self) -> PictureChange {
         lock(&self.surfaces).whole()
+    }
+
+    /// The surfaces of all segments that are shown, where they stand by now; none while they are made, which may take long.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn shown_surfaces(&self) -> Result<Option<Vec<ShownSurface>>, SessionError> {
+        let shown = self.surfaces.try_lock().map(|surfaces| surfaces.shown());
+        let Ok(mut surfaces) = shown else {
+            return Ok(None);
+        };
+        if !surfaces.is_empty() {
+            surfaces = self.ask(move |simulation| {
+                for surface in &mut surfaces {
+                    surface.pose = simulation.current_pose(surface.id).unwrap_or_default();
+                }
+                surfaces
+            })?;
+        }
+        Ok(Some(surfaces))
     }
 
     /// What is now, with all samples and notices since the frame before. A session that has
