@@ -114,7 +114,7 @@ export class Picture {
     this.filter = options.format === undefined ? chooseFilter(this.renderer) : { format: options.format, errors: {} };
     this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
-    this.engine = new EngineDrawing(this.renderer, this.marcher, this.surfaces, options.askEngine ?? (() => undefined));
+    this.engine = new EngineDrawing(this.renderer, this.marcher, options.askEngine ?? (() => undefined));
     this.byEngine = options.engineDraws ?? false;
     this.quality = firstQuality(support.software);
     const means = { software: support.software, halfFloat: support.halfFloatTarget };
