@@ -38,6 +38,8 @@ export class EnginePictures {
   count = 0;
   /** The last picture that was asked for has come as fine as it gets. */
   finished = false;
+  /** Number of the request whose picture came last; 0 before the first. */
+  answered = 0;
   private look: PictureLook | null = null;
   private toldLook: PictureLook | null = null;
   private asked: readonly Asked[] = [];
@@ -59,6 +61,11 @@ export class EnginePictures {
     this.toldLook = null;
     this.asked = [];
     this.arrived = null;
+  }
+
+  /** Number of the last request; 0 before the first. */
+  get requested(): number {
+    return this.number;
   }
 
   recount(): void {
@@ -110,6 +117,7 @@ export class EnginePictures {
       return null;
     }
     this.count += 1;
+    this.answered = picture.number;
     this.finished = picture.finished && picture.number === this.number;
     return { picture, view: asked.view };
   }

@@ -524,6 +524,12 @@ export class Picture {
     return this.byEngine ? this.engine.pictures.count : this.refiner.drawnPieces;
   }
 
+  /** Numbers of the engine's pictures: of the last request, and of the one on display; null where the browser draws. */
+  get engineNumbers(): { readonly requested: number; readonly shown: number } | null {
+    const { answered: shown, requested } = this.engine.pictures;
+    return this.byEngine ? { requested, shown } : null;
+  }
+
   /** Draws the view once, away from the screen; null before there is one. */
   drawTimed(wish: TimedWish): TimedPicture | null {
     if (!this.scan.ready || this.view === null) {
