@@ -1,15 +1,18 @@
 //! `_core.Renderer` and `_core.Picture`: pictures of a scan, drawn here.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DVec3, Vec3};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3, ToPyArray};
+use palpate_engine::picture::ShownDisplacements;
+use palpate_engine::session::Drawn;
 use palpate_render::appearance::{
     Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment,
 };
 use palpate_render::camera::Camera;
+use palpate_render::displaced::Displacements;
 use palpate_render::draw::Request;
 use palpate_render::picture::{Ground, Picture};
 use palpate_render::renderer::Renderer;
@@ -33,6 +36,8 @@ const MOST_PIXELS: u32 = 16_384;
 #[pyclass(name = "Renderer", module = "palpate._core", frozen)]
 pub struct PyRenderer {
     renderer: Mutex<Renderer>,
+    /// Of the session, as they are drawn.
+    displacements: Mutex<ShownDisplacements>,
     /// Pictures of lower numbers are given up.
     newest: AtomicU64,
 }
@@ -119,19 +124,18 @@ impl PyRenderer {
     /// Draws what a session has, as it is now.
     #[staticmethod]
     fn of_session(py: Python<'_>, session: &PySession) -> Result<Self, CoreError> {
-        let session = &session.session;
-        let voxels = py.detach(|| session.voxels())?;
-        Self::of(parallel(py, || Renderer::new(voxels)))
+        let voxels = py.detach(|| session.session.voxels())?;
+        let renderer = Self::of(parallel(py, || Renderer::new(voxels)))?;
+        renderer.follow(py, session)?;
+        Ok(renderer)
     }
 
     /// Takes what a session has now; true where something had changed.
     fn follow(&self, py: Python<'_>, session: &PySession) -> Result<bool, CoreError> {
         let session = &session.session;
         let known = py.detach(|| self.lock().edit_number());
-        let Some(voxels) = py.detach(|| session.voxels_since(known))? else {
-            return Ok(false);
-        };
-        Ok(parallel(py, || self.lock().follow(voxels)))
+        let drawn = py.detach(|| session.drawn_since(known))?;
+        Ok(parallel(py, || self.take(drawn)))
     }
 
     /// Shows the scan in another way.
@@ -191,8 +195,35 @@ impl PyRenderer {
     fn of(renderer: Result<Renderer, SceneError>) -> Result<Self, CoreError> {
         Ok(Self {
             renderer: Mutex::new(renderer?),
+            displacements: Mutex::default(),
             newest: AtomicU64::new(0),
         })
+    }
+
+    /// Draws this from now on; whether anything has changed.
+    fn take(&self, drawn: Drawn) -> bool {
+        let mut renderer = self.lock();
+        let has_edit = drawn.voxels.is_some_and(|voxels| renderer.follow(voxels));
+        let mut known = self
+            .displacements
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let is_same = match (&*known, &drawn.displacements) {
+            (Some(known), Some(now)) => Arc::ptr_eq(known, now),
+            (known, now) => known.is_none() && now.is_none(),
+        };
+        if !is_same {
+            let now = drawn.displacements.as_deref();
+            let given = now.map(|now| Displacements {
+                origin: now.origin,
+                step: now.step,
+                size: now.size,
+                moved: &now.moved,
+            });
+            renderer.displace(given.as_ref());
+            *known = drawn.displacements;
+        }
+        has_edit || !is_same
     }
 
     fn lock(&self) -> MutexGuard<'_, Renderer> {

@@ -11,6 +11,7 @@ use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
 use crate::bricks::BrickRanges;
+use crate::displaced::{Displaced, Displacements};
 use crate::field::Field;
 
 /// A scan that cannot be drawn.
@@ -35,6 +36,7 @@ pub struct Scene {
     voxels: Voxels,
     pub(crate) field: Field,
     pub(crate) ranges: BrickRanges,
+    pub(crate) displaced: Option<Displaced>,
 }
 
 impl Scene {
@@ -59,6 +61,7 @@ impl Scene {
             voxels,
             field,
             ranges,
+            displaced: None,
         })
     }
 
@@ -85,6 +88,15 @@ impl Scene {
             .iter()
             .fold(segments, |all, voxels| all.union(voxels))
             .intersect(&whole)
+    }
+
+    /// Has tissue stand beside its voxels; none: in them.
+    ///
+    /// # Panics
+    /// Where there is no node, or not one displacement for each.
+    pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
+        let spacing = self.field.spacing();
+        self.displaced = displacements.map(|given| Displaced::new(given, spacing));
     }
 
     /// Where the voxels stand.

@@ -8,7 +8,7 @@ import type { Plane } from "../view/clip";
 import type { Appearance } from "./appearance";
 import { sample } from "./transfer_function";
 
-/** Scans of few values may have neither edges nor a window: the engine takes no 0 for them (transfer.py). */
+/** The engine divides by spans of values, which are none where all tissue of a scan has one value [value]. */
 const leastSpan = 1e-6;
 
 /** What of segments decides how voxels look. */

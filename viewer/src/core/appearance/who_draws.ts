@@ -24,12 +24,11 @@ export interface ShownThings {
   readonly connected: boolean;
   readonly stereo: Stereo["mode"];
   readonly second: boolean;
-  readonly deforming: boolean;
   readonly segments: readonly Segment[];
 }
 
 /** Why the engine cannot draw what is shown; null where it can. */
-export function engineObstacle({ connected, stereo, second, deforming, segments }: ShownThings): string | null {
+export function engineObstacle({ connected, stereo, second, segments }: ShownThings): string | null {
   const surfaces = segments.filter(drawnAsSurface);
   if (!connected) {
     return "the engine is not connected";
@@ -39,9 +38,6 @@ export function engineObstacle({ connected, stereo, second, deforming, segments 
   }
   if (second) {
     return "a second scan is shown";
-  }
-  if (deforming) {
-    return "soft tissue is deformed";
   }
   if (segments.some(({ visible, pose, grid }) => visible && (pose !== null || grid !== null))) {
     return "a segment was moved";

@@ -51,6 +51,11 @@ export class EngineDrawing {
     this.tell();
   }
 
+  /** How pictures look now; null before there is anything to see. */
+  get look(): PictureLook | null {
+    return this.appearance && engineLook(this.appearance, this.segments, this.clip);
+  }
+
   take(picture: DrawnPicture): void {
     this.pictures.take(picture);
   }
@@ -99,8 +104,9 @@ export class EngineDrawing {
   }
 
   private tell(): void {
-    if (this.appearance !== null) {
-      this.pictures.setLook(engineLook(this.appearance, this.segments, this.clip));
+    const { look } = this;
+    if (look !== null) {
+      this.pictures.setLook(look);
     }
   }
 }

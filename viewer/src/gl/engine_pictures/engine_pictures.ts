@@ -8,11 +8,10 @@
 import type { Camera, Extent } from "../../core/geometry/camera";
 import type { DrawnPicture, DrawPicture, PictureLook } from "../../core/protocol";
 import type { RestingPicture } from "../../core/view/quality";
+import { fewestSamples } from "../../core/view/saved_pictures";
 
 /** Rest before finer pictures are asked for [ms]. */
 const settleMilliseconds = 90;
-/** The engine averages so many pictures at least: each takes it a moment only. */
-const fewestSamples = 4;
 
 /** From where a picture is seen. */
 export interface EngineView {
@@ -144,6 +143,6 @@ export class EnginePictures {
   }
 }
 
-function seenFrom({ target, distance, right, up, back, field, parallel, aside = 0 }: Camera): DrawPicture["camera"] {
+export function seenFrom({ target, distance, right, up, back, field, parallel, aside = 0 }: Camera): DrawPicture["camera"] {
   return { target, distance, right, up, back, field, parallel, aside };
 }

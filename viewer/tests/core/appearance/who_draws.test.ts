@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { engineObstacle, saneDrawer, wantsEngine, type ShownThings } from "../../../src/core/appearance/who_draws";
 import { segment } from "../../support/volumes";
 
-const alone: ShownThings = { connected: true, stereo: "off", second: false, deforming: false, segments: [] };
+const alone: ShownThings = { connected: true, stereo: "off", second: false, segments: [] };
 
 test("automatically the engine draws where the browser draws by the CPU", () => {
   expect(wantsEngine("auto", true)).toBe(true);
@@ -23,7 +23,6 @@ test.each<[string, Partial<ShownThings>]>([
   ["the engine is not connected", { connected: false }],
   ["stereo is shown", { stereo: "anaglyph" }],
   ["a second scan is shown", { second: true }],
-  ["soft tissue is deformed", { deforming: true }],
   ["a segment was moved", { segments: [{ ...segment, visible: true, pose: Array<number>(16).fill(0) }] }],
   [
     "a surface is translucent or a wireframe",
