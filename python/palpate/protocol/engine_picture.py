@@ -26,6 +26,7 @@ __all__ = [
     "DrawnPicture",
     "LookLight",
     "LookSegment",
+    "LookSurface",
     "PictureFailed",
     "PictureLook",
     "PicturePart",
@@ -79,6 +80,17 @@ class LookSegment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     specular: Factor
 
 
+class LookSurface(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A segment whose surface of triangles is drawn, where it stands by then."""
+
+    id: SegmentId
+    colour: LinearColour
+    opacity: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)]
+    wireframe: bool
+    ambient: Factor
+    specular: Factor
+
+
 class PictureLook(Message, frozen=True, tag="picture_look"):
     """Sets how the engine's pictures for this page look from now on: all but the camera.
 
@@ -100,6 +112,7 @@ class PictureLook(Message, frozen=True, tag="picture_look"):
     slab: Length | None
     lighting: LookLight
     segments: Annotated[list[LookSegment], msgspec.Meta(max_length=255)]
+    surfaces: Annotated[list[LookSurface], msgspec.Meta(max_length=255)]
     clip: Annotated[list[tuple[Vector, Coordinate]], msgspec.Meta(max_length=16)]
 
 

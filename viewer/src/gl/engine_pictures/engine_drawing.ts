@@ -9,7 +9,6 @@ import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../.
 import type { Plane } from "../../core/view/clip";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
-import type { Surfaces } from "../surfaces/surfaces";
 import { EnginePass } from "./engine_pass";
 import { EnginePictures, type ArrivedPicture, type EngineView } from "./engine_pictures";
 
@@ -28,7 +27,6 @@ export class EngineDrawing {
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     marcher: RayMarcher,
-    private readonly surfaces: Surfaces,
     send: (message: DrawPicture | PictureLook) => void,
   ) {
     this.pass = new EnginePass(marcher);
@@ -73,7 +71,7 @@ export class EngineDrawing {
    * size the last picture stands in until one of that size has come.
    *
    * @param changed the view or what is seen has changed since the last call.
-   * @param aim turns surfaces and markers to a view.
+   * @param aim turns markers to a view.
    */
   advance({ changed, view, target, aim }: {
     readonly changed: boolean;
@@ -107,15 +105,8 @@ export class EngineDrawing {
     target.useLevel(divisor);
     target.useRows(0, target.height);
     aim(last.view);
-    const triangles = this.surfaces.draw(this.renderer, target, {
-      divisor,
-      stepsPerVoxel,
-      shift: [0, 0, 0],
-      depth: 0,
-      detail: "all",
-    });
     this.pass.draw(this.renderer, target, last.size);
-    this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: triangles.drawn };
+    this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
   }
 
   private tell(): void {

@@ -1,5 +1,5 @@
 /**
- * Puts a picture of the engine, with its depth, into a cached picture, among the surfaces that the browser draws.
+ * Puts a picture of the engine, with its depth, into a cached picture.
  */
 import * as THREE from "three";
 import { FullscreenPass } from "../base/fullscreen_pass";
@@ -8,14 +8,11 @@ import type { RayMarcher } from "../march/ray_marcher";
 import { shaders } from "../shaders/shaders";
 import type { PictureTexels } from "./picture_texels";
 
-const noSurfaces = { LAYERS: "0" };
-const withSurfaces = { SURFACES: "", LAYERS: "0" };
-
 export class EnginePass {
   private readonly uniforms;
   private readonly pass: FullscreenPass;
 
-  constructor(private readonly marcher: RayMarcher) {
+  constructor(marcher: RayMarcher) {
     this.uniforms = {
       engineColour: { value: null as THREE.Texture | null },
       engineDepth: { value: null as THREE.DataTexture | null },
@@ -27,7 +24,7 @@ export class EnginePass {
       ...marcher.placeUniforms,
     };
     this.pass = new FullscreenPass(shaders.engine, this.uniforms);
-    this.pass.material.defines = noSurfaces;
+    this.pass.material.defines = { LAYERS: "0" };
   }
 
   async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
@@ -58,11 +55,6 @@ export class EnginePass {
     u.used.value.set(target.width, target.height);
     // the height of a view is the same in all sizes
     u.fit.value.set((target.target.width * height) / (target.target.height * width), 1);
-    const defines = this.marcher.hasSurfaces ? withSurfaces : noSurfaces;
-    if (this.pass.material.defines !== defines) {
-      this.pass.material.defines = defines;
-      this.pass.material.needsUpdate = true;
-    }
     this.pass.draw(renderer, target.target);
   }
 

@@ -1,5 +1,4 @@
-// A picture of the engine into the cached picture (premultiplied linear colour) and its depth. Opaque surfaces of
-// triangles, which the browser draws, stand before or behind what is seen of the scan by its depth.
+// A picture of the engine into the cached picture (premultiplied linear colour) and its depth.
 
 layout(location = 0) out vec4 picture;
 
@@ -42,13 +41,5 @@ void main() {
   bool isInside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)));
   picture = isInside ? colourAt(ivec2(place * engineSize)) : vec4(0.0);
   float depth = isInside ? viewDepthAt(place) : farAway;
-  Layers layers = layersOnRay(1.0);
-#ifdef SURFACES
-  if (layers.end < farAway) {
-    bool before = layers.end <= depth;
-    picture = before ? layers.colour : vec4(picture.rgb + (1.0 - picture.a) * layers.colour.rgb, 1.0);
-    depth = min(depth, layers.end + surfaceLead);
-  }
-#endif
   gl_FragDepth = depth >= farAway ? 1.0 : windowDepth(depth);
 }
