@@ -143,6 +143,7 @@ export class EnginePictures {
   }
 }
 
-export function seenFrom({ target, distance, right, up, back, field, parallel, aside = 0 }: Camera): DrawPicture["camera"] {
+export function seenFrom(camera: Camera): DrawPicture["camera"] {
+  const { target, distance, right, up, back, field, parallel, aside = 0 } = camera;
   return { target, distance, right, up, back, field, parallel, aside };
 }
