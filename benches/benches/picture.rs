@@ -42,6 +42,7 @@ fn appearance() -> Appearance {
         slab: None,
         lighting: Lighting::default(),
         segments: Vec::new(),
+        surfaces: Vec::new(),
         clip: Vec::new(),
     }
 }

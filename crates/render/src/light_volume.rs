@@ -233,6 +233,7 @@ mod tests {
             slab: None,
             lighting: Lighting::default(),
             segments: vec![],
+            surfaces: vec![],
             clip: vec![],
         };
         let prepared = Prepared::new(&scene, appearance);

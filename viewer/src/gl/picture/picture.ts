@@ -93,8 +93,6 @@ export class Picture {
   /** One is drawn by the engine: the screen goes on. */
   private saving = false;
   private readonly askSaved: AskSaved;
-  /** Counts what changes surfaces in the picture. */
-  private surfaceChanges = 0;
   private readonly closing = new AbortController();
   private labels: LabelTexture | null = null;
   private second: ShownSecond | null = null;
@@ -123,7 +121,7 @@ export class Picture {
     this.filter = options.format === undefined ? chooseFilter(this.renderer) : { format: options.format, errors: {} };
     this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
-    this.engine = new EngineDrawing(this.renderer, this.marcher, this.surfaces, options.askEngine ?? (() => undefined));
+    this.engine = new EngineDrawing(this.renderer, this.marcher, options.askEngine ?? (() => undefined));
     this.byEngine = options.engineDraws ?? false;
     this.askSaved = options.askSaved ?? noneSaved;
     this.quality = firstQuality(support.software);
@@ -300,7 +298,6 @@ export class Picture {
     this.surfaces.setSegments(segments, modes);
     this.slices.setSegments(segments);
     this.engine.setSegments({ segments, modes });
-    this.surfaceChanges += 1;
     this.refiner.restart();
   }
 
@@ -333,7 +330,6 @@ export class Picture {
   /** Exchanges patches of surfaces. */
   changeSurfaces(changes: readonly SurfaceChange[]): void {
     this.surfaces.apply(this.renderer, changes);
-    this.surfaceChanges += 1;
     this.refiner.restart();
   }
 
@@ -371,7 +367,6 @@ export class Picture {
     this.marcher.setClip(planes);
     this.surfaces.setClip(planes);
     this.engine.setClip(planes);
-    this.surfaceChanges += 1;
     this.refiner.restart();
   }
 
@@ -640,8 +635,8 @@ export class Picture {
     const { width, height } = this.refiner.pictureOf(0).target;
     const snapshot = new EngineSnapshot(
       this.renderer,
-      { marcher: this.marcher, surfaces: this.surfaces, compositor: this.compositor },
-      { ask: this.askSaved, changes: () => this.surfaceChanges, halfFloat: this.support.halfFloatTarget },
+      { marcher: this.marcher, compositor: this.compositor, halfFloat: this.support.halfFloatTarget },
+      this.askSaved,
       (camera) => {
         this.aim(camera, extent, size.width / size.height);
       },
