@@ -192,7 +192,7 @@ def test_a_picture_that_is_saved_looks_as_the_one_on_the_screen(page: Browser) -
     shown = page.picture(OUTPUT / "drawn-by-engine.png")
     saved = saved_picture(page, magnification=2)
     assert np.abs(saved - shown).mean() <= 4 / 255
-    # a surface, which the browser draws among what the engine draws
+    # and with a surface of triangles
     page.do("click", testid="shown-as-surface")
     page.wait("window.palpate.triangles[1] > 0")
     page.all_done()
