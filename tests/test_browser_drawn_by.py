@@ -8,13 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import SimpleITK
 from browser import ROOT, Browser, browser, palpate
+from numpy.typing import NDArray
 
 pytestmark = pytest.mark.browser
 
 OUTPUT = ROOT / "tests" / "output"
 SIZE = {"width": 1000, "height": 460}
 """Small: one of both is drawn in software."""
+SAVED = "performance.getEntriesByType('resource').filter((e) => e.name.includes('/picture')).length"
+PROGRESS = "document.querySelector('[data-testid=image-progress]')?.textContent ?? null"
 
 
 @pytest.fixture(scope="module")
@@ -114,6 +118,87 @@ def cut(page: Browser, *, right: int) -> None:
 def hold(page: Browser, kind: str) -> None:
     """Holds the key of the tool, or lets it go."""
     page.read(f"void window.dispatchEvent(new KeyboardEvent('{kind}', {{key: 'x'}}))")
+
+
+@pytest.mark.data
+def test_a_picture_that_is_saved_looks_as_the_one_on_the_screen(page: Browser) -> None:
+    shown = page.picture(OUTPUT / "drawn-by-engine.png")
+    saved = saved_picture(page, magnification=2)
+    assert np.abs(saved - shown).mean() <= 4 / 255
+    # a surface, which the browser draws among what the engine draws
+    page.do("click", testid="shown-as-surface")
+    page.wait("window.palpate.triangles[1] > 0")
+    page.all_done()
+    with_surface = page.picture(OUTPUT / "drawn-by-engine-surface.png")
+    assert np.abs(with_surface - shown).mean() > 1 / 255
+    saved = saved_picture(page, magnification=2)
+    assert np.abs(saved - with_surface).mean() <= 4 / 255
+    page.do("click", testid="shown-as-volume")
+    page.all_done()
+
+
+@pytest.mark.data
+def test_marks_are_in_a_saved_picture_as_on_the_screen_unless_left_out(page: Browser) -> None:
+    page.do("press", key="m")
+    ends = ((0.42, 0.33), (0.56, 0.42))
+    for x, y in ends:
+        page.do("clickAt", testid="canvas", x=x, y=y)
+    page.wait("window.palpate.marks.length === 1")
+    page.do("press", key="Escape")
+    shown = page.picture(OUTPUT / "drawn-by-engine-marks.png")
+    saved = saved_picture(page, magnification=2)
+    height, width = shown.shape[:2]
+    for x, y in ends:
+        row, column = round(y * height), round(x * width)
+        around = (slice(row - 10, row + 10), slice(column - 10, column + 10))
+        assert pink_share(shown[around]) > 0.05
+        assert np.abs(saved[around] - shown[around]).mean() <= 8 / 255
+    # a screenshot of the picture is without what is written over it
+    assert pink_share(saved) > 1.5 * pink_share(shown)
+    page.do("click", testid="save-image")
+    page.do("click", testid="image-marks")
+    page.do("press", key="Escape")
+    assert pink_share(saved_picture(page, magnification=2)) == 0
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.marks.length === 0")
+
+
+def pink_share(picture: NDArray[np.float64]) -> float:
+    """Returns the share of pixels with the colour of marks."""
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    return float(((red > 0.7) & (green < 0.75 * red) & (blue > 1.15 * green)).mean())
+
+
+def saved_picture(page: Browser, *, magnification: int) -> NDArray[np.float64]:
+    """Returns what the engine draws for a file: at the size of the view."""
+    before = page.read(SAVED)
+    page.do("click", testid="save-image")
+    page.do("choose", testid="image-size", value=str(magnification))
+    path = OUTPUT / "saved-by-engine.png"
+    page.do("download", testid="image-save", path=str(path))
+    assert page.read(SAVED) == before + 1
+    pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))[..., :3] / 255.0
+    height, width = (edge // magnification for edge in pixels.shape[:2])
+    blocks = pixels.reshape(height, magnification, width, magnification, 3)
+    mean: NDArray[np.float64] = blocks.mean(axis=(1, 3))
+    return mean
+
+
+@pytest.mark.data
+def test_the_view_turns_while_a_picture_is_saved_and_cancel_leaves_nothing(page: Browser) -> None:
+    before = page.read("window.palpate.camera.back[0]")
+    page.do("click", testid="save-image")
+    page.do("choose", testid="image-size", value="8")
+    page.do("click", testid="image-save")
+    page.do("press", key="3")
+    page.wait("window.palpate.camera.back[0] > 0.99 && window.palpate.shown.finished")
+    assert page.read(PROGRESS) is not None
+    page.do("click", testid="image-cancel")
+    page.wait(f"{PROGRESS} === null")
+    page.do("press", key="r")
+    page.wait(f"window.palpate.camera.back[0] === {before}")
+    page.finish()
+    assert page.complaints == []
 
 
 @pytest.mark.data

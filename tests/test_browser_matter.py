@@ -298,3 +298,37 @@ def test_matter_that_yields_keeps_its_dent_until_it_is_undone(page: Browser) -> 
     undone = page.picture(OUTPUT / "matter_undented.png")
     assert np.sum(np.abs(undone - still).max(axis=-1) > 0.05) < 30
     assert page.complaints == []
+
+
+def test_the_engine_draws_a_pressed_liver_as_the_browser_does(page: Browser) -> None:
+    tell(page, NOTHING)
+    start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
+    page.do("choose", testid="material-1", value="liver")
+    page.wait(f"{MATTER}.model === 'lattice'")
+    before = [start[0], start[1] - 10.0, start[2]]
+    page.read(f"window.palpate.place({before})")
+    page.all_done()
+    page.read(f"window.palpate.hand({[start[0], start[1] + 4.0, start[2]]})")
+    page.wait(f"Math.hypot(...{MATTER}.force) > 0.005 && window.palpate.displaced !== null")
+    pressed = page.read(f"{MATTER}.answers")
+    # until it rests: some 20 answers
+    page.wait(f"{MATTER}.answers > {pressed + 40}")
+    page.do("clickText", text="Quality")
+    drawn = {}
+    for drawer in ("browser", "engine"):
+        page.do("choose", testid="drawer", value=drawer)
+        page.frames()
+        told = {"choice": drawer, "engine": drawer == "engine", "obstacle": None}
+        assert page.read("window.palpate.drawer") == told
+        drawn[drawer] = page.picture(OUTPUT / f"matter_by_{drawer}.png")
+    assert page.read("window.palpate.displaced") is not None
+    liver = drawn["browser"].max(axis=-1) > 0.25
+    assert liver.mean() > 0.1
+    off = np.abs(drawn["engine"] - drawn["browser"])[liver]
+    assert off.mean() <= 4 / 255
+    page.do("choose", testid="drawer", value="browser")
+    page.do("clickText", text="Quality")
+    page.read(f"window.palpate.place({before})")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null", seconds=240)
+    assert page.complaints == []

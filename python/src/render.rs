@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use glam::{DAffine3, DVec3, Vec3};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3, ToPyArray};
-use palpate_engine::error::SessionError;
-use palpate_engine::picture::ShownSurface as ShownSurfaceOfSession;
-use palpate_engine::session::Session;
+use palpate_engine::picture::{ShownDisplacements, ShownSurface as ShownSurfaceOfSession};
+use palpate_engine::session::Drawn;
 use palpate_render::appearance::{
     Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment, ShownSurface,
 };
 use palpate_render::camera::Camera;
+use palpate_render::displaced::Displacements;
 use palpate_render::draw::Request;
 use palpate_render::picture::{Ground, Picture};
 use palpate_render::renderer::Renderer;
@@ -39,6 +39,8 @@ const MOST_PIXELS: u32 = 16_384;
 #[pyclass(name = "Renderer", module = "palpate._core", frozen)]
 pub struct PyRenderer {
     renderer: Mutex<Renderer>,
+    /// Of the session, as they are drawn.
+    displacements: Mutex<ShownDisplacements>,
     /// Pictures of lower numbers are given up.
     newest: AtomicU64,
 }
@@ -155,24 +157,21 @@ impl PyRenderer {
     /// Draws what a session has, as it is now.
     #[staticmethod]
     fn of_session(py: Python<'_>, session: &PySession) -> Result<Self, CoreError> {
-        let session = &session.session;
-        let voxels = py.detach(|| session.voxels())?;
+        let voxels = py.detach(|| session.session.voxels())?;
         let renderer = Self::of(parallel(py, || Renderer::new(voxels)))?;
-        py.detach(|| renderer.lock_following(session).map(drop))?;
+        renderer.follow(py, session)?;
+        let surfaces = py.detach(|| session.session.shown_surfaces())?;
+        py.detach(|| renderer.show(surfaces));
         Ok(renderer)
     }
 
     /// Takes what a session has now; true where voxels had changed.
     fn follow(&self, py: Python<'_>, session: &PySession) -> Result<bool, CoreError> {
         let session = &session.session;
-        let known = py.detach(|| {
-            let renderer = self.lock_following(session)?;
-            Ok::<_, SessionError>(renderer.edit_number())
-        })?;
-        let Some(voxels) = py.detach(|| session.voxels_since(known))? else {
-            return Ok(false);
-        };
-        Ok(parallel(py, || self.lock().follow(voxels)))
+        let surfaces = py.detach(|| session.shown_surfaces_if_made())?;
+        let known = py.detach(|| self.lock().edit_number());
+        let drawn = py.detach(|| session.drawn_since(known))?;
+        Ok(parallel(py, || self.take(drawn, surfaces)))
     }
 
     /// Takes the surfaces of segments, by their numbers.
@@ -249,18 +248,43 @@ impl PyRenderer {
     fn of(renderer: Result<Renderer, SceneError>) -> Result<Self, CoreError> {
         Ok(Self {
             renderer: Mutex::new(renderer?),
+            displacements: Mutex::default(),
             newest: AtomicU64::new(0),
         })
     }
 
-    /// The renderer with the surfaces that a session shows, or while these are made with those before.
-    fn lock_following(&self, session: &Session) -> Result<MutexGuard<'_, Renderer>, SessionError> {
-        let surfaces = session.shown_surfaces()?;
+    fn show(&self, surfaces: Vec<ShownSurfaceOfSession>) {
+        self.lock().set_surfaces(surfaces_of(surfaces));
+    }
+
+    /// Draws this from now on; whether voxels have changed, or where they stand.
+    fn take(&self, drawn: Drawn, surfaces: Option<Vec<ShownSurfaceOfSession>>) -> bool {
         let mut renderer = self.lock();
+        // while they are made those before stay
         if let Some(surfaces) = surfaces {
-            renderer.set_surfaces(surfaces.into_iter().map(surface_of).collect());
+            renderer.set_surfaces(surfaces_of(surfaces));
         }
-        Ok(renderer)
+        let has_edit = drawn.voxels.is_some_and(|voxels| renderer.follow(voxels));
+        let mut known = self
+            .displacements
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let is_same = match (&*known, &drawn.displacements) {
+            (Some(known), Some(now)) => Arc::ptr_eq(known, now),
+            (known, now) => known.is_none() && now.is_none(),
+        };
+        if !is_same {
+            let now = drawn.displacements.as_deref();
+            let given = now.map(|now| Displacements {
+                origin: now.origin,
+                step: now.step,
+                size: now.size,
+                moved: &now.moved,
+            });
+            renderer.displace(given.as_ref());
+            *known = drawn.displacements;
+        }
+        has_edit || !is_same
     }
 
     fn lock(&self) -> MutexGuard<'_, Renderer> {
@@ -328,13 +352,16 @@ impl PyPicture {
     }
 }
 
-fn surface_of(shown: ShownSurfaceOfSession) -> SegmentSurface {
-    SegmentSurface {
-        id: shown.id.0,
-        origin: shown.origin,
-        pose: shown.pose,
-        patches: shown.patches.into_iter().map(shared).collect(),
-    }
+fn surfaces_of(shown: Vec<ShownSurfaceOfSession>) -> Vec<SegmentSurface> {
+    let shown = shown.into_iter();
+    shown
+        .map(|surface| SegmentSurface {
+            id: surface.id.0,
+            origin: surface.origin,
+            pose: surface.pose,
+            patches: surface.patches.into_iter().map(shared).collect(),
+        })
+        .collect()
 }
 
 fn shared(patch: Arc<Patch>) -> Arc<dyn Triangles> {

@@ -29,6 +29,7 @@ use crate::touch::Settings;
 mod assembly;
 mod changes;
 mod config;
+mod drawn;
 mod live;
 mod objects;
 mod offline;
@@ -36,6 +37,7 @@ mod segments;
 mod showing;
 
 pub use config::{Reference, SessionConfig, check_point};
+pub use drawn::Drawn;
 
 /// How often a large edit is built again because another came in between.
 const BUILDS: usize = 4;
@@ -233,17 +235,6 @@ impl Session {
     /// Where the session has ended.
     pub fn voxels(&self) -> Result<Voxels, SessionError> {
         self.ask(|simulation| simulation.voxels().clone())
-    }
-
-    /// The true voxels where they are those of another edit than this one; none where nothing has changed.
-    ///
-    /// # Errors
-    /// Where the session has ended.
-    pub fn voxels_since(&self, edit_number: u64) -> Result<Option<Voxels>, SessionError> {
-        self.ask(move |simulation| {
-            let voxels = simulation.voxels();
-            (voxels.edit_number() != edit_number).then(|| voxels.clone())
-        })
     }
 
     /// Has the simulation answer; waits for it.

@@ -106,12 +106,14 @@ impl EmptySpace {
         self.distances[(brick.x + self.counts.x * (brick.y + self.counts.y * brick.z)) as usize]
     }
 
-    /// Length that can be leapt over from a place along a ray [mm], 0 in a filled brick. `inverse`: mm for each
-    /// brick along each axis, without sign; `is_forward` where the ray runs toward higher numbers.
+    /// Length that can be leapt over from a place along a ray [mm], 0 in a filled brick and so many bricks beside it
+    /// (`margin`). `inverse`: mm for each brick along each axis, without sign; `is_forward` where the ray runs toward
+    /// higher numbers.
     #[inline(always)]
     pub fn ahead<L: Gather>(
         &self,
         grid: Vector<L>,
+        margin: L::Float,
         inverse: Vector<L>,
         is_forward: [L::Mask; 3],
     ) -> L::Float {
@@ -122,7 +124,7 @@ impl EmptySpace {
         let (z, bz) = brick_along::<L>(place.z, self.counts.z);
         let index = x + (y + z * Ints::splat(self.counts.y)) * Ints::splat(self.counts.x);
         // SAFETY: each coordinate was clamped to the bricks, of which there are three bytes more in memory
-        let reach = unsafe { L::bytes(&self.distances, index) }.to_float();
+        let reach = unsafe { L::bytes(&self.distances, index) }.to_float() - margin;
         let before = reach - Floats::splat(1.0);
         let x = (bx + reach - place.x).or_else(is_forward[0], place.x - bx + before);
         let y = (by + reach - place.y).or_else(is_forward[1], place.y - by + before);

@@ -302,6 +302,7 @@ fn shading_of<'a>(
     Shading {
         blend: appearance.blend,
         field: &scene.field,
+        displaced: scene.displaced.as_ref(),
         segments: &prepared.segments,
         transfer: &prepared.transfer,
         empty: &prepared.empty,

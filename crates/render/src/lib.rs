@@ -9,6 +9,7 @@ pub mod appearance;
 mod bricks;
 pub mod camera;
 pub mod checks;
+pub mod displaced;
 pub mod draw;
 mod field;
 mod labels;

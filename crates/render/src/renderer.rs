@@ -6,6 +6,7 @@ use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
 use crate::appearance::{Appearance, Lighting};
+use crate::displaced::Displacements;
 use crate::draw::{Request, draw_averaged};
 use crate::light_volume::LightVolume;
 use crate::picture::Picture;
@@ -83,6 +84,14 @@ impl Renderer {
     /// Takes the surfaces of segments as they are now.
     pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
         self.scene.set_surfaces(surfaces);
+    }
+
+    /// Has tissue stand beside its voxels; none: in them. Light is that of the voxels.
+    ///
+    /// # Panics
+    /// Where there is no node, or not one displacement for each.
+    pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
+        self.scene.displace(displacements);
     }
 
     /// Shows the scan in another way.

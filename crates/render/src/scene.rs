@@ -11,6 +11,7 @@ use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
 use crate::bricks::BrickRanges;
+use crate::displaced::{Displaced, Displacements};
 use crate::field::Field;
 use crate::surfaces::SegmentSurface;
 
@@ -37,6 +38,7 @@ pub struct Scene {
     pub(crate) field: Field,
     pub(crate) ranges: BrickRanges,
     pub(crate) surfaces: Vec<SegmentSurface>,
+    pub(crate) displaced: Option<Displaced>,
 }
 
 impl Scene {
@@ -62,6 +64,7 @@ impl Scene {
             field,
             ranges,
             surfaces: Vec::new(),
+            displaced: None,
         })
     }
 
@@ -93,6 +96,15 @@ impl Scene {
     /// Takes the surfaces of segments as they are now.
     pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
         self.surfaces = surfaces;
+    }
+
+    /// Has tissue stand beside its voxels; none: in them.
+    ///
+    /// # Panics
+    /// Where there is no node, or not one displacement for each.
+    pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
+        let spacing = self.field.spacing();
+        self.displaced = displacements.map(|given| Displaced::new(given, spacing));
     }
 
     /// Where the voxels stand.

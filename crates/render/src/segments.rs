@@ -237,10 +237,15 @@ impl Segments {
         self.numbers[code.max(0) as usize]
     }
 
-    /// Outward normal of a segment's surface at a place.
+    /// Outward normal of a segment's surface at a place; `smooth` where values tell of it.
     #[inline(always)]
-    pub fn normal_at<L: Gather>(&self, field: &Field, grid: Vector<L>, code: L::Int) -> Vector<L> {
-        let smooth = field.gradient_at(grid);
+    pub fn normal_at<L: Gather>(
+        &self,
+        field: &Field,
+        smooth: Vector<L>,
+        grid: Vector<L>,
+        code: L::Int,
+    ) -> Vector<L> {
         let stepped = self.stepped(field, grid, code);
         if stepped == 0 {
             return smooth;

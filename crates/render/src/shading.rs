@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::appearance::Blend;
 use crate::bricks::EmptySpace;
+use crate::displaced::Displaced;
 use crate::field::Field;
 use crate::lanes::{Floats, Gather, Masks, Vector, smoothstep};
 use crate::light_volume::LightLookup;
@@ -19,6 +20,8 @@ pub(crate) const FAR_AWAY: f32 = 1e9;
 pub(crate) struct Shading<'a> {
     pub blend: Blend,
     pub field: &'a Field,
+    /// Tissue beside its voxels.
+    pub displaced: Option<&'a Displaced>,
     pub segments: &'a Segments,
     pub transfer: &'a Transfer,
     pub empty: &'a EmptySpace,
@@ -48,8 +51,57 @@ impl Shading<'_> {
     /// Value and segment of a place; nothing that was cut away belongs to a segment.
     #[inline(always)]
     pub fn at<L: Gather>(&self, grid: Vector<L>) -> (L::Float, L::Int) {
-        let value = self.field.value_at(grid);
-        (value, self.segments.at(self.field, grid, value))
+        let rest = self.at_rest(grid);
+        let value = self.field.value_at(rest);
+        (value, self.segments.at(self.field, rest, value))
+    }
+
+    /// Stored value of what is seen at a place.
+    #[inline(always)]
+    pub fn value_at<L: Gather>(&self, grid: Vector<L>) -> L::Float {
+        self.field.value_at(self.at_rest(grid))
+    }
+
+    /// Gradient of what is seen, in the scan's unit [per mm].
+    #[inline(always)]
+    pub fn gradient_at<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
+        match self.displaced {
+            Some(displaced) if displaced.hold(grid, 1.0).any() => self
+                .differences_one_by_one(grid)
+                .times(Vector::splat(self.field.gradient_scale())),
+            _ => self.field.gradient_at(grid),
+        }
+    }
+
+    /// Outward normal of a segment's surface at a place.
+    #[inline(always)]
+    pub fn normal_at<L: Gather>(&self, grid: Vector<L>, code: L::Int) -> Vector<L> {
+        let smooth = self.gradient_at(grid);
+        self.segments
+            .normal_at(self.field, smooth, self.at_rest(grid), code)
+    }
+
+    /// Where the tissue that stands at a place is at rest, in the voxels that show it.
+    #[inline(always)]
+    fn at_rest<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
+        match self.displaced {
+            None => grid,
+            Some(displaced) => displaced.at_rest(grid),
+        }
+    }
+
+    #[inline(always)]
+    fn differences_one_by_one<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
+        let (x, y, z) = (
+            Vector::splat(Vec3::X),
+            Vector::splat(Vec3::Y),
+            Vector::splat(Vec3::Z),
+        );
+        Vector::new(
+            self.value_at(grid + x) - self.value_at(grid - x),
+            self.value_at(grid + y) - self.value_at(grid - y),
+            self.value_at(grid + z) - self.value_at(grid - z),
+        )
     }
 
     /// Fraction of the window at a stored value.

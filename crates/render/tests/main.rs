@@ -8,6 +8,7 @@
 mod checks;
 mod common;
 mod cuts;
+mod displaced;
 mod edits;
 mod grids;
 mod light;

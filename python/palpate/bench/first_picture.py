@@ -8,20 +8,18 @@ from statistics import median
 
 from palpate.bench.page import Page, opened, served
 
-__all__ = ["RUNS", "first_picture", "used_until_picture"]
-
-RUNS = 3
-"""Number of runs, of which the median counts."""
+__all__ = ["first_picture", "used_until_picture"]
 
 
-def first_picture(scan: Path, *, width: int, height: int) -> dict[str, float]:
+def first_picture(scan: Path, *, runs: int, width: int, height: int) -> dict[str, float]:
     """Returns the time from opening a page to its picture, and the processor time until it [s].
 
-    The scan is freshly read: pages of a session with edits have more to draw.
+    Medians of a number of runs. The scan is freshly read: pages of a session with edits have more
+    to draw.
     """
     found: dict[str, list[float]] = defaultdict(list)
     with served(scan) as url:
-        for _ in range(RUNS):
+        for _ in range(runs):
             with opened(None, width=width, height=height) as page:
                 for share, taken in used_until_picture(page, url).items():
                     found[share].append(taken)

@@ -23,6 +23,7 @@ from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
 __all__ = [
+    "AMOS",
     "CTHEAD",
     "CTHEAD_BONE",
     "EMBEDDED_IN",

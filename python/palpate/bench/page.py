@@ -18,10 +18,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from palpate.base.errors import OptionError
 from palpate.bench.processor_time import spent
+
+if TYPE_CHECKING:
+    from websockets.sync.client import ClientConnection
 
 __all__ = ["Page", "chromium", "opened", "served"]
 
@@ -59,11 +62,9 @@ def chromium() -> str:
 class Page:
     """One page of a running browser."""
 
-    def __init__(self, address: str, browser: int) -> None:
-        """Connects to its debugging address; ``browser`` is the number of its process."""
-        from websockets.sync.client import connect
-
-        self._socket = connect(address, max_size=None, compression=None)
+    def __init__(self, socket: ClientConnection, browser: int) -> None:
+        """Speaks over a connection to its debugging address, with a browser's process number."""
+        self._socket = socket
         self._number = 0
         self._browser = browser
 
@@ -122,6 +123,22 @@ class Page:
         for kind in ("keyDown", "keyUp"):
             self._ask("Input.dispatchKeyEvent", type=kind, key=key, code=key)
 
+    def mouse(self, kind: str, place: tuple[float, float]) -> None:
+        """Presses, moves or releases the left button of the mouse at a place [CSS pixels].
+
+        ``kind`` is "mousePressed", "mouseMoved" or "mouseReleased".
+        """
+        x, y = place
+        self._ask(
+            "Input.dispatchMouseEvent",
+            type=kind,
+            x=x,
+            y=y,
+            button="left",
+            buttons=0 if kind == "mouseReleased" else 1,
+            clickCount=0 if kind == "mouseMoved" else 1,
+        )
+
     def heap(self) -> float:
         """Returns the memory of the page's scripts after garbage collection [bytes]."""
         self._ask("HeapProfiler.collectGarbage")
@@ -130,10 +147,6 @@ class Page:
     def spent(self) -> dict[str, float]:
         """Returns the processor time of the browser until now [s]."""
         return spent(self._browser)
-
-    def close(self) -> None:
-        """Closes the connection."""
-        self._socket.close()
 
     def _ask(self, method: str, **parameters: object) -> dict[str, Any]:
         # what a method of the browser returns is the browser's to say
@@ -169,24 +182,25 @@ def opened(
         OptionError: There is no browser.
         RuntimeError: It does not start.
     """
+    from websockets.sync.client import connect
+
     program = chromium()
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [program, *FLAGS, f"--user-data-dir={profile}", f"--window-size={width},{height}"]
         with _running([*command, "about:blank"], "stderr") as (process, output):
-            address = _found_in(output, r"ws://([\d.:]+)/\S+", "the browser")
-            listing = f"http://{address.group(1)}/json/list"
+            debugging = _found_in(output, r"ws://([\d.:]+)/\S+", "the browser")
+            listing = f"http://{debugging.group(1)}/json/list"
             with urllib.request.urlopen(listing, timeout=PATIENCE) as answer:
                 pages = json.load(answer)
             shown = next(one for one in pages if one["type"] == "page")
-            page = Page(shown["webSocketDebuggerUrl"], process.pid)
-            try:
+            address = shown["webSocketDebuggerUrl"]
+            with connect(address, max_size=None, compression=None) as socket:
+                page = Page(socket, process.pid)
                 if drawer is not None:
                     page.before(CHOSEN % drawer)
                 if url is not None:
                     page.go(url)
                 yield page
-            finally:
-                page.close()
 
 
 @contextmanager

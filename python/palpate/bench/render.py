@@ -1,13 +1,13 @@
 """``palpate bench render``: times of pictures, data sent for an edit, and vtk.js for comparison.
 
-The first picture is that of a chest of 512×512×133, or of the given scan, freshly read, timed from
-opening the page's address. For everything else a page in a headless Chromium shows a scan, by
-default CThead. What a person sees of a view that turns and rests, and how long the page's controls
-wait meanwhile, is reported first (``palpate.bench.seen``). Three times are reported for each mode
-and size: between pictures while the view rotates, at the resolution that the page chooses then;
-from the last rotation until the picture has the full quality that the page chooses; and of one
-whole picture at full resolution with one step per voxel, drawn off screen. GL calls and bytes of
-edits are counted in a separate page, since counting costs time.
+What a person sees is reported first, whoever draws (``palpate.bench.render_seen``). Everything else
+is about what the browser draws itself, in a page in a headless Chromium that shows a scan, by
+default CThead. The first picture is that of a chest of 512×512×133, or of the given scan, freshly
+read, timed from opening the page's address. Three times are reported for each mode and size:
+between pictures while the view rotates, at the resolution that the page chooses then; from the last
+rotation until the picture has the full quality that the page chooses; and of one whole picture at
+full resolution with one step per voxel, drawn off screen. GL calls and bytes of edits are counted
+in a separate page, since counting costs time.
 
 vtk.js draws the same values in the same page, with the same camera, size, transfer function and
 step, and the segment as tissue. The quality of a picture is its mean difference from one of the
@@ -19,10 +19,10 @@ there is no comparison.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -37,22 +37,21 @@ from palpate.bench.goals.render import (
     PEER_MODES,
     RENDER_ROWS,
     RESTING,
-    SEEN_CASE,
     SIZES,
     peer_case,
     picture_case,
 )
+from palpate.bench.goals.seen import LATE_CASE, LATE_MORE
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
+from palpate.bench.render_seen import SeenEffort, measure_seen
 from palpate.bench.report import Row, rows_in
-from palpate.bench.seen import seen
+from palpate.bench.seen import WINDOW, Looking
 
-__all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
+__all__ = ["QUICK", "SURFACES", "Drawer", "Effort", "Measured", "built_peer", "measure", "rows_of"]
 
-PEER_SIZE = (320, 240)
-"""Size of the compared pictures [pixels]; accurate ones of vtk.js take minutes in software."""
-WINDOW = {"width": 1366, "height": 768}
-"""Initial size of the browser's window [pixels], with room for panels beside the picture."""
+Drawer = Literal["auto", "engine", "browser"]
+"""Who draws what is seen; "auto" leaves it to the page, and measures the browser as well."""
 FINE = 8
 """Steps of a reference picture, relative to those of the picture that is compared with it."""
 PEER_STEPS = (1, 2, 4, 8)
@@ -78,13 +77,48 @@ class Effort:
     """Times that the view comes to rest."""
     edits: float = 2.0
     """Time of erasing [s]."""
-    seen: float = 6.0
-    """Time of turning for what is seen [s]."""
+    openings: int = 3
+    """Times that the page is opened until its first picture."""
     sizes: tuple[tuple[int, int], ...] = SIZES
     modes: tuple[str, ...] = MODES
+    peer_modes: tuple[str, ...] = PEER_MODES
+    peer_size: tuple[int, int] = (320, 240)
+    """Columns and rows of pictures that are compared with those of vtk.js, of which accurate ones
+    take minutes in software."""
+    seen: SeenEffort = field(default_factory=SeenEffort)
 
 
-QUICK = Effort(turning=8, whole=2, rests=1, edits=1.5, seen=2.0, sizes=SIZES[:1])
+QUICK = Effort(
+    turning=8,
+    whole=1,
+    rests=1,
+    edits=1.5,
+    openings=1,
+    sizes=SIZES[:1],
+    modes=("shaded",),
+    peer_modes=("mip",),
+    peer_size=(160, 120),
+    seen=SeenEffort(
+        looking=Looking(openings=1, turning=1.5, rests=1, drilling=1.0),
+        views=1,
+        pairs=1,
+        span=1.0,
+        rounds=1,
+        vtk_size=(202, 174),
+        vtk_js_size=(80, 60),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured."""
+
+    rows: list[Row]
+    renderer: str
+    """Of what the browser draws, as it names it."""
+    missing: list[str]
+    """Sentences on what could not be measured."""
 
 
 def built_peer() -> Path | None:
@@ -96,14 +130,12 @@ def built_peer() -> Path | None:
 def measure(
     scan: Path | None = None,
     *,
+    drawer: Drawer = "auto",
     peer: Path | None = None,
     effort: Effort | None = None,
     progress: Progress = silent,
-) -> tuple[list[Row], str]:
+) -> Measured:
     """Measures pictures of a scan, and of ``peer``, a script that draws with vtk.js.
-
-    Returns:
-        The figures, and the renderer as the browser names it.
 
     Raises:
         OptionError: There is no browser, no such script, or nothing in the middle of the scan.
@@ -113,19 +145,35 @@ def measure(
     if peer is not None and not peer.is_file():
         raise OptionError(f"no script at {peer}; allowed: what `npm run build:bench` has built")
     effort = effort or Effort()
-    path = data_file(CTHEAD) if scan is None else scan
-    report: Report = {}
+    report, missing = measure_seen(
+        scan,
+        drawer=None if drawer == "auto" else drawer,
+        peer=peer,
+        effort=effort.seen,
+        progress=progress,
+    )
     # JSON of the page
-    support: dict[str, Any] = {"software": True, "renderer": "nothing"}
+    support: dict[str, Any] = {"software": True, "renderer": "the engine"}
+    if drawer != "engine":
+        found, support = _browser(scan, peer=peer, effort=effort, progress=progress)
+        report |= found
+    on_gpu = not support["software"]
+    return Measured(rows_of(report, on_gpu=on_gpu), support["renderer"], missing)
+
+
+def _browser(
+    scan: Path | None, *, peer: Path | None, effort: Effort, progress: Progress
+) -> tuple[Report, dict[str, Any]]:
+    """Measures what the browser draws; returns with that what its graphics can do."""
+    path = data_file(CTHEAD) if scan is None else scan
+    support: dict[str, Any] = {}
     with served(path) as url:
         progress("counting what edits send", 0.0)
-        report |= _counted(url, effort)
+        report = _counted(url, effort)
     progress("first picture", 0.1)
-    report[OPENED_CASE] |= first_picture(data_file(LIDC) if scan is None else scan, **WINDOW)
+    opened_scan = data_file(LIDC) if scan is None else scan
+    report[OPENED_CASE] |= first_picture(opened_scan, runs=effort.openings, **WINDOW)
     with served(path) as url:
-        with opened(url, **WINDOW, drawer="browser") as page:
-            progress("what is seen", 0.15)
-            report[SEEN_CASE] = seen(page, effort.seen)
         for done, size in enumerate(effort.sizes):
             with opened(url, **WINDOW, drawer="browser") as page:
                 support = page.read("window.palpate.support")
@@ -139,15 +187,16 @@ def measure(
                 progress("beside vtk.js", 0.7)
                 page.wait("window.palpate.finished")
                 report |= _beside(page, peer.read_text(encoding="utf-8"), effort)
-    return rows_of(report, on_gpu=not support["software"]), support["renderer"]
+    return report, support
 
 
 def rows_of(report: Report, *, on_gpu: bool) -> list[Row]:
-    """Returns the rows of all measured cases; some goals are for a GPU."""
+    """Returns the rows of all measured cases; some goals are for a GPU or real-time priority."""
     rows = rows_in(RENDER_ROWS, report)
-    if on_gpu:
-        return rows
-    return [replace(row, goal=None) if row.metric == RESTING else row for row in rows]
+    without = set() if on_gpu else {RESTING}
+    if not report.get(LATE_CASE, {}).get("real time", 1.0):
+        without.add(LATE_MORE)
+    return [replace(row, goal=None) if row.metric in without else row for row in rows]
 
 
 # --- what the page shows ------------------------------------------------------------------
@@ -346,10 +395,11 @@ def _beside(page: Page, script: str, effort: Effort) -> Report:
         )
     page.read("void window.vtkDoor.open(window.palpate.bench.scene())")
     report: Report = {}
-    for mode in PEER_MODES:
+    for mode in effort.peer_modes:
         _show_suspended(page, mode)
-        ours = _Renderer(page, "window.palpate.bench.draw(", effort.whole)
-        theirs = _Renderer(page, f"window.vtkDoor.draw('{mode}', ", effort.whole)
+        size, whole = effort.peer_size, effort.whole
+        ours = _Renderer(page, "window.palpate.bench.draw(", whole, size)
+        theirs = _Renderer(page, f"window.vtkDoor.draw('{mode}', ", whole, size)
         our_time, our_off = ours.time(1), ours.off(1)
         offs = {1: theirs.off(1)}
         steps = 1
@@ -385,6 +435,8 @@ class _Renderer:
     call: str
     """JavaScript that draws, up to the options."""
     repeats: int
+    size: tuple[int, int]
+    """Columns and rows."""
 
     def time(self, steps: int) -> float:
         """Returns the median time of whole pictures [s]."""
@@ -413,5 +465,5 @@ class _Renderer:
         return "c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055"
 
     def _drawn(self, steps: int) -> str:
-        width, height = PEER_SIZE
+        width, height = self.size
         return f"{self.call}{{width: {width}, height: {height}, stepsPerVoxel: {steps}}})"

@@ -1,114 +1,183 @@
-"""What a person sees of a view that turns and rests, and how long the page's controls wait.
+"""What a person sees of a scan that is opened, turned, let rest and drilled.
 
-The view rotates with every frame for some seconds and then rests. A frame counts as a picture if
-the renderer has drawn something since the one before. From the last rotation on, the time is noted
-when each finer picture is on display. Meanwhile a key that does nothing is pressed ten times a
-second; its delay is the time from the key to the page's first handler.
+The page is opened in a fresh browser and draws by whom it chooses itself, or by whom it is told to;
+the session behind it runs at 1 kHz. The mouse then drags the view back and forth for some seconds,
+60 times a second, and rests; at last an eraser drills circles into the bone. Everything is read off
+what was noted in the page (``palpate.bench.watched_pictures``). Meanwhile a key that does nothing
+is pressed ten times a second; its delay is the time from the key to the page's first handler.
 """
 
 from __future__ import annotations
 
 import time
-from typing import Any
+from collections import defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
 
 import numpy as np
 
-from palpate.bench.page import Page
+from palpate.bench.edit import erased
+from palpate.bench.page import Page, opened, served
+from palpate.bench.watched_pictures import NOTING, Watched, press_until, watched
 
-__all__ = ["figures_of", "seen"]
+__all__ = ["Looking", "drilled_figures", "opened_figures", "seen", "turned_figures"]
 
-PRESSES = 0.1
-"""Time between two keys [s]."""
-STEP_ANGLE = 0.02
-"""Rotation of the view from frame to frame [rad]."""
+WINDOW = {"width": 1366, "height": 768}
+"""Size of the browser's window [pixels], with room for panels beside the picture."""
+COARSEST_FIRST = 3.0
+"""By what the resolution of a first picture may be divided."""
+COARSEST_DRILLED = 2.0
+"""By what that of a picture may be divided that shows a hole."""
 PATIENCE = 120.0
 """Longest wait for the final picture [s]."""
-LEVELS = (4, 2, 1)
-"""By what the resolution of pictures is divided whose times are reported."""
+MOVES_PER_SECOND = 60.0
+DRAG = 5.0
+"""Way of the mouse between two moves [CSS pixels]."""
+DRAGS = 60
+"""Moves to one side."""
+MOVES_BETWEEN_KEYS = 6
 
 
-def seen(page: Page, seconds: float) -> dict[str, float]:
-    """Turns a page's view for some seconds and lets it rest.
+@dataclass(frozen=True)
+class Looking:
+    """How long is looked."""
 
-    Returns:
-        Pictures per second, and by what the resolution of the middle one is divided, while the
-        view turns; times from the last rotation until a picture is as fine as each of ``LEVELS``
-        and until the final one, and quantiles of the delay of keys while it turns and rests [s].
+    openings: int = 3
+    """Times that the page is opened; the median counts."""
+    turning: float = 6.0
+    """Time of turning [s]."""
+    rests: int = 3
+    """Times that the view is turned and rests."""
+    drilling: float = 4.0
+    """Time of drilling [s]."""
+
+
+def seen(scan: Path, looking: Looking, *, drawer: str | None = None) -> dict[str, float]:
+    """Returns the figures of what is seen of a scan; where something never came they lack it.
+
+    ``drawer``: "engine" or "browser"; None leaves it to the page.
     """
-    page.wait("window.palpate.finished")
-    page.read(WATCHING % STEP_ANGLE)
-    _press(page, seconds, "false")
-    page.read("window.watched.rest()")
-    _press(page, PATIENCE, "window.palpate.finished && window.watched.final !== null")
-    return figures_of(page.read("window.watched.stop()"))
+    found: dict[str, list[float]] = defaultdict(list)
+
+    def learn(figures: dict[str, float]) -> None:
+        for name, figure in figures.items():
+            found[name].append(figure)
+
+    began = time.perf_counter()
+    with served(scan) as url:
+        found["served"].append(time.perf_counter() - began)
+        for opening in range(looking.openings):
+            with opened(None, **WINDOW, drawer=drawer) as page:
+                page.before(NOTING)
+                page.go(url)
+                page.wait("window.palpate.finished")
+                learn(opened_figures(watched(page)))
+                if opening == looking.openings - 1:
+                    found["by engine"].append(float(page.read("window.palpate.drawer.engine")))
+                    for _ in range(looking.rests):
+                        learn(_turned(page, looking.turning / looking.rests))
+                    learn(_drilled(page, looking.drilling))
+    figures = {name: median(taken) for name, taken in found.items()}
+    # of what may not happen once the worst counts
+    return figures | {name: max(found[name]) for name in WORST if name in found}
 
 
-def _press(page: Page, seconds: float, until: str) -> None:
-    """Presses a key that does nothing, again and again, until something is true."""
-    ends = time.monotonic() + seconds
-    while time.monotonic() < ends and not page.read(until):
-        began = time.monotonic()
-        page.press("F13")
-        time.sleep(max(0.0, PRESSES - (time.monotonic() - began)))
+WORST = ("coarsest", "key turning", "key resting")
 
 
-def figures_of(watched: dict[str, Any]) -> dict[str, float]:
-    """Returns the figures of what a page has noted; ``seen`` tells what they are."""
-    turning, rested = watched["turning"], watched["rested"]
-    divisors = [divisor for _, divisor in turning]
-    figures = {
-        "seen rate": len(turning) / (rested / 1e3),
-        "seen divisor": float(np.median(divisors)) if divisors else float("nan"),
+# --- what is done -------------------------------------------------------------------------
+
+
+def _turned(page: Page, seconds: float) -> dict[str, float]:
+    """Drags the view for some seconds and lets it rest until its picture is final."""
+    begin = float(page.read("performance.now()"))
+    _drag(page, seconds)
+    # the last move reaches the picture within 50 ms
+    time.sleep(0.05)
+    press_until(page, PATIENCE, "window.palpate.finished")
+    return turned_figures(watched(page).after(begin))
+
+
+def _drag(page: Page, seconds: float) -> None:
+    """Drags the middle of the view to the right and back with the left button."""
+    x, y = page.read(
+        "(({x, y, width, height}) => [x + width / 2, y + height / 2])"
+        "(document.querySelector('[data-testid=canvas]').getBoundingClientRect())"
+    )
+    began, moved = time.monotonic(), 0
+    page.mouse("mousePressed", (x, y))
+    while time.monotonic() - began < seconds:
+        moved += 1
+        away = moved % (2 * DRAGS)
+        page.mouse("mouseMoved", (x + DRAG * min(away, 2 * DRAGS - away), y))
+        if moved % MOVES_BETWEEN_KEYS == 0:
+            page.press("F13")
+        time.sleep(max(0.0, began + moved / MOVES_PER_SECOND - time.monotonic()))
+    page.mouse("mouseReleased", (x, y))
+
+
+def _drilled(page: Page, seconds: float) -> dict[str, float]:
+    begin = float(page.read("performance.now()"))
+    erased(page, seconds)
+    return drilled_figures(watched(page).after(begin))
+
+
+# --- what it tells ------------------------------------------------------------------------
+
+
+def opened_figures(notes: Watched) -> dict[str, float]:
+    """Returns the times from opening the page to pictures that are fine enough [s]."""
+    times = {
+        "first": notes.first(lambda one: one.divisor <= COARSEST_FIRST),
+        "sharp": notes.first(lambda one: one.divisor <= 1.0),
+        "final": notes.first(lambda one: one.finished),
     }
-    for level in LEVELS:
-        times = [at for at, divisor in watched["resting"] if divisor <= level]
-        if times:
-            figures[f"seen {level}"] = (min(times) - rested) / 1e3
-    if watched["final"] is not None:
-        figures["seen final"] = (watched["final"] - rested) / 1e3
-    for name, delays in (
-        ("turning", [delay for at, delay in watched["delays"] if at <= rested]),
-        ("resting", [delay for at, delay in watched["delays"] if at > rested]),
-    ):
-        if delays:
-            figures[f"key {name}"] = float(np.quantile(delays, 0.95)) / 1e3
+    return {name: at / 1e3 for name, at in times.items() if at is not None}
+
+
+def turned_figures(notes: Watched) -> dict[str, float]:
+    """Returns the figures of a view that was dragged from its first move to its last [s]."""
+    begin, rested = notes.moves[0].at, notes.moves[-1].at
+    turning, resting = notes.after(begin, rested), notes.after(rested)
+    figures = {"rate": 1e3 * len({one.pieces for one in turning.pictures}) / (rested - begin)}
+    if turning.pictures:
+        figures["coarsest"] = max(one.divisor for one in turning.pictures)
+    # what the last moves changed may be shown after them
+    latencies = notes.latencies(notes.moves)
+    if latencies:
+        middle, tail = np.quantile(latencies, [0.5, 0.95])
+        figures |= {"mouse median": middle / 1e3, "mouse p95": tail / 1e3}
+    last = notes.moves[-1].requested
+    for name, finished in (("rest sharp", False), ("rest final", True)):
+        at = _shown_after(resting, last, finished=finished)
+        if at is not None:
+            figures[name] = (at - rested) / 1e3
+    for name, part in (("key turning", turning), ("key resting", resting)):
+        delay = part.key_delay()
+        if delay is not None:
+            figures[name] = delay / 1e3
     return figures
 
 
-WATCHING = """void (() => {
-  const begun = performance.now(), { bench } = window.palpate;
-  const watched = { turning: [], resting: [], delays: [], rested: null, final: null };
-  let pieces = bench.pieces, going = true;
-  const pressed = ({ timeStamp }) => {
-    watched.delays.push([timeStamp - begun, performance.now() - timeStamp]);
-  };
-  addEventListener("keydown", pressed, true);
-  const look = () => {
-    const { divisor, finished } = window.palpate.shown, now = performance.now() - begun;
-    const { rested } = watched;
-    if (rested === null) {
-      if (bench.pieces !== pieces) watched.turning.push([now, divisor]);
-      bench.turn(%g);
-    } else {
-      watched.resting.push([now, divisor]);
-      // a rotation reaches the picture within 50 ms
-      if (finished && now - rested > 50) watched.final ??= now;
-    }
-    pieces = bench.pieces;
-    if (going) requestAnimationFrame(look);
-  };
-  requestAnimationFrame(look);
-  window.watched = {
-    get final() { return watched.final; },
-    rest: () => { watched.rested = performance.now() - begun; },
-    stop: () => {
-      going = false;
-      removeEventListener("keydown", pressed, true);
-      return watched;
-    },
-  };
-})()"""
-"""Turns the view with every frame until it is to rest; notes pictures, their divisors and delays.
+def _shown_after(notes: Watched, request: int | None, *, finished: bool) -> float | None:
+    """Returns when a picture of the whole resolution, or the final one, answered a later request.
 
-All times are from the beginning [ms].
-"""
+    Without numbers of requests, as the browser draws, any picture counts.
+    """
+    return notes.first(
+        lambda one: (
+            one.divisor <= 1.0
+            and (one.finished or not finished)
+            and (request is None or (one.answers is not None and one.answers > request))
+        )
+    )
+
+
+def drilled_figures(notes: Watched) -> dict[str, float]:
+    """Returns the times from an edit until a picture shows it [s]."""
+    latencies = notes.latencies(notes.edits, coarsest=COARSEST_DRILLED)
+    if not latencies:
+        return {}
+    middle, tail = np.quantile(latencies, [0.5, 0.95])
+    return {"drill median": middle / 1e3, "drill p95": tail / 1e3}

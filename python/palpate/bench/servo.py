@@ -30,7 +30,7 @@ from palpate.session.session import Session, SessionOptions
 from palpate.volumes.phantom import Phantom, phantom
 from palpate.volumes.scene import Scene
 
-__all__ = ["Lateness", "histogram", "measure", "rows_of"]
+__all__ = ["HAND_RATE", "HandCircle", "Lateness", "histogram", "measure", "rows_of"]
 
 LEAST_SECONDS = 0.1
 MOST_SECONDS = 3600.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -97,6 +97,13 @@ def bench_render(
     scan: Annotated[
         Path | None, typer.Argument(help="Scan to draw; by default CThead.", show_default=False)
     ] = None,
+    drawer: Annotated[
+        Literal["auto", "engine", "browser"],
+        typer.Option(
+            help="Who draws what is seen: auto as the page chooses, and the browser alone as well; "
+            "engine or browser for one of them."
+        ),
+    ] = "auto",
     quick: Annotated[
         bool, typer.Option("--quick", help="Few pictures with rough results.")
     ] = False,
@@ -109,7 +116,7 @@ def bench_render(
     ] = None,
     json_file: Json = None,
 ) -> None:
-    """Measure rendering on the page, compared with vtk.js; needs Chromium."""
+    """Measure what is seen on the page, compared with VTK and vtk.js; needs Chromium."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.render import QUICK, Effort, built_peer, measure
@@ -119,16 +126,18 @@ def bench_render(
     try:
         with quiet_libraries(), Display() as display:
             effort = QUICK if quick else Effort()
-            rows, renderer = measure(scan, peer=peer, effort=effort, progress=display)
+            found = measure(scan, drawer=drawer, peer=peer, effort=effort, progress=display)
     except MissingDataError as error:
         raise OptionError(f"no {error}; allowed: PALPATE_DATA with it, or SCAN") from None
-    print_rows(f"render, drawn by {renderer}", rows)
+    print_rows(f"render, the browser's own by {found.renderer}", found.rows)
+    for sentence in found.missing:
+        warn(f"not measured: {sentence}")
     if peer is None:
         warn(
             "not measured: vtk.js is not built; allowed: `npm run build:bench` in viewer/, or --vtk"
         )
     if json_file is not None:
-        write_rows("render", rows, json_file)
+        write_rows("render", found.rows, json_file)
 
 
 def bench_register(*, json_file: Json = None) -> None:

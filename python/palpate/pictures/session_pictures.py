@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from itertools import count
 from threading import Lock
@@ -18,6 +19,8 @@ __all__ = ["DrawnArrays", "Fineness", "SessionPictures"]
 
 NEVER_GIVEN_UP = 2**64 - 1
 """Number of a picture that is newer than all others."""
+REST = 0.15
+"""Seconds without a request after which nobody is taken to turn the view."""
 
 
 @dataclass(frozen=True)
@@ -48,12 +51,30 @@ class Fineness:
 class SessionPictures:
     """The renderer of a session; every method may be called from any thread."""
 
+    follows_edits = True
+    """Whether a picture shows the edits since the first."""
+
     def __init__(self, session: Session) -> None:
         """Draws nothing until it is asked to."""
         self._session = session
         self._turn = Lock()
         self._numbers = count(1)
         self._renderer: _core.Renderer | None = None
+        self._lesser: tuple[SessionPictures, ...] = ()
+        self._requested = -REST
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a picture is drawn, or is likely to be requested."""
+        return self._turn.locked() or time.monotonic() - self._requested < REST
+
+    def put_before(self, others: SessionPictures) -> None:
+        """Gives up pictures of others from now on where its own are given up for newer ones."""
+        self._lesser = (*self._lesser, others)
+
+    def forget(self, others: SessionPictures) -> None:
+        """Lets others draw on."""
+        self._lesser = tuple(each for each in self._lesser if each is not others)
 
     def next_number(self) -> int:
         """Returns the number of the next picture."""
@@ -63,6 +84,9 @@ class SessionPictures:
         """Gives up the picture that is drawn, unless it is to be drawn to its end."""
         if self._renderer is not None:
             self._renderer.supersede(next(self._numbers))
+        self._requested = time.monotonic()
+        for others in self._lesser:
+            others.give_up()
 
     def draw(
         self,
@@ -100,6 +124,6 @@ class SessionPictures:
         engine = self._session._engine  # noqa: SLF001  # the binding reads the engine's voxels itself
         if self._renderer is None:
             self._renderer = _core.Renderer.of_session(engine)
-        else:
+        elif self.follows_edits:
             self._renderer.follow(engine)
         return self._renderer

@@ -94,7 +94,7 @@ class Live:
         self._painter = Painter(session)
         self._pace = EditPace(session)
         self._parts = ModelParts(session)
-        self._engine_pictures = EnginePictures(session)
+        self.engine_pictures = EnginePictures(session)
         self._gaps = GapWatch(session, publish)
         self._touch = TouchMessages(session, hello.settings, publish)
         self.registration = RegistrationMessages(session, show=self.show_second, publish=publish)
@@ -106,7 +106,7 @@ class Live:
             Outlines(session.scene.volume),
             self._pace,
             self._parts,
-            self._engine_pictures,
+            self.engine_pictures,
             SoftTissueMessages(session),
             SegmentMessages(session, self.segments, self._gaps, publish=publish),
             SessionMessages(
@@ -170,7 +170,7 @@ class Live:
             self._sockets.discard(websocket)
             self._pace.leave(outbox)
             self._parts.leave(outbox)
-            self._engine_pictures.leave(outbox)
+            self.engine_pictures.leave(outbox)
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)

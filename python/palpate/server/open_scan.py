@@ -26,11 +26,13 @@ from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
 from palpate.saved.scene_file import SavedScene
 from palpate.server.added_labels import add_labels
+from palpate.server.answers import errors_as_text
 from palpate.server.export import export_response
 from palpate.server.job import Job
 from palpate.server.live import Live
 from palpate.server.messages.hello import hello_of
 from palpate.server.recording import Recorder
+from palpate.server.saved_picture import saved_picture
 from palpate.server.scene import scene_response, view_response
 from palpate.server.second_scan import second_routes
 from palpate.server.segment_statistics import statistics_job
@@ -240,6 +242,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/statistics", _statistics_of(live), methods=["POST"]),
         Route("/surface", _surface_of(live), methods=["POST"]),
         Route("/view", view),
+        Route("/picture", _picture_of(live), methods=["POST"]),
     ]
 
 
@@ -249,6 +252,13 @@ def _surface_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
         return await run_in_threadpool(surface_response, live.segments, live.picture.values, body)
 
     return surface
+
+
+def _picture_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
+    async def picture(request: Request) -> Response:
+        return await saved_picture(request, live.engine_pictures.still)
+
+    return errors_as_text(picture)
 
 
 def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:

@@ -61,24 +61,37 @@ impl Session {
         lock(&self.surfaces).whole()
     }
 
-    /// The surfaces of all segments that are shown, where they stand by now; none while they are made, which may take long.
+    /// The surfaces of all segments that are shown, where they stand by now; waits until they follow the voxels.
     ///
     /// # Errors
     /// Where the session has ended.
-    pub fn shown_surfaces(&self) -> Result<Option<Vec<ShownSurface>>, SessionError> {
-        let shown = self.surfaces.try_lock().map(|surfaces| surfaces.shown());
-        let Ok(mut surfaces) = shown else {
-            return Ok(None);
-        };
-        if !surfaces.is_empty() {
-            surfaces = self.ask(move |simulation| {
-                for surface in &mut surfaces {
-                    surface.pose = simulation.current_pose(surface.id).unwrap_or_default();
-                }
-                surfaces
-            })?;
+    pub fn shown_surfaces(&self) -> Result<Vec<ShownSurface>, SessionError> {
+        let surfaces = lock(&self.surfaces).shown();
+        self.where_they_stand(surfaces)
+    }
+
+    /// The same, or none while they are made.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn shown_surfaces_if_made(&self) -> Result<Option<Vec<ShownSurface>>, SessionError> {
+        let surfaces = self.surfaces.try_lock().ok().map(|made| made.shown());
+        surfaces.map(|it| self.where_they_stand(it)).transpose()
+    }
+
+    fn where_they_stand(
+        &self,
+        mut surfaces: Vec<ShownSurface>,
+    ) -> Result<Vec<ShownSurface>, SessionError> {
+        if surfaces.is_empty() {
+            return Ok(surfaces);
         }
-        Ok(Some(surfaces))
+        self.ask(move |simulation| {
+            for surface in &mut surfaces {
+                surface.pose = simulation.current_pose(surface.id).unwrap_or_default();
+            }
+            surfaces
+        })
     }
 
     /// What is now, with all samples and notices since the frame before. A session that has

@@ -6,9 +6,15 @@ use palpate_deform::model::DisplacementField;
 
 use super::Simulation;
 use crate::deformable::Displacements;
-use crate::picture::SceneUpdate;
+use crate::picture::{SceneUpdate, ShownDisplacements};
 
 impl Simulation {
+    /// Where tissue stands beside its voxels, as the picture was told it last.
+    #[must_use]
+    pub fn displacements(&self) -> ShownDisplacements {
+        self.displacements.clone()
+    }
+
     /// Has the model forget all displacements, and the picture with it.
     pub(super) fn forget_deformation(&mut self) {
         self.deformation.forget();

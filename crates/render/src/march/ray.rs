@@ -35,6 +35,8 @@ pub(crate) struct Packet<L: Gather> {
     pub face: Vector<L>,
     /// Fraction of a step before the first sample.
     pub start: L::Float,
+    /// Bricks by which empty space ends earlier: something may stand beside its voxels.
+    margin: L::Float,
     /// mm for each brick along each axis, and whether the ray runs toward higher numbers.
     inverse: Vector<L>,
     is_forward: [L::Mask; 3],
@@ -83,6 +85,10 @@ impl<L: Gather> Packet<L> {
             leave: zero,
             face: direction.scaled(Floats::splat(-1.0)),
             start: pixels.starts::<L>(column, row),
+            margin: match shading.displaced {
+                None => zero,
+                Some(displaced) => displaced.margin(origin, inverse),
+            },
             inverse: Vector::new(
                 L::Float::splat(8.0) * inverse.x.abs(),
                 L::Float::splat(8.0) * inverse.y.abs(),
@@ -154,7 +160,7 @@ impl<L: Gather> Packet<L> {
     pub fn steps_over_empty(&self, shading: &Shading<'_>, grid: Vector<L>) -> L::Float {
         let ahead = shading
             .empty
-            .ahead::<L>(grid, self.inverse, self.is_forward);
+            .ahead::<L>(grid, self.margin, self.inverse, self.is_forward);
         let zero = L::Float::splat(0.0);
         let steps = (ahead * Floats::splat(1.0 / shading.step))
             .ceil()

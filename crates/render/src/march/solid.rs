@@ -65,10 +65,7 @@ pub(super) fn light_of_body<L: Gather>(
     let grid = packet.at(length);
     let to_eye = packet.to_eye();
     let is_iso = code.equal(Ints::splat(ISO));
-    let normal = shading
-        .segments
-        .normal_at(shading.field, grid, code)
-        .facing(to_eye);
+    let normal = shading.normal_at(grid, code).facing(to_eye);
     let normal = packet.face.or_else(cut, normal);
     let near = if shading.is_in_haste {
         Floats::splat(1.0)

@@ -116,7 +116,7 @@ impl<'a, L: Gather> March<'a, L> {
             return;
         }
         if (looks & unknown).any() {
-            let front = shading.field.value_at(packet.at(self.last));
+            let front = shading.value_at(packet.at(self.last));
             self.front = front.or_else(looks & unknown, self.front);
         }
         let (value, code) = shading.at(grid);
@@ -203,7 +203,7 @@ impl<'a, L: Gather> March<'a, L> {
         let mut divided = L::Mask::splat(false);
         if shading.blend.draws_solids() {
             let middle = packet.at(L::Float::splat(0.5) * (self.last + self.next));
-            let gradient = shading.field.gradient_at(middle);
+            let gradient = shading.gradient_at(middle);
             let (kept, boundary) = shading.boundary::<L>(gradient.length());
             extinction = extinction * kept;
             let dividable =

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from palpate.bench.goals.goal import Goal
+from palpate.bench.goals.seen import SEEN_ROWS
 
 __all__ = [
     "EDIT_CASE",
@@ -11,7 +12,6 @@ __all__ = [
     "PEER_MODES",
     "RENDER_ROWS",
     "RESTING",
-    "SEEN_CASE",
     "SIZES",
     "peer_case",
     "picture_case",
@@ -39,7 +39,6 @@ PEER_MODES = ("composite", "shaded", "mip")
 """Modes that vtk.js has too."""
 
 OPENED_CASE, EDIT_CASE = "opened", "an edit"
-SEEN_CASE = "turned, then at rest, in a window of 1366×768"
 RESTING = "full quality after the last turn"
 """A row whose goal is for GPUs."""
 
@@ -72,20 +71,6 @@ def _picture(case: str) -> tuple[Goal, ...]:
     )
 
 
-def _seen(case: str) -> tuple[Goal, ...]:
-    rested = "after the last turn"
-    return (
-        Goal(case, "pictures while turning", "seen rate", 1.0, "/s", 8.0, "higher"),
-        Goal(case, "their resolution is divided by", "seen divisor", 1.0, "", 4.0, "lower"),
-        Goal(case, f"a quarter of the resolution {rested}", "seen 4", 1.0, "s", None, "lower"),
-        Goal(case, f"a half of the resolution {rested}", "seen 2", 1.0, "s", None, "lower"),
-        Goal(case, f"all of the resolution {rested}", "seen 1", 1.0, "s", None, "lower"),
-        Goal(case, f"final {rested}", "seen final", 1.0, "s", None, "lower"),
-        Goal(case, "delay of keys while turning, p95", "key turning", 1e3, "ms", 100.0, "lower"),
-        Goal(case, "delay of keys while refining, p95", "key resting", 1e3, "ms", 100.0, "lower"),
-    )
-
-
 def _beside(case: str, ratio: float | None) -> tuple[Goal, ...]:
     return (
         Goal(case, "whole picture", "ours", 1e3, "ms", None, "lower"),
@@ -99,6 +84,7 @@ def _beside(case: str, ratio: float | None) -> tuple[Goal, ...]:
 
 
 RENDER_ROWS = (
+    *SEEN_ROWS,
     Goal(OPENED_CASE, "first picture after the page", "first", 1.0, "s", 2.0, "lower"),
     *processor_rows(OPENED_CASE),
     Goal(OPENED_CASE, "memory of the page's scripts", "heap", 2.0**-20, "MiB", None, "lower"),
@@ -107,7 +93,6 @@ RENDER_ROWS = (
     Goal(EDIT_CASE, "GL calls", "calls", 1.0, "", None, "lower"),
     Goal(EDIT_CASE, "bytes sent to the GPU", "bytes", 1.0, "B", None, "lower"),
     Goal(EDIT_CASE, "of the 3-D textures", "share", 100.0, "%", 5.0, "lower"),
-    *_seen(SEEN_CASE),
     *(row for mode in MODES for size in SIZES for row in _picture(picture_case(mode, size))),
     *(row for mode in PEER_MODES for row in _beside(peer_case(mode), 1.0)),
 )

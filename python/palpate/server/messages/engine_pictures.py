@@ -22,6 +22,7 @@ from palpate.base.errors import OptionError
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.pictures.session_pictures import DrawnArrays, Fineness, SessionPictures
+from palpate.pictures.still_pictures import StillPictures
 from palpate.server.messages.encoded_picture import encoded_picture
 from palpate.server.messages.outbox import Outbox
 from palpate.server.messages.picture_pace import PicturePace
@@ -183,7 +184,12 @@ class EnginePictures:
     def __init__(self, session: Session) -> None:
         """Draws what a session has."""
         self._shared = SessionPictures(session)
+        self._session = session
         self._painters: dict[Outbox, PagePainter] = {}
+
+    def still(self) -> StillPictures:
+        """Returns pictures of the session as it is now, for which no page has to wait."""
+        return StillPictures(self._session, self._shared)
 
     def add_to(self, table: MessageTable) -> None:
         """Adds the rows of pictures."""

@@ -8,6 +8,9 @@ import type { Plane } from "../view/clip";
 import type { Appearance } from "./appearance";
 import { sample } from "./transfer_function";
 
+/** The engine divides by spans of values, which are none where all tissue of a scan has one value [value]. */
+const leastSpan = 1e-6;
+
 /** What of segments decides how voxels look. */
 export interface LookedSegments {
   readonly segments: readonly Segment[];
@@ -22,8 +25,8 @@ export function engineLook(appearance: Appearance, shown: LookedSegments, clip: 
     mode: optics.blend,
     density: optics.density,
     transfer: transferFunction.points.map(({ value, colour, extinction }) => [value, colour, extinction]),
-    edge_gradient: edgeGradient,
-    window: [optics.window.window, optics.window.level],
+    edge_gradient: Math.max(edgeGradient, leastSpan),
+    window: [Math.max(optics.window.window, leastSpan), optics.window.level],
     iso_value: optics.isoValue,
     iso_colour: sample(transferFunction.points, optics.isoValue).colour,
     tissue_from: optics.tissueFrom,

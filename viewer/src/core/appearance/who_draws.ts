@@ -2,6 +2,8 @@
  * Who draws the 3-D view: this browser, or the engine, which is quicker where the browser's graphics are drawn by the
  * CPU. Always one of them alone.
  */
+import type { Segment } from "../protocol";
+import { drawnAsSurface } from "../segments/shown_segments";
 import type { Stereo } from "../view/stereo";
 
 export const drawerChoices = ["auto", "browser", "engine"] as const;
@@ -23,10 +25,11 @@ export interface ShownThings {
   readonly stereo: Stereo["mode"];
   readonly second: boolean;
   readonly deforming: boolean;
+  readonly segments: readonly Segment[];
 }
 
 /** Why the engine cannot draw what is shown; null where it can. */
-export function engineObstacle({ connected, stereo, second, deforming }: ShownThings): string | null {
+export function engineObstacle({ connected, stereo, second, deforming, segments }: ShownThings): string | null {
   if (!connected) {
     return "the engine is not connected";
   }
@@ -36,8 +39,8 @@ export function engineObstacle({ connected, stereo, second, deforming }: ShownTh
   if (second) {
     return "a second scan is shown";
   }
-  if (deforming) {
-    return "soft tissue is deformed";
+  if (deforming && segments.some(drawnAsSurface)) {
+    return "a surface is shown while soft tissue is deformed";
   }
   return null;
 }

@@ -49,6 +49,11 @@ export class EngineDrawing {
     this.tell();
   }
 
+  /** How pictures look now; null before there is anything to see. */
+  get look(): PictureLook | null {
+    return this.appearance && engineLook(this.appearance, this.segments, this.clip);
+  }
+
   take(picture: DrawnPicture): void {
     this.pictures.take(picture);
   }
@@ -90,8 +95,9 @@ export class EngineDrawing {
   }
 
   private tell(): void {
-    if (this.appearance !== null) {
-      this.pictures.setLook(engineLook(this.appearance, this.segments, this.clip));
+    const { look } = this;
+    if (look !== null) {
+      this.pictures.setLook(look);
     }
   }
 }

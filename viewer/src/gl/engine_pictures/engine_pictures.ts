@@ -8,11 +8,10 @@
 import type { Camera, Extent } from "../../core/geometry/camera";
 import type { DrawnPicture, DrawPicture, PictureLook } from "../../core/protocol";
 import type { RestingPicture } from "../../core/view/quality";
+import { fewestSamples } from "../../core/view/saved_pictures";
 
 /** Rest before finer pictures are asked for [ms]. */
 const settleMilliseconds = 90;
-/** The engine averages so many pictures at least: each takes it a moment only. */
-const fewestSamples = 4;
 
 /** From where a picture is seen. */
 export interface EngineView {
@@ -39,6 +38,8 @@ export class EnginePictures {
   count = 0;
   /** The last picture that was asked for has come as fine as it gets. */
   finished = false;
+  /** Number of the request whose picture came last; 0 before the first. */
+  answered = 0;
   private look: PictureLook | null = null;
   private toldLook: PictureLook | null = null;
   private asked: readonly Asked[] = [];
@@ -60,6 +61,11 @@ export class EnginePictures {
     this.toldLook = null;
     this.asked = [];
     this.arrived = null;
+  }
+
+  /** Number of the last request; 0 before the first. */
+  get requested(): number {
+    return this.number;
   }
 
   recount(): void {
@@ -111,6 +117,7 @@ export class EnginePictures {
       return null;
     }
     this.count += 1;
+    this.answered = picture.number;
     this.finished = picture.finished && picture.number === this.number;
     return { picture, view: asked.view };
   }
@@ -136,6 +143,6 @@ export class EnginePictures {
   }
 }
 
-function seenFrom({ target, distance, right, up, back, field, parallel, aside = 0 }: Camera): DrawPicture["camera"] {
+export function seenFrom({ target, distance, right, up, back, field, parallel, aside = 0 }: Camera): DrawPicture["camera"] {
   return { target, distance, right, up, back, field, parallel, aside };
 }

@@ -47,6 +47,10 @@ export class Compositor {
     this.uniforms.bend.value = on ? 1 : 0;
   }
 
+  get bendsHighlights(): boolean {
+    return this.uniforms.bend.value > 0;
+  }
+
   async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
     await Promise.all([this.pass.prepare(renderer), this.enlarger.prepare(renderer)]);
   }

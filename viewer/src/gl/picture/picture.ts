@@ -20,6 +20,7 @@ import type { Vec3 } from "../../core/geometry/vector";
 import type { Box, LabelVolume } from "../../core/scan/voxel_change";
 import { Compositor } from "./compositor";
 import { EngineDrawing } from "../engine_pictures/engine_drawing";
+import { EngineSnapshot, type AskSaved } from "./engine_snapshot";
 import { DrawnScan } from "../textures/drawn_scan";
 import { DrawnScreen } from "./drawn_screen";
 import type { FieldFormat } from "../textures/field_texture";
@@ -33,6 +34,7 @@ import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
+import type { SnapshotTile } from "./snapshot_tile";
 import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
@@ -52,6 +54,8 @@ export interface PictureOptions {
   readonly askEngine?: (message: DrawPicture | PictureLook) => void;
   /** The engine draws from the start. */
   readonly engineDraws?: boolean;
+  /** Asks the engine for pictures that are saved, where it draws; in strips. */
+  readonly askSaved?: AskSaved;
 }
 
 export class Picture {
@@ -86,6 +90,9 @@ export class Picture {
   private readonly eyeCamera = new ThreeCamera();
   /** A snapshot is drawn: the screen waits. */
   private snapping = false;
+  /** One is drawn by the engine: the screen goes on. */
+  private saving = false;
+  private readonly askSaved: AskSaved;
   private readonly closing = new AbortController();
   private labels: LabelTexture | null = null;
   private second: ShownSecond | null = null;
@@ -116,6 +123,7 @@ export class Picture {
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
     this.engine = new EngineDrawing(this.renderer, this.marcher, options.askEngine ?? (() => undefined));
     this.byEngine = options.engineDraws ?? false;
+    this.askSaved = options.askSaved ?? noneSaved;
     this.quality = firstQuality(support.software);
     const means = { software: support.software, halfFloat: support.halfFloatTarget };
     this.refiner = new Refiner(
@@ -471,38 +479,50 @@ export class Picture {
 
   /**
    * Draws a view of the scan and its surfaces into a canvas, for one eye or for two; the screen stays as it is
-   * meanwhile.
+   * meanwhile, unless the engine draws.
    *
    * @throws where there is no picture yet, a snapshot is drawn already or the wish is aborted.
    */
   async snapshot(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
-    if (!this.scan.ready || this.view === null || this.snapping) {
+    const { camera, ...rest } = wish;
+    await this.film(context, [camera], rest, () => Promise.resolve());
+  }
+
+  /**
+   * Draws one view after another into a canvas, as `snapshot` draws one.
+   *
+   * @param taken waits until a view was taken from the canvas.
+   */
+  async film(
+    context: CanvasRenderingContext2D,
+    cameras: readonly Camera[],
+    wish: Omit<SnapshotWish, "camera">,
+    taken: (view: number) => Promise<void>,
+  ): Promise<void> {
+    const isReady = this.byEngine ? this.scan.frame !== null && this.composes : this.scan.ready;
+    if (!isReady || this.view === null || this.snapping || this.saving) {
       throw new Error("the picture is not ready");
     }
-    const { software, halfFloatTarget: halfFloat } = this.support;
-    const { camera, size, stereo } = wish;
-    const quality = { ...restingPictures[this.quality.quality], software, halfFloat };
-    const { extent } = this.view;
-    const eyes = eyesOf(stereo, size);
-    const seen = viewportOf(stereo, size);
-    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, quality, (eye) => {
-      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
-    });
-    this.snapping = true;
-    try {
-      await this.refiner.complete();
-      await snapshot.draw(context, { ...wish, signal: AbortSignal.any([wish.signal, this.closing.signal]) });
-    } finally {
-      snapshot.dispose();
-      this.snapping = false;
-      this.screen.stale = true;
-      this.refiner.restart();
+    const signal = AbortSignal.any([wish.signal, this.closing.signal]);
+    if (this.byEngine) {
+      await this.saveByEngine(context, cameras, { ...wish, signal }, taken);
+      return;
+    }
+    for (const [i, camera] of cameras.entries()) {
+      await this.draw(context, { ...wish, camera, signal });
+      await taken(i);
     }
   }
 
   /** Pictures and strips that the GPU has drawn to the end. */
   get pieces(): number {
     return this.byEngine ? this.engine.pictures.count : this.refiner.drawnPieces;
+  }
+
+  /** Numbers of the engine's pictures: of the last request, and of the one on display; null where the browser draws. */
+  get engineNumbers(): { readonly requested: number; readonly shown: number } | null {
+    const { answered: shown, requested } = this.engine.pictures;
+    return this.byEngine ? { requested, shown } : null;
   }
 
   /** Draws the view once, away from the screen; null before there is one. */
@@ -554,6 +574,91 @@ export class Picture {
     }
   }
 
+  /** Draws a view by the ray caster into a canvas. */
+  private async draw(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
+    if (this.view === null) {
+      return;
+    }
+    const { software, halfFloatTarget: halfFloat } = this.support;
+    const { camera, size, stereo } = wish;
+    const quality = { ...restingPictures[this.quality.quality], software, halfFloat };
+    const { extent } = this.view;
+    const eyes = eyesOf(stereo, size);
+    const seen = viewportOf(stereo, size);
+    const snapshot = new Snapshot(
+      this.renderer,
+      this.marcher,
+      this.surfaces,
+      this.compositor,
+      quality,
+      (eye) => {
+        this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
+      },
+      this.overTile(wish.marks === true && stereo.mode === "off"),
+    );
+    this.snapping = true;
+    try {
+      await this.refiner.complete();
+      await snapshot.draw(context, wish);
+    } finally {
+      snapshot.dispose();
+      this.snapping = false;
+      this.screen.stale = true;
+      this.refiner.restart();
+    }
+  }
+
+  /** What draws over a tile of the view that was aimed at. */
+  private overTile(marks: boolean): (tile: SnapshotTile) => void {
+    const { height } = this.pane.rect;
+    return (tile) => {
+      if (marks) {
+        tile.over(this.eyeCamera.camera, (camera, share) => {
+          this.pane.drawMarks(camera, share * height);
+        });
+      }
+    };
+  }
+
+  /** Draws views by the engine into a canvas, all of the scan as it is now. */
+  private async saveByEngine(
+    context: CanvasRenderingContext2D,
+    cameras: readonly Camera[],
+    { size, transparent, marks, signal, progress }: Omit<SnapshotWish, "camera">,
+    taken: (view: number) => Promise<void>,
+  ): Promise<void> {
+    const { extent } = this.view ?? { extent: null };
+    const { look } = this.engine;
+    if (extent === null || look === null) {
+      return;
+    }
+    const { width, height } = this.refiner.pictureOf(0).target;
+    const snapshot = new EngineSnapshot(
+      this.renderer,
+      { marcher: this.marcher, compositor: this.compositor },
+      { ask: this.askSaved, halfFloat: this.support.halfFloatTarget },
+      (camera) => {
+        this.aim(camera, extent, size.width / size.height);
+      },
+      this.overTile(marks === true),
+    );
+    const fineness = restingPictures[this.quality.quality];
+    const { jitter } = this.engine.pictures;
+    this.saving = true;
+    try {
+      await snapshot.draw(
+        context,
+        { look, cameras, size, shown: { width, height }, fineness, jitter, transparent, signal, progress },
+        taken,
+      );
+    } finally {
+      snapshot.dispose();
+      this.saving = false;
+      // whoever draws on turns to its own view again
+      this.refiner.restart();
+    }
+  }
+
   /** Turns ray caster and surfaces to what an eye sees. */
   private aimEye(eye: number): void {
     const { rect, stereo } = this.pane;
@@ -592,4 +697,9 @@ export class Picture {
     this.begun = this.pieces > 0;
     this.screen.stale = this.begun;
   }
+}
+
+/** There is no engine. */
+function noneSaved(): never {
+  throw new Error("the engine is not connected");
 }

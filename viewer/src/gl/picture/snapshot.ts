@@ -3,7 +3,7 @@
  * of a frame limits it, for one eye or for two. Nothing in it is random, and steps and passes go by the quality alone:
  * what a GPU draws differs from what a CPU draws only by its rounding and by the cells in which light is worked out.
  */
-import * as THREE from "three";
+import type * as THREE from "three";
 import type { Camera, Viewport } from "../../core/geometry/camera";
 import { halton } from "../../core/view/halton";
 import { tilesOf, type Tile } from "../../core/view/image_size";
@@ -13,8 +13,8 @@ import { eyesOf, type Stereo } from "../../core/view/stereo";
 import { Anaglyph } from "./anaglyph";
 import type { Compositor } from "./compositor";
 import { GpuClock } from "../base/gpu_clock";
-import { PictureTarget } from "../base/picture_target";
 import type { RayMarcher, Shift } from "../march/ray_marcher";
+import { SnapshotTile } from "./snapshot_tile";
 import { mostLayers } from "../textures/surface_layers";
 import type { Surfaces } from "../surfaces/surfaces";
 
@@ -27,6 +27,8 @@ export interface SnapshotWish {
   readonly size: Viewport;
   /** Without the page's background. */
   readonly transparent: boolean;
+  /** Lines and points of marks are a part of it; not of two eyes' pictures. */
+  readonly marks?: boolean;
   readonly signal: AbortSignal;
   /** Told the share that is done, 0..1. */
   readonly progress?: (share: number) => void;
@@ -54,21 +56,24 @@ const tileEdge = { gpu: 512, software: 192 } as const;
 const lightLayers = 8;
 
 export class Snapshot {
-  private readonly drawn: PictureTarget;
-  private readonly shown = new THREE.WebGLRenderTarget(1, 1, { generateMipmaps: false });
+  private readonly tile: SnapshotTile;
   private readonly anaglyph = new Anaglyph();
   private readonly clock: GpuClock;
 
-  /** @param aim turns ray caster and surfaces to what an eye sees. */
+  /**
+   * @param aim turns ray caster and surfaces to what an eye sees.
+   * @param over draws over a tile of a single picture.
+   */
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     private readonly marcher: RayMarcher,
     private readonly surfaces: Surfaces,
-    private readonly compositor: Compositor,
+    compositor: Compositor,
     private readonly quality: SnapshotQuality,
     private readonly aim: (eye: number) => void,
+    private readonly over: (tile: SnapshotTile) => void,
   ) {
-    this.drawn = new PictureTarget(quality.halfFloat);
+    this.tile = new SnapshotTile(renderer, compositor, quality.halfFloat);
     this.clock = new GpuClock(renderer.getContext() as WebGL2RenderingContext);
   }
 
@@ -90,7 +95,7 @@ export class Snapshot {
       signal.throwIfAborted();
       await this.drawPart(part, wish);
       const { tile, rect } = part;
-      context.putImageData(this.read(tile), rect.x + tile.x, rect.y + rect.height - tile.y - tile.height);
+      context.putImageData(this.tile.read(), rect.x + tile.x, rect.y + rect.height - tile.y - tile.height);
       progress?.((i + 1) / parts.length);
     }
     signal.throwIfAborted();
@@ -98,44 +103,34 @@ export class Snapshot {
 
   dispose(): void {
     this.clock.forget();
-    this.drawn.dispose();
-    this.shown.dispose();
+    this.tile.dispose();
     this.anaglyph.dispose();
   }
 
   private async drawPart({ tile, eyes, rect }: Part, { signal, transparent }: SnapshotWish): Promise<void> {
-    const { anaglyph, drawn, renderer, shown } = this;
-    const { width, height } = tile;
-    if (drawn.target.width !== width || drawn.target.height !== height) {
-      drawn.resize(width, height);
-      shown.setSize(width, height);
-    }
-    drawn.tile = { width: rect.width, height: rect.height, x: tile.x, y: tile.y };
+    const { anaglyph, renderer } = this;
+    this.tile.begin(tile, rect);
     if (eyes.length > 1) {
-      anaglyph.resize(width, height);
+      anaglyph.resize(tile.width, tile.height);
     }
     for (const eye of eyes) {
       this.aim(eye);
-      await this.drawTile(tile, signal);
-      const into = eyes.length > 1 ? anaglyph.eyes[eye === 0 ? 0 : 1] : shown;
-      this.compositor.draw(renderer, drawn, {
-        into,
-        pane: { corner: [0, 0], size: [drawn.target.width, drawn.target.height] },
-        transparent,
-      });
+      await this.drawTile(signal);
+      this.tile.compose(transparent, eyes.length > 1 ? anaglyph.eyes[eye === 0 ? 0 : 1] : this.tile.shown);
     }
     if (eyes.length > 1) {
-      anaglyph.draw(renderer, [0, 0], shown);
+      anaglyph.draw(renderer, [0, 0], this.tile.shown);
+    } else {
+      this.over(this.tile);
     }
   }
 
   /** @throws the signal's reason where it is aborted. */
-  private async drawTile(tile: Tile, signal: AbortSignal): Promise<void> {
+  private async drawTile(signal: AbortSignal): Promise<void> {
     const { halfFloat, passes, software, stepsPerVoxel } = this.quality;
     const averaged = halfFloat ? passes : 1;
-    const { drawn, marcher, renderer, surfaces } = this;
-    drawn.useLevel(1);
-    drawn.useRows(0, tile.height);
+    const { marcher, renderer, surfaces } = this;
+    const { drawn } = this.tile;
     for (let count = 1; count <= averaged; ++count) {
       if (count > 1 && software) {
         // all passes at once would hold the page up
@@ -161,17 +156,6 @@ export class Snapshot {
       this.clock.start(() => { resolve(); });
     });
     signal.throwIfAborted();
-  }
-
-  /** The tile as a canvas takes it: rows from the top, colours not multiplied by opacity. */
-  private read({ width, height }: Tile): ImageData {
-    const bytes = new Uint8Array(4 * width * height);
-    this.renderer.readRenderTargetPixels(this.shown, 0, 0, width, height, bytes);
-    const image = new ImageData(width, height);
-    for (let y = 0; y < height; ++y) {
-      image.data.set(bytes.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)), 4 * width * y);
-    }
-    return image;
   }
 }
 

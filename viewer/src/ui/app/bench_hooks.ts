@@ -33,6 +33,8 @@ export interface BenchHooks {
   readonly wholePicture: number | null;
   /** Pictures and strips that the GPU has drawn to the end. */
   readonly pieces: number;
+  /** Numbers of the engine's pictures: of the last request, and of the one on display; null where the browser draws. */
+  readonly numbers: { readonly requested: number; readonly shown: number } | null;
   /** Turns the view about the body's long axis [rad]. */
   readonly turn: (angle: number) => void;
   /** Draws the view as it is now, away from the screen; null before there is one. */
@@ -48,6 +50,9 @@ export function benchHooks(stage: Stage): BenchHooks {
     },
     get pieces() {
       return stage.picture.drawn?.pieces ?? 0;
+    },
+    get numbers() {
+      return stage.picture.drawn?.engineNumbers ?? null;
     },
     turn: (angle) => {
       stage.view.camera = stage.view.camera && orbit(stage.view.camera, angle, 0);

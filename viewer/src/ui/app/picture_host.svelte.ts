@@ -9,6 +9,7 @@ import type { GpuSupport } from "../../gl/base/gpu_support";
 import type { FieldFilter } from "../../gl/march/field_filter";
 import { Picture } from "../../gl/picture/picture";
 import type { SnapshotWish } from "../../gl/picture/snapshot";
+import { savedPictures } from "../../live/saved_pictures";
 import type { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import type { MarkVisibility } from "../features/marks/mark_visibility.svelte";
 import type { EditRateControl } from "../features/scan/edit_rate_control.svelte";
@@ -56,6 +57,7 @@ export class PictureHost {
   constructor(
     private readonly sources: Sources,
     readonly support: GpuSupport,
+    private readonly token: string,
   ) {
     this.sync = new PictureSync(sources, support.software);
     sources.session.onDrawn((drawn) => this.picture?.takeDrawn(drawn));
@@ -110,10 +112,12 @@ export class PictureHost {
 
   /** Draws a view into a canvas. */
   async snapshot(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
-    if (this.picture === null) {
-      throw new Error("there is no picture");
-    }
-    await this.picture.snapshot(context, wish);
+    await this.standing.snapshot(context, wish);
+  }
+
+  /** Draws one view after another into a canvas, and waits until each was taken. */
+  async film(...[context, cameras, wish, taken]: Parameters<Picture["film"]>): Promise<void> {
+    await this.standing.film(context, cameras, wish, taken);
   }
 
   /** Draws nothing any more, or again; edits are uploaded all the same. */
@@ -151,6 +155,13 @@ export class PictureHost {
     }
   }
 
+  private get standing(): Picture {
+    if (this.picture === null) {
+      throw new Error("there is no picture");
+    }
+    return this.picture;
+  }
+
   /** Makes the picture, also anew after the graphics were reset. */
   private start(): void {
     if (this.canvas === null) {
@@ -168,6 +179,7 @@ export class PictureHost {
           session.send(message);
         },
         engineDraws: drawer.wantsEngine,
+        askSaved: (wish, signal) => savedPictures(wish, this.token, signal),
       });
     } catch (error) {
       loader.failure = `the graphics did not start: ${error instanceof Error ? error.message : String(error)}`;
@@ -214,13 +226,14 @@ export class PictureHost {
 
   /** Has the engine draw, or this browser. */
   private chooseDrawer(picture: Picture): void {
-    const { drawer, edits, second, session, stereo } = this.sources;
+    const { drawer, edits, scene, second, session, stereo } = this.sources;
     picture.engineDraws = drawer.follow({
       // at first it is about to be
       connected: session.greetings === 0 || session.connection.kind === "open",
       stereo: stereo.choice.mode,
       second: second.shown !== null,
       deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,
+      segments: scene.segments,
     });
     if (session.greetings !== this.greetings) {
       this.greetings = session.greetings;

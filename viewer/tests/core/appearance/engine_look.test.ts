@@ -12,13 +12,18 @@ const points = [
   { value: 100, colour: [1, 0.5, 0], extinction: 2 },
 ] as const;
 
-function lookOf(segments: readonly Segment[], modes: InsideModes = {}): ReturnType<typeof engineLook> {
+function lookOf(
+  segments: readonly Segment[],
+  modes: InsideModes = {},
+  part: Partial<Appearance> = {},
+): ReturnType<typeof engineLook> {
   const appearance: Appearance = {
     transferFunction: { points },
     ranges: rangesInside(shownRanges(segments, rescale), modes),
     edgeGradient: 30,
     lighting: firstLighting,
     optics: { ...shadedOptics, isoValue: 50 },
+    ...part,
   };
   return engineLook(appearance, { segments, modes }, [{ normal: [1, 0, 0], offset: 5 }]);
 }
@@ -38,6 +43,14 @@ test("values, light and planes go out in physical units", () => {
     clip: [[[1, 0, 0], 5]],
     segments: [],
   });
+});
+
+test("a scan whose tissue has one value alone has spans that the engine can divide by", () => {
+  const optics = { ...shadedOptics, window: { window: 0, level: 1000 } };
+  const { edge_gradient, window } = lookOf([], {}, { edgeGradient: 0, optics });
+  expect(edge_gradient).toBeGreaterThan(0);
+  expect(window[0]).toBeGreaterThan(0);
+  expect(window[1]).toBe(1000);
 });
 
 test("a threshold goes out by its limits, a painted segment by its voxels", () => {

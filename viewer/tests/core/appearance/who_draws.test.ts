@@ -1,7 +1,8 @@
 import { expect, test } from "vitest";
 import { engineObstacle, saneDrawer, wantsEngine, type ShownThings } from "../../../src/core/appearance/who_draws";
+import { segment } from "../../support/volumes";
 
-const alone: ShownThings = { connected: true, stereo: "off", second: false, deforming: false };
+const alone: ShownThings = { connected: true, stereo: "off", second: false, deforming: false, segments: [] };
 
 test("automatically the engine draws where the browser draws by the CPU", () => {
   expect(wantsEngine("auto", true)).toBe(true);
@@ -13,15 +14,20 @@ test("what was kept and is no choice counts as automatic", () => {
   expect([saneDrawer("engine"), saneDrawer("other"), saneDrawer(null)]).toEqual(["engine", "auto", "auto"]);
 });
 
-test("the engine draws a scan, with segments and surfaces of any kind", () => {
-  expect(engineObstacle(alone)).toBeNull();
+test("the engine draws surfaces of any kind, and deformed tissue without them", () => {
+  const moved = { ...segment, visible: true, shown_as: "surface" as const, opacity: 0.5, pose: Array<number>(16).fill(0) };
+  expect(engineObstacle({ ...alone, segments: [moved] })).toBeNull();
+  expect(engineObstacle({ ...alone, deforming: true, segments: [{ ...moved, shown_as: "volume" }] })).toBeNull();
 });
 
 test.each<[string, Partial<ShownThings>]>([
   ["the engine is not connected", { connected: false }],
   ["stereo is shown", { stereo: "anaglyph" }],
   ["a second scan is shown", { second: true }],
-  ["soft tissue is deformed", { deforming: true }],
+  [
+    "a surface is shown while soft tissue is deformed",
+    { deforming: true, segments: [{ ...segment, visible: true, shown_as: "surface" }] },
+  ],
 ])("the browser draws where %s", (obstacle, part) => {
   expect(engineObstacle({ ...alone, ...part })).toBe(obstacle);
 });

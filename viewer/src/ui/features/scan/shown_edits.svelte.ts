@@ -29,6 +29,8 @@ import type { Picture } from "../../../gl/picture/picture";
 export interface EditTimes {
   /** Its number; of several at once the last one's. */
   readonly edit: number;
+  /** When the engine applied it [ms since 1970]; of several at once the oldest. */
+  readonly applied: number;
   /** From when the engine applied it, by the clock of its machine, until it arrived. */
   readonly way: number;
   /** Until the page got to it: a frame was drawn meanwhile. */
@@ -123,6 +125,7 @@ export class ShownEdits {
         const ago = Date.now() - 1000 * changed.applied;
         this.times.push({
           edit: changed.edit,
+          applied: 1000 * changed.applied,
           way: ago - (ended - arrived),
           wait: began - arrived,
           work: ended - began,

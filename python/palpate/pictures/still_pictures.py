@@ -1,0 +1,51 @@
+"""Pictures of a session as it was at one moment, which make way for those of a live view."""
+
+from __future__ import annotations
+
+import time
+
+from palpate.pictures.appearance import Appearance
+from palpate.pictures.camera import Camera
+from palpate.pictures.session_pictures import DrawnArrays, Fineness, SessionPictures
+from palpate.session.session import Session
+
+__all__ = ["StillPictures"]
+
+PATIENCE = 1.0
+"""Seconds that a picture makes way: a live view may never rest."""
+LOOK_EVERY = 0.02
+"""Seconds between two looks whether the live view rests."""
+
+
+class StillPictures(SessionPictures):
+    """A renderer of the voxels as they were when it drew first; edits after that are not seen."""
+
+    follows_edits = False
+
+    def __init__(self, session: Session, live: SessionPictures) -> None:
+        """Draws nothing until it is asked to; all that is drawn ``live`` goes first."""
+        super().__init__(session)
+        self._live = live
+        live.put_before(self)
+
+    def close(self) -> None:
+        """Nobody has to wait for it any more."""
+        self._live.forget(self)
+
+    def draw_at_rest(
+        self, appearance: Appearance, camera: Camera, size: tuple[int, int], *, fineness: Fineness
+    ) -> DrawnArrays:
+        """Draws once the live view rests, or has had its way for a second.
+
+        Raises:
+            ValueError: Appearance, camera or size are not allowed.
+            RuntimeError: The session had ended before the first picture.
+        """
+        until = time.monotonic() + PATIENCE
+        picture = None
+        while picture is None:
+            while self._live.is_busy and time.monotonic() < until:
+                time.sleep(LOOK_EVERY)
+            number = self.next_number() if time.monotonic() < until else None
+            picture = self.draw(appearance, camera, size, fineness=fineness, number=number)
+        return picture
