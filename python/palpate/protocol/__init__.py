@@ -15,6 +15,7 @@ from palpate.protocol.engine_picture import (
     DrawPicture,
     LookLight,
     LookSegment,
+    LookSurface,
     PictureLook,
     SeenFrom,
 )
@@ -201,6 +202,7 @@ __all__ = [
     "LinearColour",
     "LookLight",
     "LookSegment",
+    "LookSurface",
     "MaterialPreset",
     "MatterParts",
     "MatterRegion",

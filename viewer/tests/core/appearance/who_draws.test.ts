@@ -15,7 +15,8 @@ test("what was kept and is no choice counts as automatic", () => {
 });
 
 test("the engine draws surfaces of any kind, and deformed tissue without them", () => {
-  const moved = { ...segment, visible: true, shown_as: "surface" as const, opacity: 0.5, pose: Array<number>(16).fill(0) };
+  const through = { ...segment, visible: true, shown_as: "surface" as const, opacity: 0.5 };
+  const moved = { ...through, pose: Array<number>(16).fill(0) };
   expect(engineObstacle({ ...alone, segments: [moved] })).toBeNull();
   expect(engineObstacle({ ...alone, deforming: true, segments: [{ ...moved, shown_as: "volume" }] })).toBeNull();
 });
