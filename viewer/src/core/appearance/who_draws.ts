@@ -2,6 +2,8 @@
  * Who draws the 3-D view: this browser, or the engine, which is mostly quicker where the browser's graphics are drawn
  * by the CPU. Always one of them alone.
  */
+import type { Segment } from "../protocol";
+import { drawnAsSurface } from "../segments/shown_segments";
 import type { Stereo } from "../view/stereo";
 import type { Drawer } from "./quicker_drawer";
 
@@ -28,10 +30,13 @@ export interface ShownThings {
   readonly failure: string | null;
   readonly stereo: Stereo["mode"];
   readonly second: boolean;
+  readonly deforming: boolean;
+  readonly segments: readonly Segment[];
 }
 
 /** Why the engine cannot draw what is shown; null where it can. */
-export function engineObstacle({ connected, failure, stereo, second }: ShownThings): string | null {
+export function engineObstacle(shown: ShownThings): string | null {
+  const { connected, failure, stereo, second, deforming, segments } = shown;
   if (!connected) {
     return "the engine is not connected";
   }
@@ -43,6 +48,9 @@ export function engineObstacle({ connected, failure, stereo, second }: ShownThin
   }
   if (second) {
     return "a second scan is shown";
+  }
+  if (deforming && segments.some(drawnAsSurface)) {
+    return "a surface is shown while soft tissue is deformed";
   }
   return null;
 }

@@ -1,7 +1,15 @@
 import { expect, test } from "vitest";
 import { engineObstacle, saneDrawer, wantsEngine, type ShownThings } from "../../../src/core/appearance/who_draws";
+import { segment } from "../../support/volumes";
 
-const alone: ShownThings = { connected: true, failure: null, stereo: "off", second: false };
+const alone: ShownThings = {
+  connected: true,
+  failure: null,
+  stereo: "off",
+  second: false,
+  deforming: false,
+  segments: [],
+};
 
 test("automatically the engine draws where the browser draws by the CPU", () => {
   expect(wantsEngine("auto", true)).toBe(true);
@@ -23,6 +31,10 @@ test.each<[string, Partial<ShownThings>]>([
   ["not enough memory; the engine is tried again every 30 s", { failure: "not enough memory" }],
   ["stereo is shown", { stereo: "anaglyph" }],
   ["a second scan is shown", { second: true }],
+  [
+    "a surface is shown while soft tissue is deformed",
+    { deforming: true, segments: [{ ...segment, visible: true, shown_as: "surface" }] },
+  ],
 ])("the browser draws where %s", (obstacle, part) => {
   expect(engineObstacle({ ...alone, ...part })).toBe(obstacle);
 });
