@@ -194,15 +194,15 @@ test: ## all tests and checks
 
 everything: test-rust lint test-python test-viewer test-wheel test-browser
 
-# Beside one another, two at a time, but what takes the same lock of cargo or fills both cores;
-# pages are looked at when nothing else runs.
+# Beside one another, two at a time, but what takes the same lock of cargo: two rows of about the same
+# length, crates and shaders, and package, wheel and pages.
 ifdef TOGETHER
 lint-rust $(VENV_READY) $(NODE_READY): | prerequisites
 test-rust check-rust: | lint-rust
 test-python check-python: | lint-python lint-viewer
-test-viewer: | test-python
-test-wheel: | test-viewer
-test-browser: | test-rust test-wheel
+test-viewer: | test-rust
+test-wheel: | test-python
+test-browser: | test-wheel
 endif
 ifeq ($(TOGETHER),everything)
 prerequisites: | chromium firefox data

@@ -25,7 +25,7 @@ WATCHED_SECONDS = 20.0
 
 def first_picture(path: Path) -> float:
     """Returns the seconds from starting the command to the first picture."""
-    with browser() as page:
+    with browser(drawer="browser") as page:
         began = time.monotonic()
         with palpate("open", path) as command:
             served = time.monotonic() - began
@@ -59,7 +59,10 @@ def memory_mib(command: Command) -> float:
 
 def watch(path: Path, *, with_priority: bool) -> tuple[float, float]:
     """Returns the share of late ticks in one session, and its memory [MiB]."""
-    with palpate("open", path, real_time=with_priority) as command, browser() as page:
+    with (
+        palpate("open", path, real_time=with_priority) as command,
+        browser(drawer="browser") as page,
+    ):
         page.do("open", url=command.url, **SIZE)
         if page.read("window.palpate.state.rates.real_time") != with_priority:
             sys.exit("no real-time priority here; allowed: as root, or with ulimit -r 70")

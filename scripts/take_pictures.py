@@ -36,7 +36,7 @@ def _ct(scan: Path, segments: Path) -> list[str]:
 
 
 def _take(path: Path, scan: list[str], arrange: Callable[[Browser], None]) -> None:
-    with palpate("open", *scan) as command, browser() as page:
+    with palpate("open", *scan) as command, browser(drawer="browser") as page:
         page.do("open", url=command.url, **SIZE)
         page.read("window.palpate.setJitter(false)")
         arrange(page)

@@ -137,6 +137,38 @@ def test_a_picture_that_is_saved_looks_as_the_one_on_the_screen(page: Browser) -
     page.all_done()
 
 
+@pytest.mark.data
+def test_marks_are_in_a_saved_picture_as_on_the_screen_unless_left_out(page: Browser) -> None:
+    page.do("press", key="m")
+    ends = ((0.42, 0.33), (0.56, 0.42))
+    for x, y in ends:
+        page.do("clickAt", testid="canvas", x=x, y=y)
+    page.wait("window.palpate.marks.length === 1")
+    page.do("press", key="Escape")
+    shown = page.picture(OUTPUT / "drawn-by-engine-marks.png")
+    saved = saved_picture(page, magnification=2)
+    height, width = shown.shape[:2]
+    for x, y in ends:
+        row, column = round(y * height), round(x * width)
+        around = (slice(row - 10, row + 10), slice(column - 10, column + 10))
+        assert pink_share(shown[around]) > 0.05
+        assert np.abs(saved[around] - shown[around]).mean() <= 8 / 255
+    # a screenshot of the picture is without what is written over it
+    assert pink_share(saved) > 1.5 * pink_share(shown)
+    page.do("click", testid="save-image")
+    page.do("click", testid="image-marks")
+    page.do("press", key="Escape")
+    assert pink_share(saved_picture(page, magnification=2)) == 0
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.marks.length === 0")
+
+
+def pink_share(picture: NDArray[np.float64]) -> float:
+    """Returns the share of pixels with the colour of marks."""
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    return float(((red > 0.7) & (green < 0.75 * red) & (blue > 1.15 * green)).mean())
+
+
 def saved_picture(page: Browser, *, magnification: int) -> NDArray[np.float64]:
     """Returns what the engine draws for a file: at the size of the view."""
     before = page.read(SAVED)

@@ -316,7 +316,7 @@ def test_a_large_scan_is_seen_coarsely_until_all_of_it_is_there(tmp_path: Path) 
     path = tmp_path / "large.nrrd"
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path), useCompression=True)
     opened = palpate("open", path, "--threshold", "400", state=tmp_path)
-    with opened as command, browser() as page:
+    with opened as command, browser(drawer="browser") as page:
         first = page.do("open", url=command.url, width=640, height=480)["firstPicture"]
         assert 0.0 < first < page.read("window.palpate.bench.wholePicture")
         # what is clicked then is that of all of the scan, to the voxel
@@ -333,7 +333,7 @@ def test_what_has_arrived_of_a_large_scan_is_seen_while_the_rest_is_on_its_way(
     with (
         palpate("open", path, state=tmp_path) as command,
         held_back(command.url, asked="/api/volume?step=1&", most=70 * plane_bytes) as way,
-        browser() as page,
+        browser(drawer="browser") as page,
     ):
         page.do("open", url=way.url, **SIZE, seconds=0.001)
         page.wait("window.palpate?.firstPicture > 0", seconds=120.0)

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 def opened(data_folder: Path) -> Iterator[Opened]:
     """A contrast CT of the trunk, seen from the front."""
     path = data_folder / "amos_0336" / "amos_0336.mhd"
-    with palpate("open", path, "--unit", "HU") as command, browser() as page:
+    with palpate("open", path, "--unit", "HU") as command, browser(drawer="browser") as page:
         assert page.do("open", url=command.url, **SIZE)["firstPicture"] is not None
         # tests draw on the CPU, which people are told of
         page.wait("document.body.textContent.includes('without a graphics card')")

@@ -58,7 +58,7 @@ def opened(data_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Itera
     path = tmp_path_factory.mktemp("small") / "head.mha"
     image = small_head(data_folder / "cthead_stanford" / "CThead.mha")
     SimpleITK.WriteImage(image, str(path))
-    with palpate("open", path, "--unit", "HU") as command, browser() as page:
+    with palpate("open", path, "--unit", "HU") as command, browser(drawer="browser") as page:
         page.do("open", url=command.url, **SIZE)
         page.read("localStorage.setItem('palpate.quality', JSON.stringify({ quality: 'still' }))")
         for name, part in remembered("mip").items():

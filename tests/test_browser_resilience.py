@@ -24,8 +24,8 @@ def test_two_pages_follow_one_another_and_lost_graphics_come_back(data_folder: P
     scan = data_folder / "cthead_stanford" / "CThead.mha"
     with (
         palpate("open", scan, "--threshold", str(BONE)) as command,
-        browser() as page,
-        browser() as other,
+        browser(drawer="browser") as page,
+        browser(drawer="browser") as other,
     ):
         page.do("open", url=command.url, width=1000, height=460)
         before = page.picture(OUTPUT / "graphics_before.png")
@@ -34,6 +34,7 @@ def test_two_pages_follow_one_another_and_lost_graphics_come_back(data_folder: P
         page.read(LOSE)
         other.do("open", url=command.url, width=1000, height=460)
         other.do("click", testid="visible-1")
+        other.all_done()
         page.wait(f"{VISIBLE} === 'false'")
         page.read("window.__graphics.restoreContext()")
         restored = page.picture(OUTPUT / "graphics_restored.png")

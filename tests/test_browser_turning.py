@@ -36,7 +36,7 @@ TURNING = """new Promise((resolve) => {
 def page(data_folder: Path) -> Iterator[Browser]:
     """CThead, with air above it."""
     path = data_folder / "cthead_stanford" / "CThead.mha"
-    with palpate("open", path) as command, browser() as opened:
+    with palpate("open", path) as command, browser(drawer="browser") as opened:
         assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
         yield opened
 

@@ -47,6 +47,7 @@ fn appearance() -> Appearance {
         slab: None,
         lighting: Lighting::default(),
         segments: Vec::new(),
+        surfaces: Vec::new(),
         clip: Vec::new(),
     }
 }

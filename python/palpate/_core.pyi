@@ -535,8 +535,13 @@ class Renderer:
         """
 
     @staticmethod
-    def of_session(session: Session) -> Renderer:
+    def of_session(session: Session, *, waits: bool = False) -> Renderer:
         """Draws what a session has, as it is now.
+
+        Args:
+            session: Whose voxels and surfaces are drawn.
+            waits: Whether surfaces that are being made are waited for; else later pictures have
+                them.
 
         Raises:
             RuntimeError: The session has ended.
@@ -544,6 +549,9 @@ class Renderer:
 
     def follow(self, session: Session) -> bool:
         """Takes what a session has now, and reads what was changed; true where something was."""
+
+    def set_surfaces(self, surfaces: Sequence[tuple[int, Surface]]) -> None:
+        """Takes the surfaces of segments, by their numbers."""
 
     def set_appearance(self, appearance: Appearance) -> None:
         """Shows the scan in another way.

@@ -3,13 +3,14 @@
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3, ToPyArray};
-use palpate_engine::picture::ShownDisplacements;
-use palpate_engine::session::Drawn;
+use palpate_engine::error::SessionError;
+use palpate_engine::picture::{ShownDisplacements, ShownSurface as ShownSurfaceOfSession};
+use palpate_engine::session::{Drawn, Session};
 use palpate_render::appearance::{
-    Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment,
+    Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment, ShownSurface,
 };
 use palpate_render::camera::Camera;
 use palpate_render::displaced::Displacements;
@@ -17,6 +18,8 @@ use palpate_render::draw::Request;
 use palpate_render::picture::{Ground, Picture};
 use palpate_render::renderer::Renderer;
 use palpate_render::scene::SceneError;
+use palpate_render::surfaces::{SegmentSurface, Triangles};
+use palpate_surface::Patch;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::simd_dispatch::SimdLevel;
 use palpate_volume::voxels::Voxels;
@@ -27,6 +30,7 @@ use crate::errors::CoreError;
 use crate::parallel::{in_background, parallel};
 use crate::segment::PySegment;
 use crate::session::PySession;
+use crate::surface::PySurface;
 use crate::volume::PyVolume;
 
 /// Most pixels of a picture along an edge.
@@ -88,6 +92,35 @@ struct GivenSegment {
     specular: f32,
 }
 
+/// A segment's surface as Python has it, see `palpate.pictures.appearance`.
+#[derive(FromPyObject)]
+struct GivenSurface {
+    id: u8,
+    colour: Colour,
+    opacity: f32,
+    wireframe: bool,
+    ambient: f32,
+    specular: f32,
+}
+
+/// A part of a surface that the session has too.
+#[derive(Debug)]
+struct SharedPatch(Arc<Patch>);
+
+impl Triangles for SharedPatch {
+    fn positions(&self) -> &[[f32; 3]] {
+        &self.0.vertices
+    }
+
+    fn normals(&self) -> &[[f32; 3]] {
+        &self.0.normals
+    }
+
+    fn corners(&self) -> &[[u32; 3]] {
+        &self.0.triangles
+    }
+}
+
 /// An appearance as Python has it, see `palpate.pictures.appearance`.
 #[derive(FromPyObject)]
 pub struct GivenAppearance {
@@ -102,6 +135,7 @@ pub struct GivenAppearance {
     slab: Option<f64>,
     lighting: GivenLighting,
     segments: Vec<GivenSegment>,
+    surfaces: Vec<GivenSurface>,
     clip: Vec<(Triple, f64)>,
 }
 
@@ -121,21 +155,47 @@ impl PyRenderer {
         Self::of(parallel(py, || Renderer::new(voxels)))
     }
 
-    /// Draws what a session has, as it is now.
+    /// Draws what a session has, as it is now. Surfaces that are being made are waited for, or come with a later picture.
     #[staticmethod]
-    fn of_session(py: Python<'_>, session: &PySession) -> Result<Self, CoreError> {
+    #[pyo3(signature = (session, *, waits = false))]
+    fn of_session(py: Python<'_>, session: &PySession, waits: bool) -> Result<Self, CoreError> {
         let voxels = py.detach(|| session.session.voxels())?;
         let renderer = Self::of(parallel(py, || Renderer::new(voxels)))?;
         renderer.follow(py, session)?;
+        if waits {
+            let surfaces = py.detach(|| session.session.made_surfaces())?;
+            let surfaces = surfaces.into_iter().map(surface_of).collect();
+            py.detach(|| renderer.lock().set_surfaces(surfaces));
+        }
         Ok(renderer)
     }
 
-    /// Takes what a session has now; true where something had changed.
+    /// Takes what a session has now; true where voxels had changed or tissue stands elsewhere.
     fn follow(&self, py: Python<'_>, session: &PySession) -> Result<bool, CoreError> {
         let session = &session.session;
-        let known = py.detach(|| self.lock().edit_number());
+        let known = py.detach(|| {
+            let renderer = self.lock_following(session)?;
+            Ok::<_, SessionError>(renderer.edit_number())
+        })?;
         let drawn = py.detach(|| session.drawn_since(known))?;
         Ok(parallel(py, || self.take(drawn)))
+    }
+
+    /// Takes the surfaces of segments, by their numbers.
+    fn set_surfaces(&self, py: Python<'_>, surfaces: Vec<(u8, PyRef<'_, PySurface>)>) {
+        let surfaces = surfaces.iter();
+        let surfaces = surfaces
+            .map(|(id, surface)| {
+                let (origin, patches) = surface.patches();
+                SegmentSurface {
+                    id: *id,
+                    origin,
+                    pose: DAffine3::IDENTITY,
+                    patches: patches.into_iter().map(shared).collect(),
+                }
+            })
+            .collect();
+        py.detach(|| self.lock().set_surfaces(surfaces));
     }
 
     /// Shows the scan in another way.
@@ -226,6 +286,16 @@ impl PyRenderer {
         has_edit || !is_same
     }
 
+    /// The renderer with the surfaces that a session shows, or while these are made with those before.
+    fn lock_following(&self, session: &Session) -> Result<MutexGuard<'_, Renderer>, SessionError> {
+        let surfaces = session.shown_surfaces()?;
+        let mut renderer = self.lock();
+        if let Some(surfaces) = surfaces {
+            renderer.set_surfaces(surfaces.into_iter().map(surface_of).collect());
+        }
+        Ok(renderer)
+    }
+
     fn lock(&self) -> MutexGuard<'_, Renderer> {
         // whatever a panic left is made anew with the next picture
         self.renderer.lock().unwrap_or_else(PoisonError::into_inner)
@@ -291,6 +361,19 @@ impl PyPicture {
     }
 }
 
+fn surface_of(shown: ShownSurfaceOfSession) -> SegmentSurface {
+    SegmentSurface {
+        id: shown.id.0,
+        origin: shown.origin,
+        pose: shown.pose,
+        patches: shown.patches.into_iter().map(shared).collect(),
+    }
+}
+
+fn shared(patch: Arc<Patch>) -> Arc<dyn Triangles> {
+    Arc::new(SharedPatch(patch))
+}
+
 fn check_size(size: (u32, u32)) -> Result<(), CoreError> {
     let allowed = 1..=MOST_PIXELS;
     if allowed.contains(&size.0) && allowed.contains(&size.1) {
@@ -337,6 +420,7 @@ impl GivenAppearance {
                 .into_iter()
                 .map(ShownSegment::try_from)
                 .collect::<Result<_, _>>()?,
+            surfaces: self.surfaces.into_iter().map(ShownSurface::from).collect(),
             clip: self.clip.into_iter().map(plane).collect(),
         };
         appearance.check()?;
@@ -385,6 +469,19 @@ impl From<GivenLighting> for Lighting {
             edges: given.edges,
             occlusion: given.occlusion,
             shadow: given.shadow,
+        }
+    }
+}
+
+impl From<GivenSurface> for ShownSurface {
+    fn from(given: GivenSurface) -> Self {
+        Self {
+            id: given.id,
+            colour: given.colour.into(),
+            opacity: given.opacity,
+            is_wireframe: given.wireframe,
+            ambient: given.ambient,
+            specular: given.specular,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `_core.Surface`: the triangles of a segment, for files and for `palpate bench surface`.
 
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
@@ -114,6 +114,15 @@ impl State {
             values: self.values.as_ref().map(|values| (values, None)),
         };
         self.surface.update(&source, dirty);
+    }
+}
+
+impl PySurface {
+    /// From where positions are counted [patient mm], and its parts, which are shared.
+    pub(crate) fn patches(&self) -> (DVec3, Vec<Arc<Patch>>) {
+        let surface = &self.state().surface;
+        let patches = surface.patches().map(|(_, patch)| Arc::clone(patch));
+        (surface.origin(), patches.collect())
     }
 }
 

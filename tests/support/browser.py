@@ -33,8 +33,8 @@ ANSWER_LIMIT = 300.0
 class Browser:
     """A browser with one page; every call is one action of ``drive.mjs``."""
 
-    def __init__(self, *, flags: str = "", drawer: str = "browser") -> None:
-        """Starts it; ``flags`` go to Chromium, ``drawer`` draws the 3-D view, "" where unchosen."""
+    def __init__(self, *, flags: str = "", drawer: str = "") -> None:
+        """Starts it; ``flags`` go to Chromium, ``drawer`` was chosen by a person, "" is none."""
         found = subprocess.run(
             [ROOT / "scripts" / "chromium.sh"], check=True, capture_output=True, text=True
         )
@@ -147,8 +147,12 @@ class Browser:
 
 
 @contextmanager
-def browser(*, flags: str = "", drawer: str = "browser") -> Iterator[Browser]:
-    """Gives a browser and ends it; most tests are of what the browser itself draws."""
+def browser(*, flags: str = "", drawer: str = "") -> Iterator[Browser]:
+    """Gives a browser and ends it.
+
+    It has no graphics card, so that the engine draws the 3-D view where it can: several times
+    quicker. Tests of what the browser itself draws say so by ``drawer="browser"``.
+    """
     started = Browser(flags=flags, drawer=drawer)
     try:
         yield started

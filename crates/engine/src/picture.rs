@@ -16,4 +16,6 @@ pub use packed_patch::PackedPatch;
 pub use scene_updates::SceneUpdate;
 pub use simulation_status::{PictureEnds, SimulationStatus};
 pub use surface_loop::{SurfaceLoop, SurfacePace};
-pub use surfaces::{PictureChange, ShownDisplacements, SurfaceChange, Surfaces, VoxelChange};
+pub use surfaces::{
+    PictureChange, ShownDisplacements, ShownSurface, SurfaceChange, Surfaces, VoxelChange,
+};

@@ -125,6 +125,23 @@ pub struct ShownSegment {
     pub specular: f32,
 }
 
+/// A segment whose surface is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShownSurface {
+    /// The segment's number.
+    pub id: u8,
+    /// Linear RGB.
+    pub colour: Vec3,
+    /// Above 0; with 1 nothing is seen behind it.
+    pub opacity: f32,
+    /// Only the sides of its triangles are drawn.
+    pub is_wireframe: bool,
+    /// Factor on ambient light.
+    pub ambient: f32,
+    /// Factor on specular light.
+    pub specular: f32,
+}
+
 /// What lies before a plane is cut away. Frame: patient, LPS mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
@@ -159,6 +176,8 @@ pub struct Appearance {
     pub lighting: Lighting,
     /// Segments, in the order in which they win where several claim a value.
     pub segments: Vec<ShownSegment>,
+    /// Segments whose surfaces are drawn, of those that the scene has.
+    pub surfaces: Vec<ShownSurface>,
     /// What is cut away.
     pub clip: Vec<Plane>,
 }

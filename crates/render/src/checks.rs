@@ -169,6 +169,19 @@ impl Appearance {
             number("lower limit", low, !low.is_nan(), "a number")?;
             number("upper limit", high, !high.is_nan(), "a number")?;
         }
+        for surface in &self.surfaces {
+            let opacity = surface.opacity;
+            let is_opacity = opacity > 0.0 && opacity <= 1.0;
+            number(
+                "opacity of a surface",
+                f64::from(opacity),
+                is_opacity,
+                "above 0, at most 1",
+            )?;
+            colour("colour of a surface", surface.colour)?;
+            rising("ambient light of a surface", surface.ambient)?;
+            rising("specular light of a surface", surface.specular)?;
+        }
         for plane in &self.clip {
             let length = plane.normal.length();
             let is_unit = (length - 1.0).abs() < 1e-3 && plane.offset.is_finite();

@@ -1,5 +1,7 @@
 //! Draws a picture: bands of rows on all threads, each in packets of eight rays.
 
+use std::ops::Range;
+
 use glam::{Vec3, Vec4};
 use palpate_volume::simd_dispatch;
 use palpate_volume::simd_dispatch::SimdLevel;
@@ -12,12 +14,13 @@ use crate::lanes::Avx2;
 use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Plain};
 use crate::light_volume::{LightLookup, LightVolume};
 use crate::lighting::Light;
-use crate::march::{CLEAR_ENOUGH, PACKET, Packet, Pixels, Seen, seen_along};
+use crate::march::{CLEAR_ENOUGH, Layers, PACKET, Packet, Pixels, Seen, seen_along};
 use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::Scene;
 use crate::shading::{FAR_AWAY, Shading};
 use crate::stop::Stop;
+use crate::surfaces::{BandFragments, DrawnSurface, OnScreen};
 
 /// Rows of a band, the portion of a thread.
 const BAND: usize = 8;
@@ -51,6 +54,7 @@ pub fn draw(
 ) -> Option<Picture> {
     let fan = RayFan::new(&request.camera, scene.grid(), request.size);
     let shading = shading_of(scene, prepared, light, request, &fan);
+    let on_screen = surfaces_on_screen(scene, prepared, request);
     let mut picture = Picture::clear(request.size);
     let band = BAND * request.size.0 as usize;
     let colours = picture.colours.par_chunks_mut(band);
@@ -67,17 +71,39 @@ pub fn draw(
                 depths,
                 segments,
             };
+            let fragments = on_screen
+                .as_ref()
+                .filter(|it| it.has_any(number))
+                .map(|it| {
+                    BandFragments::new(
+                        it,
+                        &shading,
+                        (&fan, request.shift),
+                        (number, band.rows(&fan)),
+                    )
+                });
             let job = Job {
                 shading: &shading,
                 fan: &fan,
                 shift: request.shift,
                 noise: request.noise,
+                fragments: fragments.as_ref(),
             };
             draw_band(job, band, request.level);
             Ok(())
         },
     );
     stopped.is_ok().then_some(picture)
+}
+
+/// The triangles of a picture; none where there are none.
+fn surfaces_on_screen<'a>(
+    scene: &'a Scene,
+    prepared: &'a Prepared,
+    request: &Request,
+) -> Option<OnScreen<'a>> {
+    let surfaces = DrawnSurface::all(scene, prepared);
+    (!surfaces.is_empty()).then(|| OnScreen::new(surfaces, request, BAND as u32))
 }
 
 /// Draws the mean of several pictures, each with rays through another place of every pixel and, where there is noise, with
@@ -136,6 +162,8 @@ struct Job<'a> {
     fan: &'a RayFan,
     shift: (f32, f32),
     noise: Option<u32>,
+    /// Surfaces in the band.
+    fragments: Option<&'a BandFragments<'a>>,
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -162,7 +190,7 @@ fn rows_plain(job: Job<'_>, band: Band<'_>, _: SimdLevel) {
 #[inline(always)]
 fn rows<L: Gather>(job: Job<'_>, mut band: Band<'_>) {
     let columns = job.fan.size.0;
-    let rows = (band.colours.len() / columns as usize) as u32;
+    let rows = band.rows(job.fan).len() as u32;
     let mut row = 0;
     while row < rows {
         let mut column = 0;
@@ -173,10 +201,15 @@ fn rows<L: Gather>(job: Job<'_>, mut band: Band<'_>) {
                 shift: job.shift,
                 noise: job.noise,
             };
-            let packet = Packet::<L>::new(job.fan, pixels, job.shading);
-            let is_missed = !packet.enter.less(packet.leave).any();
+            let mut packet = Packet::<L>::new(job.fan, pixels, job.shading);
+            let layers = job
+                .fragments
+                .and_then(|it| Layers::new(it, job.shading, &pixels, packet.stretch));
+            let is_missed = layers.is_none() && !packet.enter.less(packet.leave).any();
             if !is_missed {
-                let seen = seen_along(job.shading, &packet);
+                let layers = layers.unwrap_or_else(Layers::none);
+                packet.leave = packet.leave.min(layers.end);
+                let seen = seen_along(job.shading, &packet, layers);
                 band.put(&job, (column, row), &packet, &seen);
             }
             column += PACKET.0;
@@ -186,6 +219,12 @@ fn rows<L: Gather>(job: Job<'_>, mut band: Band<'_>) {
 }
 
 impl Band<'_> {
+    /// Its rows in the picture.
+    fn rows(&self, fan: &RayFan) -> Range<u32> {
+        let count = self.colours.len() / fan.size.0 as usize;
+        self.first..self.first + count as u32
+    }
+
     /// Writes a packet's pixels; those beyond the picture are left out.
     #[inline(always)]
     fn put<L: Gather>(

@@ -24,4 +24,5 @@ pub mod scene;
 mod segments;
 mod shading;
 pub mod stop;
+pub mod surfaces;
 mod transfer;

@@ -237,6 +237,7 @@ mod tests {
             slab: None,
             lighting: Lighting::default(),
             segments: vec![],
+            surfaces: vec![],
             clip: vec![],
         };
         let prepared = Prepared::new(&scene, appearance);

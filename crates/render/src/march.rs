@@ -1,15 +1,17 @@
 //! What is seen along rays, eight at a time: one file for each family of optical models.
 
 mod iso;
+mod layers;
 mod projection;
 mod ray;
 mod solid;
 mod tissue;
 
 use crate::appearance::Blend;
-use crate::lanes::{Gather, Vector};
+use crate::lanes::{Floats, Gather, Ints, Vector};
 use crate::shading::Shading;
 
+pub(crate) use layers::Layers;
 pub(crate) use ray::{PACKET, Packet, Pixels};
 
 /// Share of light below which nothing behind is seen.
@@ -30,14 +32,33 @@ pub(crate) struct Seen<L: Gather> {
     pub segment: L::Int,
 }
 
-/// Follows a packet of rays.
-#[inline(always)]
-pub(crate) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -> Seen<L> {
-    match shading.blend {
-        Blend::Shaded | Blend::Composite | Blend::Absorption | Blend::Emission => {
-            tissue::seen_along(shading, packet)
-        }
-        Blend::Mip | Blend::MinIp | Blend::Average => projection::seen_along(shading, packet),
-        Blend::Iso => iso::seen_along(shading, packet),
+impl<L: Gather> Seen<L> {
+    /// Notes where rays became more opaque than clear.
+    #[inline(always)]
+    fn note_depth(&mut self, length: L::Float, segment: L::Int, lanes: L::Mask) {
+        let opaque = self.clarity.less(Floats::splat(0.5));
+        let first = self.depth.less(Floats::splat(0.0)) & opaque & lanes;
+        self.depth = length.or_else(first, self.depth);
+        self.segment = segment.or_else(first, self.segment);
     }
+}
+
+/// Follows a packet of rays, past the surfaces in their way.
+#[inline(always)]
+pub(crate) fn seen_along<L: Gather>(
+    shading: &Shading<'_>,
+    packet: &Packet<L>,
+    layers: Layers<'_, L>,
+) -> Seen<L> {
+    let (mut seen, layers) = match shading.blend {
+        Blend::Shaded | Blend::Composite | Blend::Absorption | Blend::Emission => {
+            tissue::seen_along(shading, packet, layers)
+        }
+        Blend::Mip | Blend::MinIp | Blend::Average => {
+            (projection::seen_along(shading, packet), layers)
+        }
+        Blend::Iso => iso::seen_along(shading, packet, layers),
+    };
+    layers.end(shading, packet, &mut seen);
+    seen
 }

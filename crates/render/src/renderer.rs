@@ -13,6 +13,7 @@ use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::{Scene, SceneError};
 use crate::stop::Stop;
+use crate::surfaces::SegmentSurface;
 
 /// Cells along the scan's longest edge in which light is worked out.
 const LIGHT_CELLS: u32 = 128;
@@ -89,6 +90,11 @@ impl Renderer {
     /// Where there is no node, or not one displacement for each.
     pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
         self.scene.displace(displacements);
+    }
+
+    /// Takes the surfaces of segments as they are now.
+    pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
+        self.scene.set_surfaces(surfaces);
     }
 
     /// Shows the scan in another way.
@@ -196,6 +202,7 @@ fn without_colours(appearance: &Appearance) -> Appearance {
     for point in &mut opacity.transfer {
         point.colour = Vec3::ZERO;
     }
+    opacity.surfaces.clear();
     for segment in &mut opacity.segments {
         (segment.colour, segment.ambient, segment.specular) = (Vec3::ZERO, 1.0, 1.0);
     }
@@ -234,6 +241,7 @@ mod tests {
                 ambient: 1.0,
                 specular: 1.0,
             }],
+            surfaces: Vec::new(),
             clip: Vec::new(),
         }
     }

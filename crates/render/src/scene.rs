@@ -13,6 +13,7 @@ use thiserror::Error;
 use crate::bricks::BrickRanges;
 use crate::displaced::{Displaced, Displacements};
 use crate::field::Field;
+use crate::surfaces::SegmentSurface;
 
 /// A scan that cannot be drawn.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -37,6 +38,7 @@ pub struct Scene {
     pub(crate) field: Field,
     pub(crate) ranges: BrickRanges,
     pub(crate) displaced: Option<Displaced>,
+    pub(crate) surfaces: Vec<SegmentSurface>,
 }
 
 impl Scene {
@@ -62,6 +64,7 @@ impl Scene {
             field,
             ranges,
             displaced: None,
+            surfaces: Vec::new(),
         })
     }
 
@@ -97,6 +100,11 @@ impl Scene {
     pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
         let spacing = self.field.spacing();
         self.displaced = displacements.map(|given| Displaced::new(given, spacing));
+    }
+
+    /// Takes the surfaces of segments as they are now.
+    pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
+        self.surfaces = surfaces;
     }
 
     /// Where the voxels stand.

@@ -60,7 +60,7 @@ impl Segments {
             solid: vec![0; CODES],
             colours: vec![[0.0; 4]; CODES],
             factors: vec![[1.0, 1.0, 0.0, 0.0]; CODES],
-            numbers: vec![0; CODES],
+            numbers: numbers_of_labels(),
         };
         for segment in &appearance.segments {
             let code = match segment.range {
@@ -239,6 +239,14 @@ impl Segments {
         OwnFactors { ambient, specular }
     }
 
+    /// Limits of a segment that is just a threshold [stored values].
+    pub fn limits_of(&self, number: u8) -> Option<(f32, f32)> {
+        let is_its =
+            |(i, range): &(usize, &Range)| self.numbers[i + 1] == number && range.label == 0;
+        let (_, range) = self.ranges.iter().enumerate().find(is_its)?;
+        Some((range.low, range.high))
+    }
+
     /// The segment's number; 0 of none.
     pub fn number(&self, code: i32) -> u8 {
         self.numbers[code.max(0) as usize]
@@ -320,6 +328,17 @@ impl Segments {
             .filter(|&offset| labels.at((place + 1.5 * offset).floor().as_ivec3()) == label)
             .fold(Vec3::ZERO, |sum, offset| sum - offset / spacing)
     }
+}
+
+/// Code that tells nothing of a segment but its number.
+pub(crate) fn code_of_number(number: u8) -> i32 {
+    LABELS + i32::from(number)
+}
+
+/// Number of the segment of each code above `LABELS`, of others 0.
+fn numbers_of_labels() -> Vec<u8> {
+    let ranges = std::iter::repeat_n(0, MOST_RANGES);
+    ranges.chain(0..=u8::MAX).collect()
 }
 
 impl Range {

@@ -15,5 +15,6 @@ mod light;
 mod modes;
 mod same_picture;
 mod segments;
+mod surfaces;
 mod tissue;
 mod views;

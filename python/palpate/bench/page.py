@@ -18,10 +18,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from palpate.base.errors import OptionError
 from palpate.bench.processor_time import spent
+
+if TYPE_CHECKING:
+    from websockets.sync.client import ClientConnection
 
 __all__ = ["Page", "chromium", "opened", "served"]
 
@@ -59,11 +62,9 @@ def chromium() -> str:
 class Page:
     """One page of a running browser."""
 
-    def __init__(self, address: str, browser: int) -> None:
-        """Connects to its debugging address; ``browser`` is the number of its process."""
-        from websockets.sync.client import connect
-
-        self._socket = connect(address, max_size=None, compression=None)
+    def __init__(self, socket: ClientConnection, browser: int) -> None:
+        """Speaks over a connection to its debugging address, with a browser's process number."""
+        self._socket = socket
         self._number = 0
         self._browser = browser
 
@@ -147,10 +148,6 @@ class Page:
         """Returns the processor time of the browser until now [s]."""
         return spent(self._browser)
 
-    def close(self) -> None:
-        """Closes the connection."""
-        self._socket.close()
-
     def _ask(self, method: str, **parameters: object) -> dict[str, Any]:
         # what a method of the browser returns is the browser's to say
         self._number += 1
@@ -185,24 +182,25 @@ def opened(
         OptionError: There is no browser.
         RuntimeError: It does not start.
     """
+    from websockets.sync.client import connect
+
     program = chromium()
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [program, *FLAGS, f"--user-data-dir={profile}", f"--window-size={width},{height}"]
         with _running([*command, "about:blank"], "stderr") as (process, output):
-            address = _found_in(output, r"ws://([\d.:]+)/\S+", "the browser")
-            listing = f"http://{address.group(1)}/json/list"
+            debugging = _found_in(output, r"ws://([\d.:]+)/\S+", "the browser")
+            listing = f"http://{debugging.group(1)}/json/list"
             with urllib.request.urlopen(listing, timeout=PATIENCE) as answer:
                 pages = json.load(answer)
             shown = next(one for one in pages if one["type"] == "page")
-            page = Page(shown["webSocketDebuggerUrl"], process.pid)
-            try:
+            address = shown["webSocketDebuggerUrl"]
+            with connect(address, max_size=None, compression=None) as socket:
+                page = Page(socket, process.pid)
                 if drawer is not None:
                     page.before(CHOSEN % drawer)
                 if url is not None:
                     page.go(url)
                 yield page
-            finally:
-                page.close()
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from palpate.base.console import Display, quiet_libraries, warn
+from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
@@ -59,8 +59,6 @@ def render(
             another_patient=another_patient,
             progress=display,
         )
-        written, told = request.write(scene, progress=display)
-    for sentence in told:
-        warn(sentence)
+        written = request.write(scene, progress=display)
     for file in written:
         typer.echo(f"{file}: {request.size} pixels")

@@ -9,7 +9,7 @@ from typing import Literal
 
 import msgspec
 
-__all__ = ["Appearance", "Lighting", "Mode", "Shown", "ShownSegment"]
+__all__ = ["Appearance", "Lighting", "Mode", "Shown", "ShownSegment", "ShownSurface"]
 
 Colour = tuple[float, float, float]
 Mode = Literal["shaded", "composite", "absorption", "emission", "mip", "minip", "average", "iso"]
@@ -45,6 +45,19 @@ class ShownSegment(msgspec.Struct, frozen=True, kw_only=True):
     specular: float = 1.0
 
 
+class ShownSurface(msgspec.Struct, frozen=True, kw_only=True):
+    """A segment whose surface of triangles is drawn."""
+
+    id: int
+    colour: Colour
+    opacity: float = 1.0
+    """Above 0; with 1 nothing is seen behind it."""
+    wireframe: bool = False
+    """Only the sides of its triangles are drawn."""
+    ambient: float = 1.0
+    specular: float = 1.0
+
+
 class Appearance(msgspec.Struct, frozen=True, kw_only=True):
     """Everything but the camera that decides how a scan is drawn."""
 
@@ -66,5 +79,7 @@ class Appearance(msgspec.Struct, frozen=True, kw_only=True):
     lighting: Lighting = Lighting()
     segments: tuple[ShownSegment, ...] = ()
     """In the order in which they win where several claim a value."""
+    surfaces: tuple[ShownSurface, ...] = ()
+    """Of segments that the renderer has surfaces of."""
     clip: tuple[tuple[Colour, float], ...] = ()
     """Planes: unit normal toward what is cut away, ``normal · point`` of its points [mm]; LPS."""

@@ -75,6 +75,7 @@ def appearance_of(
         slab=slab if slab > 0.0 else None,
         lighting=Lighting(**looks().lighting),
         segments=bodies.shown,
+        surfaces=bodies.surfaces,
     )
 
 

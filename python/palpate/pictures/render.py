@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -51,13 +50,12 @@ class DrawnScene:
             )
         volume = scene.volume
         bodies = bodies_of(scene)
-        self.told = bodies.told
-        """Sentences on what looks otherwise than on the page."""
         self.extent = extent_of(volume)
         self._bends = mode not in GREY
         appearance = appearance_of(volume, bodies, mode=require_mode(mode), preset=preset)
         with option_errors():
             self._renderer = _core.Renderer(volume._internal, bodies.voxels)  # noqa: SLF001
+            self._renderer.set_surfaces(bodies.triangles)
             self._renderer.set_appearance(appearance)
 
     def camera(self, view: View | Camera, size: Size, *, orthographic: bool = False) -> Camera:
@@ -128,7 +126,8 @@ def render(
     The engine draws it, on all cores: without a display, a browser or a graphics card.
 
     Args:
-        scene: A scan, or one with segments; visible segments are solid, in their colours.
+        scene: A scan, or one with segments; visible segments are bodies or surfaces in their
+            colours, as they are shown.
         view: Side on which the viewer stands: "anterior", "posterior", "left", "right", "superior"
             or "inferior" of the patient, "first" for the view that the page begins with, or a
             ``palpate.Camera``.
@@ -150,8 +149,6 @@ def render(
     """
     require_drawable(size, quality=quality, samples=samples, background=background)
     drawn = DrawnScene(scene, mode=mode, preset=preset)
-    for sentence in drawn.told:
-        warnings.warn(sentence, stacklevel=2)
     camera = drawn.camera(view, size, orthographic=orthographic)
     return drawn.draw(camera, size, quality=quality, samples=samples, background=background)
 

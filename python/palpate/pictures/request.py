@@ -101,11 +101,11 @@ class PictureRequest(Request, frozen=True, kw_only=True):
 
             check_film(self.turntable, self._pixels, fps=self.fps)
 
-    def write(self, scene: Scene, *, progress: Progress = silent) -> tuple[list[Path], list[str]]:
+    def write(self, scene: Scene, *, progress: Progress = silent) -> list[Path]:
         """Draws and writes what is asked for.
 
         Returns:
-            The files that were written, and what a person should know.
+            The files that were written.
 
         Raises:
             OptionError: The scan cannot be drawn.
@@ -132,7 +132,7 @@ class PictureRequest(Request, frozen=True, kw_only=True):
         if self.turntable is not None:
             self._write_turn(drawn, camera, progress=progress)
             written.append(self.turntable)
-        return written, list(drawn.told)
+        return written
 
     def _write_turn(self, drawn: DrawnScene, camera: Camera, *, progress: Progress) -> None:
         from palpate.pictures.film import write_film

@@ -123,7 +123,7 @@ class SessionPictures:
         """Returns the renderer with the voxels as they are now."""
         engine = self._session._engine  # noqa: SLF001  # the binding reads the engine's voxels itself
         if self._renderer is None:
-            self._renderer = _core.Renderer.of_session(engine)
+            self._renderer = _core.Renderer.of_session(engine, waits=not self.follows_edits)
         elif self.follows_edits:
             self._renderer.follow(engine)
         return self._renderer

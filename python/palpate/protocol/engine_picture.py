@@ -21,7 +21,15 @@ from palpate.protocol.types import (
     Vector,
 )
 
-__all__ = ["DrawPicture", "DrawnPicture", "LookLight", "LookSegment", "PictureLook", "SeenFrom"]
+__all__ = [
+    "DrawPicture",
+    "DrawnPicture",
+    "LookLight",
+    "LookSegment",
+    "LookSurface",
+    "PictureLook",
+    "SeenFrom",
+]
 
 Length = Annotated[float, msgspec.Meta(gt=0.0, le=1e6)]
 Factor = Annotated[float, msgspec.Meta(ge=0.0, le=1e6)]
@@ -69,6 +77,17 @@ class LookSegment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     specular: Factor
 
 
+class LookSurface(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A segment whose surface of triangles is drawn, where it stands by then."""
+
+    id: SegmentId
+    colour: LinearColour
+    opacity: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)]
+    wireframe: bool
+    ambient: Factor
+    specular: Factor
+
+
 class PictureLook(Message, frozen=True, tag="picture_look"):
     """Sets how the engine's pictures for this page look from now on: all but the camera.
 
@@ -90,6 +109,7 @@ class PictureLook(Message, frozen=True, tag="picture_look"):
     slab: Length | None
     lighting: LookLight
     segments: Annotated[list[LookSegment], msgspec.Meta(max_length=255)]
+    surfaces: Annotated[list[LookSurface], msgspec.Meta(max_length=255)]
     clip: Annotated[list[tuple[Vector, Coordinate]], msgspec.Meta(max_length=16)]
 
 

@@ -71,9 +71,7 @@ def run_recipe(
         told += carried(carried_step, volume, progress=progress)
         written.append(carried_step.output)
     for picture in recipe.picture:
-        drawn, doubts = picture.write(scene, progress=progress)
-        told += doubts
-        written += drawn
+        written += picture.write(scene, progress=progress)
     if recipe.report is not None:
         progress("writing the report", None)
         write_report(scene, recipe.report, written=written, told=told)

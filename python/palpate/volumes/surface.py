@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from palpate.volumes.segment import Segment
     from palpate.volumes.volume import Volume
 
-__all__ = ["Mesh", "Source", "Surface", "voxelise"]
+__all__ = ["Mesh", "Source", "Surface", "drawn_surface", "voxelise"]
 
 
 @dataclass(frozen=True)
@@ -137,6 +137,27 @@ class Surface:
             voxel_bodies=internal.voxel_bodies,
             touching_edges=internal.touching_edges,
         )
+
+
+def drawn_surface(segment: Segment, *, smoothing: int, source: Source) -> _core.Surface:
+    """Returns the triangles of a segment as a session shows them.
+
+    Args:
+        segment: The segment.
+        smoothing: Degree of smoothing, 0 to 12.
+        source: What it is made from; as for ``Surface``.
+    """
+    volume = segment.volume
+    return _core.Surface(
+        segment._internal,  # noqa: SLF001
+        volume.spacing,
+        volume.origin,
+        direction_of(volume),
+        1,
+        smoothing,
+        False,  # noqa: FBT003
+        _values_of(segment) if source == "intensities" else None,
+    )
 
 
 def _values_of(segment: Segment) -> tuple[_core.Volume, tuple[float, float]] | None:

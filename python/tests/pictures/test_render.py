@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
+import msgspec
 import numpy as np
 import palpate
 import pytest
@@ -208,20 +209,42 @@ def test_an_edited_segment_is_drawn_by_its_voxels() -> None:
     assert green[:, :28].sum() == 0
 
 
-def test_an_object_with_voxels_of_its_own_is_drawn_and_told() -> None:
+def test_an_object_with_voxels_of_its_own_is_drawn_where_it_stands() -> None:
     volume = body()
+    # beyond the scan, which ends at 40 mm
     fine = Volume(
-        np.ones((20, 20, 20), np.int16), spacing=(0.6, 0.6, 0.6), origin=(30.0, 14.0, 14.0)
+        np.ones((20, 20, 20), np.int16), spacing=(0.6, 0.6, 0.6), origin=(36.0, 14.0, 14.0)
     )
     scene = Scene(volume)
     plate = fine.segment(np.ones(fine.shape, np.uint8), name="plate").as_object()
     scene.add(plate, colour=(0.0, 0.0, 1.0))
-    with pytest.warns(UserWarning, match="'plate' has voxels of its own"):
-        picture = palpate.render(scene, view="anterior", size=(64, 64)).astype(float)
+    picture = palpate.render(scene, view="anterior", size=(64, 64)).astype(float)
     blue = picture[..., 2] > 2.0 * picture[..., 0]
-    # beyond the soft tissue at the patient's left
-    assert blue[:, 44:].sum() > 50
-    assert blue[:, :36].sum() == 0
+    assert blue[:, 48:].sum() > 50
+    assert blue[:, :40].sum() == 0
+
+
+def test_a_surface_is_seen_through_as_its_opacity_says() -> None:
+    volume = body()
+    green = {}
+    for opacity in (0.0, 0.5, 1.0):
+        scene = Scene(volume)
+        scene.add(volume.threshold(500), colour=(0.0, 1.0, 0.0), shown_as="surface")
+        (one,) = scene
+        one.appearance = msgspec.structs.replace(one.appearance, opacity=opacity)
+        red, green[opacity], _ = middle(palpate.render(scene, size=SIZE))
+        green[opacity] = green[opacity] - red
+    assert green[0.0] + 5 < green[0.5] < green[1.0] - 5
+
+
+def test_an_opaque_surface_is_where_the_body_of_its_voxels_is() -> None:
+    volume = body()
+    drawn = {}
+    for shown_as in ("volume", "surface"):
+        scene = Scene(volume)
+        scene.add(volume.threshold(500), colour=(0.0, 1.0, 0.0), shown_as=shown_as)
+        drawn[shown_as] = palpate.render(scene, size=(64, 64), background="white").astype(float)
+    assert np.abs(drawn["surface"] - drawn["volume"]).mean() < 4.0
 
 
 @pytest.mark.parametrize("shape", [(1, 1, 1), (1, 30, 30), (3, 3, 40), (40, 40, 40)])

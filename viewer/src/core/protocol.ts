@@ -860,6 +860,16 @@ export interface LookSegment {
   readonly specular: number;
 }
 
+/** A segment whose surface of triangles is drawn, where it stands by then. */
+export interface LookSurface {
+  readonly id: SegmentId;
+  readonly colour: LinearColour;
+  readonly opacity: number;
+  readonly wireframe: boolean;
+  readonly ambient: number;
+  readonly specular: number;
+}
+
 /**
  * Sets how the engine's pictures for this page look from now on: all but the camera.
  *
@@ -880,6 +890,7 @@ export interface PictureLook {
   readonly slab: number | null;
   readonly lighting: LookLight;
   readonly segments: readonly LookSegment[];
+  readonly surfaces: readonly LookSurface[];
   readonly clip: readonly (readonly [Vector, Coordinate])[];
 }
 

@@ -10,8 +10,9 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use glam::{DAffine3, DVec3};
 use palpate_surface::settings::PATCH_CELLS;
-use palpate_surface::{PatchChange, PatchId};
+use palpate_surface::{Patch, PatchChange, PatchId};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;
@@ -50,6 +51,19 @@ pub struct PictureChange {
 
 /// Where tissue stands beside its voxels; none where all stands in them.
 pub type ShownDisplacements = Option<Arc<Displacements>>;
+
+/// The surface of a segment, where it stands.
+#[derive(Clone, Debug)]
+pub struct ShownSurface {
+    /// The segment.
+    pub id: SegmentId,
+    /// From where its positions are counted, where the scan has it.
+    pub origin: DVec3,
+    /// Its parts.
+    pub patches: Vec<Arc<Patch>>,
+    /// From the scan to the scene [mm].
+    pub pose: DAffine3,
+}
 
 /// New voxels of a box.
 #[derive(Clone, Debug)]
@@ -157,6 +171,23 @@ impl Surfaces {
             displacements: Some(self.displacements.clone()),
             ..PictureChange::default()
         }
+    }
+
+    /// The surfaces of all segments that are shown; their patches are shared.
+    #[must_use]
+    pub fn shown(&self) -> Vec<ShownSurface> {
+        let shown = self.shown.iter();
+        shown
+            .map(|(&id, shown)| {
+                let surface = shown.kept.surface();
+                ShownSurface {
+                    id,
+                    origin: surface.origin(),
+                    patches: surface.patches().map(|(_, patch)| patch.clone()).collect(),
+                    pose: DAffine3::IDENTITY,
+                }
+            })
+            .collect()
     }
 
     /// The surface that is kept of a segment that is shown, where it is made in this way.

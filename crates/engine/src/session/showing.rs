@@ -6,7 +6,7 @@ use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
 use crate::error::SessionError;
-use crate::picture::{Frame, PictureChange, Rates};
+use crate::picture::{Frame, PictureChange, Rates, ShownSurface};
 use crate::replay::{Recording, Tape};
 use crate::scene::SurfaceOptions;
 use crate::simulation::Simulation;
@@ -59,6 +59,37 @@ impl Session {
     #[must_use]
     pub fn whole_surfaces(&self) -> PictureChange {
         lock(&self.surfaces).whole()
+    }
+
+    /// The surfaces of all segments that are shown, where they stand by now; none while they are made, which may take long.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn shown_surfaces(&self) -> Result<Option<Vec<ShownSurface>>, SessionError> {
+        let shown = self.surfaces.try_lock().map(|surfaces| surfaces.shown());
+        shown.ok().map(|surfaces| self.placed(surfaces)).transpose()
+    }
+
+    /// The same; waits while they are made.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn made_surfaces(&self) -> Result<Vec<ShownSurface>, SessionError> {
+        let shown = lock(&self.surfaces).shown();
+        self.placed(shown)
+    }
+
+    /// Surfaces where their segments stand by now.
+    fn placed(&self, mut surfaces: Vec<ShownSurface>) -> Result<Vec<ShownSurface>, SessionError> {
+        if surfaces.is_empty() {
+            return Ok(surfaces);
+        }
+        self.ask(move |simulation| {
+            for surface in &mut surfaces {
+                surface.pose = simulation.current_pose(surface.id).unwrap_or_default();
+            }
+            surfaces
+        })
     }
 
     /// What is now, with all samples and notices since the frame before. A session that has

@@ -5,12 +5,16 @@
 
 use crate::lanes::{Floats, Gather, Ints, Masks, Vector};
 use crate::march::solid::{enclosed, light_of_body, refined_entry};
-use crate::march::{MOST_SAMPLES, Packet, Seen};
+use crate::march::{Layers, MOST_SAMPLES, Packet, Seen};
 use crate::shading::Shading;
 
 /// Follows rays to the first surface.
 #[inline(always)]
-pub(super) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -> Seen<L> {
+pub(super) fn seen_along<'a, L: Gather>(
+    shading: &Shading<'_>,
+    packet: &Packet<L>,
+    mut layers: Layers<'a, L>,
+) -> (Seen<L>, Layers<'a, L>) {
     let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
     let none = L::Int::splat(0);
     let step = L::Float::splat(shading.step);
@@ -36,13 +40,14 @@ pub(super) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -
     }
     let met = !code.equal(none);
     let dark = Vector::new(zero, zero, zero);
+    let mut seen = Seen {
+        light: dark,
+        clarity: one,
+        depth: Floats::splat(-1.0),
+        segment: none,
+    };
     if !met.any() {
-        return Seen {
-            light: dark,
-            clarity: one,
-            depth: Floats::splat(-1.0),
-            segment: none,
-        };
+        return (seen, layers);
     }
     let at_entry = enclosed(shading, packet.at(last), true);
     let cut = met & last.at_most(packet.enter) & !at_entry.equal(none);
@@ -50,10 +55,11 @@ pub(super) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -
     let end = last.or_else(cut, entry);
     let code = at_entry.or_else(cut, refined);
     let light = light_of_body(shading, packet, end, code, cut);
-    Seen {
-        light: light.or_else(met, dark),
-        clarity: zero.or_else(met, one),
-        depth: end.or_else(met, Floats::splat(-1.0)),
-        segment: code.max(none).or_else(met, none),
-    }
+    layers.pass(shading, packet, end, met, &mut seen);
+    seen.light = seen
+        .light
+        .along(light, seen.clarity.or_else(met, Floats::splat(0.0)));
+    seen.clarity = zero.or_else(met, seen.clarity);
+    seen.note_depth(end, code.max(none), met);
+    (seen, layers)
 }

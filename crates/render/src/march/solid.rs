@@ -70,7 +70,8 @@ pub(super) fn light_of_body<L: Gather>(
     let near = if shading.is_in_haste {
         Floats::splat(1.0)
     } else {
-        openness(shading, grid, normal, code)
+        let with_iso = is_iso.any();
+        openness(shading, grid, normal, &Body { code, with_iso })
     };
     let colour =
         Vector::splat(shading.iso_colour).or_else(is_iso, shading.segments.colour::<L>(code));
@@ -81,23 +82,41 @@ pub(super) fn light_of_body<L: Gather>(
         .on_surface(colour, normal, to_eye, near, reaching, own)
 }
 
+/// Which places belong to what has a surface.
+pub(super) trait OwnPlaces<L: Gather> {
+    /// Whether places do that are not cut away.
+    fn at(&self, shading: &Shading<'_>, place: Vector<L>) -> L::Mask;
+}
+
+/// The bodies of rays, by their codes.
+struct Body<L: Gather> {
+    code: L::Int,
+    with_iso: bool,
+}
+
+impl<L: Gather> OwnPlaces<L> for Body<L> {
+    #[inline(always)]
+    fn at(&self, shading: &Shading<'_>, place: Vector<L>) -> L::Mask {
+        enclosed(shading, place, self.with_iso).equal(self.code) & !shading.is_cut_away(place)
+    }
+}
+
 /// Fraction of the sky that is seen from a surface past the voxels around it: four cones about the normal and one
 /// along it.
 ///
 /// Source: Hernell et al., "Local ambient occlusion", IEEE TVCG 16 (2010), for sampling by cones.
 #[inline(always)]
-fn openness<L: Gather>(
+pub(super) fn openness<L: Gather>(
     shading: &Shading<'_>,
     grid: Vector<L>,
     normal: Vector<L>,
-    code: L::Int,
+    own: &impl OwnPlaces<L>,
 ) -> L::Float {
     const CONES: [(f32, f32); 5] = [(0.0, 0.0), (1.1, 0.0), (-1.1, 0.0), (0.0, 1.1), (0.0, -1.1)];
     let zero = L::Float::splat(0.0);
     let side = sideways(normal);
     let other = cross(normal, side);
     let per_mm = Vector::splat(shading.field.spacing().recip());
-    let is_iso = code.equal(Ints::splat(ISO)).any();
     let mut covered = zero;
     for (across, upward) in CONES {
         let direction =
@@ -108,10 +127,9 @@ fn openness<L: Gather>(
         let mut away = 2.2;
         for step in 0..4 {
             let place = grid.along(direction, Floats::splat(away));
-            let inside = is_in_scan(shading, place) & !shading.is_cut_away(place);
+            let inside = is_in_scan(shading, place);
             if inside.any() {
-                let here = enclosed(shading, place, is_iso);
-                let same = here.equal(code) & inside;
+                let same = own.at(shading, place) & inside;
                 // what is far away covers less
                 let covers = L::Float::splat(1.0 - 0.2 * step as f32);
                 hit = hit.max(covers.or_else(same, zero));

@@ -8,7 +8,7 @@
 use crate::appearance::Blend;
 use crate::lanes::{Floats, Gather, Ints, Masks, Vector, exp_of_negative};
 use crate::march::solid::{light_of_body, refined_entry};
-use crate::march::{CLEAR_ENOUGH, MOST_SAMPLES, Packet, Seen};
+use crate::march::{CLEAR_ENOUGH, Layers, MOST_SAMPLES, Packet, Seen};
 use crate::shading::Shading;
 
 /// Opacity of a whole step from which on it is quartered.
@@ -21,7 +21,7 @@ const QUARTERS: i32 = 4;
 const UNKNOWN: f32 = -1e9;
 
 /// How far rays were followed.
-struct March<L: Gather> {
+struct March<'a, L: Gather> {
     /// Up to here, with the value there, or `UNKNOWN`.
     last: L::Float,
     front: L::Float,
@@ -34,6 +34,8 @@ struct March<L: Gather> {
     solid: L::Int,
     /// A face cuts it there.
     cut: L::Mask,
+    /// Surfaces of triangles that rays have not come to.
+    layers: Layers<'a, L>,
     seen: Seen<L>,
 }
 
@@ -48,8 +50,12 @@ struct Interval<L: Gather> {
 
 /// Follows rays through tissue to the first solid segment, or to their end.
 #[inline(always)]
-pub(super) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -> Seen<L> {
-    let mut march = March::new(shading, packet);
+pub(super) fn seen_along<'a, L: Gather>(
+    shading: &Shading<'_>,
+    packet: &Packet<L>,
+    layers: Layers<'a, L>,
+) -> (Seen<L>, Layers<'a, L>) {
+    let mut march = March::new(shading, packet, layers);
     for _ in 0..MOST_SAMPLES {
         let under_way = march.are_under_way();
         if !under_way.any() {
@@ -60,12 +66,12 @@ pub(super) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -
     if shading.blend.draws_solids() {
         march.end_at_bodies(shading, packet);
     }
-    march.seen
+    (march.seen, march.layers)
 }
 
-impl<L: Gather> March<L> {
+impl<'a, L: Gather> March<'a, L> {
     #[inline(always)]
-    fn new(shading: &Shading<'_>, packet: &Packet<L>) -> Self {
+    fn new(shading: &Shading<'_>, packet: &Packet<L>, layers: Layers<'a, L>) -> Self {
         let zero = L::Float::splat(0.0);
         Self {
             last: packet.enter,
@@ -75,6 +81,7 @@ impl<L: Gather> March<L> {
             end: packet.leave,
             solid: Ints::splat(0),
             cut: Masks::splat(false),
+            layers,
             seen: Seen {
                 light: Vector::new(zero, zero, zero),
                 clarity: Floats::splat(1.0),
@@ -222,6 +229,9 @@ impl<L: Gather> March<L> {
             }
         }
         let adds = lanes & !divided;
+        let middle = L::Float::splat(0.5) * (self.last + self.next);
+        self.layers
+            .pass(shading, packet, middle, adds, &mut self.seen);
         let clarity = self.seen.clarity;
         if shading.blend == Blend::Emission {
             let share = (clarity * extinction * size).or_else(adds, zero);
@@ -238,18 +248,9 @@ impl<L: Gather> March<L> {
         };
         self.seen.clarity = clarity - share;
         if shading.blend != Blend::Absorption {
-            self.note_depth(self.next, interval.segment, adds);
+            self.seen.note_depth(self.next, interval.segment, adds);
         }
         divided
-    }
-
-    /// Notes where rays became more opaque than clear.
-    #[inline(always)]
-    fn note_depth(&mut self, length: L::Float, segment: L::Int, lanes: L::Mask) {
-        let opaque = self.seen.clarity.less(Floats::splat(0.5));
-        let first = self.seen.depth.less(Floats::splat(0.0)) & opaque & lanes;
-        self.seen.depth = length.or_else(first, self.seen.depth);
-        self.seen.segment = segment.or_else(first, self.seen.segment);
     }
 
     /// Adds the light of the bodies at which rays end.
@@ -261,10 +262,12 @@ impl<L: Gather> March<L> {
         if !ends.any() {
             return;
         }
+        self.layers
+            .pass(shading, packet, self.end, ends, &mut self.seen);
         let light = light_of_body(shading, packet, self.end, self.solid, self.cut);
         let share = self.seen.clarity.or_else(ends, zero);
         self.seen.light = self.seen.light.along(light, share);
         self.seen.clarity = self.seen.clarity - share;
-        self.note_depth(self.end, self.solid, ends);
+        self.seen.note_depth(self.end, self.solid, ends);
     }
 }

@@ -80,6 +80,7 @@ pub fn appearance(blend: Blend, full: f32) -> Appearance {
             ..Lighting::default()
         },
         segments: vec![],
+        surfaces: vec![],
         clip: vec![],
     }
 }

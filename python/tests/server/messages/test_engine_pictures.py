@@ -41,6 +41,7 @@ def look(**changes: Any) -> protocol.PictureLook:
         slab=None,
         lighting=protocol.LookLight(1.0, 1.0, 1.0, 1.0, 0.94, 0.0, 0.0),
         segments=[protocol.LookSegment(1, None, False, "solid", (1.0, 1.0, 1.0), 1.0, 1.0)],  # noqa: FBT003
+        surfaces=[],
         clip=[],
     )
     return msgspec.structs.replace(usual, **changes)
@@ -172,6 +173,38 @@ def test_an_edit_is_seen_by_the_next_picture(session: Session) -> None:
     before, after = told(session, ask)
     assert colours_of(before)[..., 3].max() > 0.9
     assert colours_of(after)[..., 3].max() == 0.0
+
+
+def stands(session: Session, pose: NDArray[np.float64]) -> bool:
+    """Returns whether a segment has come to a pose."""
+    return any(
+        np.allclose(np.reshape(moved["pose"], (4, 4)), pose) for moved in session.frame()["poses"]
+    )
+
+
+def test_a_surface_is_seen_where_its_segment_was_moved(session: Session) -> None:
+    toward_viewer = np.eye(4)
+    toward_viewer[1, 3] = -8.0
+    hidden = protocol.LookSegment(1, None, False, "hidden", (1.0, 1.0, 1.0), 1.0, 1.0)  # noqa: FBT003
+    surface = protocol.LookSurface(1, (1.0, 1.0, 1.0), 1.0, False, 1.0, 1.0)  # noqa: FBT003
+
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        session.show_surface(1)
+        while not session.whole_surfaces()["surfaces"]:
+            await asyncio.sleep(0.01)
+        pictures.look(look(segments=[hidden], surfaces=[surface]), page)
+        pictures.draw(request(session, 1, moving=False), page)
+        before = (await until_finished(page))[-1]
+        session.move_segment(1, toward_viewer)
+        while not stands(session, toward_viewer):
+            await asyncio.sleep(0.01)
+        pictures.draw(request(session, 2, moving=False), page)
+        return [before, (await until_number(page, 2))[-1]]
+
+    before, after = told(session, ask)
+    depths = [depths_of(picture)[24, 30] for picture in (before, after)]
+    assert depths[0] == pytest.approx(depths_of(before).min(), abs=0.5)
+    assert depths[0] - depths[1] == pytest.approx(8.0, abs=0.05)
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,8 @@
  * How the scan is drawn as the engine is told it: appearance, segments and clip planes in one message.
  */
 import { linearFromSrgb } from "../base/colour";
-import type { LookSegment, PictureLook, Segment } from "../protocol";
-import { drawnFromVoxels, shownByValue, type InsideModes, type ShownRange } from "../segments/shown_segments";
+import type { LookSegment, LookSurface, PictureLook, Segment } from "../protocol";
+import { drawnAsSurface, drawnFromVoxels, shownByValue, type InsideModes, type ShownRange } from "../segments/shown_segments";
 import type { Plane } from "../view/clip";
 import type { Appearance } from "./appearance";
 import { sample } from "./transfer_function";
@@ -33,6 +33,7 @@ export function engineLook(appearance: Appearance, shown: LookedSegments, clip: 
     slab: optics.slab,
     lighting: { ambient, diffuse, specular, shininess, edges, occlusion, shadow },
     segments: [...byValue(ranges, shown.segments), ...byLabel(shown)],
+    surfaces: shown.segments.filter(drawnAsSurface).map(surfaceOf),
     clip: clip.map(({ normal, offset }) => [normal, offset]),
   };
 }
@@ -46,6 +47,10 @@ function byValue(ranges: readonly ShownRange[], segments: readonly Segment[]): L
     const [ambient, specular] = material;
     return range === null ? [] : [{ id, range, edited: label > 0, shown, colour, ambient, specular }];
   });
+}
+
+function surfaceOf({ id, colour, opacity, wireframe, ambient, specular }: Segment): LookSurface {
+  return { id, colour: linearFromSrgb(colour), opacity, wireframe, ambient, specular };
 }
 
 /** Segments that only their voxels tell of; hidden ones look as the scan does. */

@@ -1,9 +1,7 @@
 /**
  * Who draws the 3-D view: this browser, or the engine, which is quicker where the browser's graphics are drawn by the
- * CPU. Always one of them alone, but for opaque surfaces, which the browser draws over the engine's picture.
+ * CPU. Always one of them alone.
  */
-import type { Segment } from "../protocol";
-import { drawnAsSurface } from "../segments/shown_segments";
 import type { Stereo } from "../view/stereo";
 
 export const drawerChoices = ["auto", "browser", "engine"] as const;
@@ -24,12 +22,10 @@ export interface ShownThings {
   readonly connected: boolean;
   readonly stereo: Stereo["mode"];
   readonly second: boolean;
-  readonly segments: readonly Segment[];
 }
 
 /** Why the engine cannot draw what is shown; null where it can. */
-export function engineObstacle({ connected, stereo, second, segments }: ShownThings): string | null {
-  const surfaces = segments.filter(drawnAsSurface);
+export function engineObstacle({ connected, stereo, second }: ShownThings): string | null {
   if (!connected) {
     return "the engine is not connected";
   }
@@ -38,12 +34,6 @@ export function engineObstacle({ connected, stereo, second, segments }: ShownThi
   }
   if (second) {
     return "a second scan is shown";
-  }
-  if (segments.some(({ visible, pose, grid }) => visible && (pose !== null || grid !== null))) {
-    return "a segment was moved";
-  }
-  if (surfaces.some(({ opacity, wireframe }) => opacity < 1 || wireframe)) {
-    return "a surface is translucent or a wireframe";
   }
   return null;
 }

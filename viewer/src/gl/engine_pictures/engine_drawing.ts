@@ -9,7 +9,6 @@ import type { DrawnPicture, DrawPicture, PictureLook } from "../../core/protocol
 import type { Plane } from "../../core/view/clip";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
-import type { Surfaces } from "../surfaces/surfaces";
 import { EnginePass } from "./engine_pass";
 import { EnginePictures, type EngineView } from "./engine_pictures";
 
@@ -25,7 +24,6 @@ export class EngineDrawing {
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     marcher: RayMarcher,
-    private readonly surfaces: Surfaces,
     send: (message: DrawPicture | PictureLook) => void,
   ) {
     this.pass = new EnginePass(marcher);
@@ -64,7 +62,7 @@ export class EngineDrawing {
    * Asks for what is due, and draws what has come; true where the cached picture has changed.
    *
    * @param changed the view or what is seen has changed since the last call.
-   * @param aim turns surfaces and markers to a view.
+   * @param aim turns markers to a view.
    */
   advance(
     now: number,
@@ -87,15 +85,8 @@ export class EngineDrawing {
     target.useLevel(divisor);
     target.useRows(0, target.height);
     aim(next.view);
-    const triangles = this.surfaces.draw(this.renderer, target, {
-      divisor,
-      stepsPerVoxel,
-      shift: [0, 0, 0],
-      depth: 0,
-      detail: "all",
-    });
     this.pass.draw(this.renderer, target, picture);
-    this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: triangles.drawn };
+    this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
     return true;
   }
 

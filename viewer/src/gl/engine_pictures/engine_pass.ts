@@ -1,5 +1,5 @@
 /**
- * Puts a picture of the engine, with its depth, into a cached picture, among the surfaces that the browser draws.
+ * Puts a picture of the engine, with its depth, into a cached picture.
  */
 import * as THREE from "three";
 import type { DrawnPicture } from "../../core/protocol";
@@ -8,14 +8,11 @@ import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { shaders } from "../shaders/shaders";
 
-const noSurfaces = { LAYERS: "0" };
-const withSurfaces = { SURFACES: "", LAYERS: "0" };
-
 export class EnginePass {
   private readonly uniforms;
   private readonly pass: FullscreenPass;
 
-  constructor(private readonly marcher: RayMarcher) {
+  constructor(marcher: RayMarcher) {
     this.uniforms = {
       engineColour: { value: null as THREE.DataTexture | null },
       engineDepth: { value: null as THREE.DataTexture | null },
@@ -23,7 +20,7 @@ export class EnginePass {
       ...marcher.placeUniforms,
     };
     this.pass = new FullscreenPass(shaders.engine, this.uniforms);
-    this.pass.material.defines = noSurfaces;
+    this.pass.material.defines = { LAYERS: "0" };
   }
 
   async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
@@ -38,11 +35,6 @@ export class EnginePass {
     u.engineColour.value = filled(u.engineColour.value, size, colourTexture, halves(picture.colours));
     u.engineDepth.value = filled(u.engineDepth.value, size, depthTexture, halves(picture.depths));
     u.depthSpan.value.set(picture.nearest, picture.farthest);
-    const defines = this.marcher.hasSurfaces ? withSurfaces : noSurfaces;
-    if (this.pass.material.defines !== defines) {
-      this.pass.material.defines = defines;
-      this.pass.material.needsUpdate = true;
-    }
     this.pass.draw(renderer, target.target);
   }
 

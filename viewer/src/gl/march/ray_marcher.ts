@@ -51,7 +51,7 @@ export interface RayMarcherOptions {
   readonly lightCells: number;
 }
 
-type PlaceUniform = "nearFar" | "parallel" | "surfaceColour" | "surfaceDepth" | "surfaceLead";
+type PlaceUniform = "nearFar" | "parallel";
 
 /** Shift within the pixel [texels], and the number of the noise pattern. */
 export type Shift = readonly [number, number, number];
@@ -344,14 +344,9 @@ export class RayMarcher {
     };
   }
 
-  /** Where near, far and surfaces of triangles stand for what else draws the scan. */
+  /** Where near and far stand for what else draws the scan. */
   get placeUniforms(): Pick<MarchUniforms, PlaceUniform> {
     return this.uniforms;
-  }
-
-  /** Surfaces of triangles stand in the picture. */
-  get hasSurfaces(): boolean {
-    return this.layers >= 0;
   }
 
   /** Which textures are read beside those of surfaces. */

@@ -1,17 +1,15 @@
 /**
- * Pictures for files that the engine draws: strips with their depth, and over them, by the browser, what it draws over
- * the engine's pictures on the screen too.
+ * Pictures for files that the engine draws: strips, which are put together and over the ground by the browser.
  */
 import type * as THREE from "three";
 import type { Camera, Viewport } from "../../core/geometry/camera";
 import type { DrawnPicture, PictureLook } from "../../core/protocol";
 import { tilesOf } from "../../core/view/image_size";
 import type { RestingPicture } from "../../core/view/quality";
-import { savedSamples, type PictureWish } from "../../core/view/saved_pictures";
+import { fewestSamples, savedSamples, type PictureWish } from "../../core/view/saved_pictures";
 import { EnginePass } from "../engine_pictures/engine_pass";
 import { seenFrom } from "../engine_pictures/engine_pictures";
 import type { RayMarcher } from "../march/ray_marcher";
-import type { Surfaces } from "../surfaces/surfaces";
 import type { Compositor } from "./compositor";
 import { SnapshotTile } from "./snapshot_tile";
 
@@ -38,18 +36,10 @@ export interface EngineSnapshotWish {
   readonly progress?: ((share: number) => void) | undefined;
 }
 
-/** What draws over the engine's pictures. */
+/** What puts strips together. */
 interface Drawing {
   readonly marcher: RayMarcher;
-  readonly surfaces: Surfaces;
   readonly compositor: Compositor;
-}
-
-/** Where pictures come from. */
-interface Source {
-  readonly ask: AskSaved;
-  /** Counts what has changed of the surfaces that stand in the picture. */
-  readonly changes: () => number;
   readonly halfFloat: boolean;
 }
 
@@ -57,14 +47,18 @@ export class EngineSnapshot {
   private readonly tile: SnapshotTile;
   private readonly pass: EnginePass;
 
-  /** @param aim turns surfaces to what is seen by a camera. */
+  /**
+   * @param aim turns markers to what is seen by a camera.
+   * @param over draws over a tile.
+   */
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     private readonly drawing: Drawing,
-    private readonly source: Source,
+    private readonly ask: AskSaved,
     private readonly aim: (camera: Camera) => void,
+    private readonly over: (tile: SnapshotTile) => void,
   ) {
-    this.tile = new SnapshotTile(renderer, drawing.compositor, source.halfFloat);
+    this.tile = new SnapshotTile(renderer, drawing.compositor, drawing.halfFloat);
     this.pass = new EnginePass(drawing.marcher);
   }
 
@@ -72,7 +66,7 @@ export class EngineSnapshot {
    * Draws pictures as their strips come into a canvas of their size, one after another.
    *
    * @param taken waits until a picture was taken from the canvas; then the next one is drawn over it.
-   * @throws the signal's reason where it is aborted, and where surfaces are changed meanwhile.
+   * @throws the signal's reason where it is aborted.
    */
   async draw(
     context: CanvasRenderingContext2D,
@@ -80,19 +74,15 @@ export class EngineSnapshot {
     taken: (picture: number) => Promise<void>,
   ): Promise<void> {
     const { cameras, signal, size } = wish;
-    const changes = this.source.changes();
     const bends = this.drawing.compositor.bendsHighlights;
     let [done, x] = [0, 0];
-    for await (const strip of this.source.ask(asked(wish), signal)) {
+    for await (const strip of this.ask(asked(wish), signal)) {
       signal.throwIfAborted();
       const camera = cameras[done];
       if (camera === undefined || strip.number !== done || strip.size[1] !== size.height) {
         throw new Error("the engine sent another picture than was requested");
       }
       this.drawStrip(context, strip, { camera, x, bends, wish });
-      if (this.drawing.marcher.hasSurfaces && this.source.changes() !== changes) {
-        throw new Error("segments were changed meanwhile; save the picture again");
-      }
       x += strip.size[0];
       wish.progress?.((done + x / size.width) / cameras.length);
       if (x >= size.width) {
@@ -124,17 +114,17 @@ export class EngineSnapshot {
     },
   ): void {
     const { pass, renderer, tile } = this;
-    const { compositor, surfaces } = this.drawing;
-    const { fineness: { stepsPerVoxel }, size, transparent } = wish;
+    const { compositor } = this.drawing;
+    const { size, transparent } = wish;
     const [width, height] = strip.size;
     const bentNow = compositor.bendsHighlights;
     compositor.bendsHighlights = bends;
     this.aim(camera);
     for (const rows of tilesOf({ width, height }, mostRows)) {
       tile.begin({ ...rows, x: x + rows.x }, size);
-      surfaces.draw(renderer, tile.drawn, { divisor: 1, stepsPerVoxel, shift: [0, 0, 0], depth: 0, detail: "all" });
       pass.draw(renderer, tile.drawn, rowsOf(strip, height - rows.y - rows.height, rows.height));
       tile.compose(transparent);
+      this.over(tile);
       context.putImageData(tile.read(), x + rows.x, height - rows.y - rows.height);
     }
     compositor.bendsHighlights = bentNow;
@@ -143,13 +133,15 @@ export class EngineSnapshot {
 }
 
 function asked({ look, cameras, fineness, jitter, shown, size }: EngineSnapshotWish): PictureWish {
+  const samples = savedSamples(fineness.passes, size, shown);
   return {
     look,
     cameras: cameras.map(seenFrom),
     size: [size.width, size.height],
     steps_per_voxel: fineness.stepsPerVoxel,
-    samples: savedSamples(fineness.passes, size, shown),
-    jitter,
+    samples,
+    // of few rays for each pixel the noise would be seen
+    jitter: jitter && samples >= fewestSamples,
   };
 }
 

@@ -34,6 +34,7 @@ import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
+import type { SnapshotTile } from "./snapshot_tile";
 import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
@@ -92,8 +93,6 @@ export class Picture {
   /** One is drawn by the engine: the screen goes on. */
   private saving = false;
   private readonly askSaved: AskSaved;
-  /** Counts what changes surfaces in the picture. */
-  private surfaceChanges = 0;
   private readonly closing = new AbortController();
   private labels: LabelTexture | null = null;
   private second: ShownSecond | null = null;
@@ -122,7 +121,7 @@ export class Picture {
     this.filter = options.format === undefined ? chooseFilter(this.renderer) : { format: options.format, errors: {} };
     this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
-    this.engine = new EngineDrawing(this.renderer, this.marcher, this.surfaces, options.askEngine ?? (() => undefined));
+    this.engine = new EngineDrawing(this.renderer, this.marcher, options.askEngine ?? (() => undefined));
     this.byEngine = options.engineDraws ?? false;
     this.askSaved = options.askSaved ?? noneSaved;
     this.quality = firstQuality(support.software);
@@ -299,7 +298,6 @@ export class Picture {
     this.surfaces.setSegments(segments, modes);
     this.slices.setSegments(segments);
     this.engine.setSegments({ segments, modes });
-    this.surfaceChanges += 1;
     this.refiner.restart();
   }
 
@@ -332,7 +330,6 @@ export class Picture {
   /** Exchanges patches of surfaces. */
   changeSurfaces(changes: readonly SurfaceChange[]): void {
     this.surfaces.apply(this.renderer, changes);
-    this.surfaceChanges += 1;
     this.refiner.restart();
   }
 
@@ -370,7 +367,6 @@ export class Picture {
     this.marcher.setClip(planes);
     this.surfaces.setClip(planes);
     this.engine.setClip(planes);
-    this.surfaceChanges += 1;
     this.refiner.restart();
   }
 
@@ -589,9 +585,17 @@ export class Picture {
     const { extent } = this.view;
     const eyes = eyesOf(stereo, size);
     const seen = viewportOf(stereo, size);
-    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, quality, (eye) => {
-      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
-    });
+    const snapshot = new Snapshot(
+      this.renderer,
+      this.marcher,
+      this.surfaces,
+      this.compositor,
+      quality,
+      (eye) => {
+        this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
+      },
+      this.overTile(wish.marks === true && stereo.mode === "off"),
+    );
     this.snapping = true;
     try {
       await this.refiner.complete();
@@ -604,11 +608,23 @@ export class Picture {
     }
   }
 
+  /** What draws over a tile of the view that was aimed at. */
+  private overTile(marks: boolean): (tile: SnapshotTile) => void {
+    const { height } = this.pane.rect;
+    return (tile) => {
+      if (marks) {
+        tile.over(this.eyeCamera.camera, (camera, share) => {
+          this.pane.drawMarks(camera, share * height);
+        });
+      }
+    };
+  }
+
   /** Draws views by the engine into a canvas, all of the scan as it is now. */
   private async saveByEngine(
     context: CanvasRenderingContext2D,
     cameras: readonly Camera[],
-    { size, transparent, signal, progress }: Omit<SnapshotWish, "camera">,
+    { size, transparent, marks, signal, progress }: Omit<SnapshotWish, "camera">,
     taken: (view: number) => Promise<void>,
   ): Promise<void> {
     const { extent } = this.view ?? { extent: null };
@@ -619,11 +635,12 @@ export class Picture {
     const { width, height } = this.refiner.pictureOf(0).target;
     const snapshot = new EngineSnapshot(
       this.renderer,
-      { marcher: this.marcher, surfaces: this.surfaces, compositor: this.compositor },
-      { ask: this.askSaved, changes: () => this.surfaceChanges, halfFloat: this.support.halfFloatTarget },
+      { marcher: this.marcher, compositor: this.compositor, halfFloat: this.support.halfFloatTarget },
+      this.askSaved,
       (camera) => {
         this.aim(camera, extent, size.width / size.height);
       },
+      this.overTile(marks === true),
     );
     const fineness = restingPictures[this.quality.quality];
     const { jitter } = this.engine.pictures;

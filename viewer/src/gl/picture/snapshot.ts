@@ -27,6 +27,8 @@ export interface SnapshotWish {
   readonly size: Viewport;
   /** Without the page's background. */
   readonly transparent: boolean;
+  /** Lines and points of marks are a part of it; not of two eyes' pictures. */
+  readonly marks?: boolean;
   readonly signal: AbortSignal;
   /** Told the share that is done, 0..1. */
   readonly progress?: (share: number) => void;
@@ -58,7 +60,10 @@ export class Snapshot {
   private readonly anaglyph = new Anaglyph();
   private readonly clock: GpuClock;
 
-  /** @param aim turns ray caster and surfaces to what an eye sees. */
+  /**
+   * @param aim turns ray caster and surfaces to what an eye sees.
+   * @param over draws over a tile of a single picture.
+   */
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     private readonly marcher: RayMarcher,
@@ -66,6 +71,7 @@ export class Snapshot {
     compositor: Compositor,
     private readonly quality: SnapshotQuality,
     private readonly aim: (eye: number) => void,
+    private readonly over: (tile: SnapshotTile) => void,
   ) {
     this.tile = new SnapshotTile(renderer, compositor, quality.halfFloat);
     this.clock = new GpuClock(renderer.getContext() as WebGL2RenderingContext);
@@ -114,6 +120,8 @@ export class Snapshot {
     }
     if (eyes.length > 1) {
       anaglyph.draw(renderer, [0, 0], this.tile.shown);
+    } else {
+      this.over(this.tile);
     }
   }
 

@@ -3,6 +3,7 @@ import * as THREE from "three";
 import type { Viewport } from "../../core/geometry/camera";
 import type { Tile } from "../../core/view/image_size";
 import { PictureTarget } from "../base/picture_target";
+import { shifted } from "../surfaces/surfaces";
 import type { Compositor } from "./compositor";
 
 export class SnapshotTile {
@@ -39,6 +40,18 @@ export class SnapshotTile {
       pane: { corner: [0, 0], size: [drawn.target.width, drawn.target.height] },
       transparent,
     });
+  }
+
+  /**
+   * Draws over what was composed, hidden by its depth.
+   *
+   * @param camera of the whole picture.
+   * @param draw is given the tile's camera, and which share of the whole picture's height the tile has.
+   */
+  over(camera: THREE.Camera, draw: (camera: THREE.Camera, share: number) => void): void {
+    const { drawn, renderer, shown } = this;
+    renderer.setRenderTarget(shown);
+    draw(shifted(camera, drawn, [0, 0, 0]), drawn.height / (drawn.tile?.height ?? drawn.height));
   }
 
   /** The tile as a canvas takes it: rows from the top, colours not multiplied by opacity. */

@@ -133,6 +133,11 @@ export class ViewPane {
     this.filled = over === null ? null : (this.filled?.union(over) ?? null);
   }
 
+  /** Draws marks alone, into what is drawn into now. @param height of what the camera sees [CSS pixels]. */
+  drawMarks(camera: THREE.Camera, height: number): void {
+    this.marks.draw(this.renderer, camera, height);
+  }
+
   dispose(): void {
     this.anaglyph.dispose();
     this.marks.dispose();

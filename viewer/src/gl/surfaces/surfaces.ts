@@ -267,7 +267,7 @@ function samePoses(a: readonly MovedPose[], b: readonly MovedPose[]): boolean {
 }
 
 /** The camera for a picture that is shifted within its pixels, or a tile, as the ray caster shifts its rays. */
-function shifted(camera: THREE.Camera, { width, height, tile }: PictureTarget, [x, y]: Shift): THREE.Camera {
+export function shifted(camera: THREE.Camera, { width, height, tile }: PictureTarget, [x, y]: Shift): THREE.Camera {
   const moved = camera.clone();
   moved.matrixWorld.copy(camera.matrixWorld);
   moved.matrixWorldInverse.copy(camera.matrixWorldInverse);

@@ -226,13 +226,12 @@ export class PictureHost {
 
   /** Has the engine draw, or this browser. */
   private chooseDrawer(picture: Picture): void {
-    const { drawer, scene, second, session, stereo } = this.sources;
+    const { drawer, second, session, stereo } = this.sources;
     picture.engineDraws = drawer.follow({
       // at first it is about to be
       connected: session.greetings === 0 || session.connection.kind === "open",
       stereo: stereo.choice.mode,
       second: second.shown !== null,
-      segments: scene.segments,
     });
     if (session.greetings !== this.greetings) {
       this.greetings = session.greetings;

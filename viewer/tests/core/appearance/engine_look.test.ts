@@ -76,3 +76,10 @@ test("hidden ones, tinted ones, plain ones and surfaces", () => {
 test("a painted segment that is hidden looks as the scan does", () => {
   expect(lookOf([{ ...painted, visible: false }]).segments).toEqual([]);
 });
+
+test("surfaces go out with their own look, and those that are not drawn do not", () => {
+  const through: Segment = { ...bone, shown_as: "both", opacity: 0.5, wireframe: true, ambient: 0.5, colour: [1, 0, 0] };
+  const { surfaces } = lookOf([through, { ...painted, shown_as: "surface", opacity: 0 }, { ...bone, id: 3 }]);
+  const colour = [1, 0, 0];
+  expect(surfaces).toEqual([{ id: 1, colour, opacity: 0.5, wireframe: true, ambient: 0.5, specular: bone.specular }]);
+});

@@ -72,6 +72,19 @@ test("a picture is shown with the camera that it was asked with", () => {
   expect(pictures.finished).toBe(false);
 });
 
+test("it is known which request the picture on display answers", () => {
+  const { pictures } = started();
+  pictures.ask(true, viewAt(1), size, 0);
+  pictures.ask(true, viewAt(2), size, 1);
+  expect([pictures.requested, pictures.answered]).toEqual([2, 0]);
+  pictures.take(drawn(1));
+  pictures.next([301, 200]);
+  expect(pictures.answered).toBe(0);
+  pictures.take(drawn(2));
+  pictures.next(size);
+  expect(pictures.answered).toBe(2);
+});
+
 test("a picture of another size, or that nobody asked for, is left out", () => {
   const { pictures } = started();
   pictures.ask(true, viewAt(1), size, 0);

@@ -1,5 +1,4 @@
-// A picture of the engine into the cached picture (premultiplied linear colour) and its depth. Opaque surfaces of
-// triangles, which the browser draws, stand before or behind what is seen of the scan by its depth.
+// A picture of the engine into the cached picture (premultiplied linear colour) and its depth.
 
 layout(location = 0) out vec4 picture;
 
@@ -20,13 +19,5 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.x, size.y - 1 - int(gl_FragCoord.y));
   picture = texelFetch(engineColour, pixel, 0);
   float depth = viewDepthAt(pixel);
-  Layers layers = layersOnRay(1.0);
-#ifdef SURFACES
-  if (layers.end < farAway) {
-    bool before = layers.end <= depth;
-    picture = before ? layers.colour : vec4(picture.rgb + (1.0 - picture.a) * layers.colour.rgb, 1.0);
-    depth = min(depth, layers.end + surfaceLead);
-  }
-#endif
   gl_FragDepth = depth >= farAway ? 1.0 : windowDepth(depth);
 }

@@ -7,12 +7,13 @@ import { turntable } from "../../../core/view/turntable";
 import type { SnapshotWish } from "../../../gl/picture/snapshot";
 import { keep } from "../../state/download";
 import { AnimationRecorder, animationType } from "./animation";
+import { overlayOf } from "./overlay_text";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 import type { StereoControl } from "./stereo_control.svelte";
 import type { ViewControl } from "./view_control.svelte";
 
-const firstChoice = { magnification: 2, transparent: false, seconds: 6, turns: 1 };
+const firstChoice = { magnification: 2, transparent: false, marks: true, seconds: 6, turns: 1 };
 
 /** Of an animation: each frame is drawn to the end, so a slow machine only takes longer. */
 const framesPerSecond = { gpu: 20, software: 10 } as const;
@@ -40,6 +41,8 @@ export class ImageControl {
   choice = $state.raw(recall("image", firstChoice));
   /** What is being made, and the share that is done; null where nothing is. */
   job = $state.raw<{ readonly name: string; readonly share: number } | null>(null);
+  /** What of the page holds all that is written over the view. */
+  view: Element | null = null;
   private aborter = new AbortController();
 
   constructor(private readonly source: Source) {}
@@ -72,11 +75,14 @@ export class ImageControl {
   async saveImage(): Promise<void> {
     const { size } = this;
     const { transparent } = this.choice;
+    const marks = this.choice.marks && this.source.stereo.choice.mode === "off";
+    const overlay = marks && this.view !== null ? overlayOf(this.view) : null;
     await this.work("Drawing the picture", async (camera, signal) => {
       const context = contextOf(size);
       const stereo = this.source.stereo.choice;
       const progress = this.report.bind(this);
-      await this.source.picture.snapshot(context, { camera, size, stereo, transparent, signal, progress });
+      await this.source.picture.snapshot(context, { camera, size, stereo, transparent, marks, signal, progress });
+      overlay?.(context);
       const blob = await new Promise<Blob | null>((resolve) => {
         context.canvas.toBlob(resolve, "image/png");
       });
