@@ -147,13 +147,12 @@ impl Clarity {
         let b = &self.rows[rows[1] * width + start..][..=count];
         let c = &self.rows[rows[2] * width + start..][..=count];
         let d = &self.rows[rows[3] * width + start..][..=count];
-        let passing = &mut scratch.passing[..count];
         let mean = |i: usize| {
             weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i]
         };
-        for i in 0..count {
+        for (i, passing) in scratch.passing[..count].iter_mut().enumerate() {
             let (first, second) = (mean(i), mean(i + 1));
-            passing[i] = first + (second - first) * share;
+            *passing = first + (second - first) * share;
         }
     }
 }
