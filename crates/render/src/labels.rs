@@ -150,40 +150,45 @@ impl Labels {
     #[inline(always)]
     pub fn around<L: Gather>(&self, grid: Vector<L>) -> L::Int {
         let last = self.dimensions.as_vec3() - 1.0;
-        let voxel = |place: L::Float, last: f32| {
-            let inside = place.max(Floats::splat(0.0)).min(Floats::splat(last));
-            inside.truncated()
-        };
         let (x, y, z) = (
-            voxel(grid.x, last.x),
-            voxel(grid.y, last.y),
-            voxel(grid.z, last.z),
+            voxel_along::<L>(grid.x, last.x),
+            voxel_along::<L>(grid.y, last.y),
+            voxel_along::<L>(grid.z, last.z),
         );
         let (columns, rows) = (Ints::splat(self.counts.x), L::Int::splat(self.counts.y));
-        let [bx, by, bz] = [x, y, z].map(|voxel| voxel.shifted_right::<3>());
+        let layer = z.shifted_right::<3>() * rows;
+        let brick = x.shifted_right::<3>() + (y.shifted_right::<3>() + layer) * columns;
         // SAFETY: the voxels lie within the grid, and so do their bricks
-        let slot = unsafe { L::ints(&self.slots, bx + (by + bz * rows) * columns) };
+        let slot = unsafe { L::ints(&self.slots, brick) };
         let held = slot.greater(Ints::splat(0));
         if !held.any() {
             return slot;
         }
         if self.labels.len() > i32::MAX as usize {
-            return self.one_by_one::<L>([x, y, z]);
+            return self.one_by_one::<L>(x, y, z);
         }
-        let [ix, iy, iz] = [x, y, z].map(|voxel| voxel.and(Ints::splat(BRICK - 1)));
-        let inside = ix + iy.shifted_left::<3>() + iz.shifted_left::<6>();
+        let end = L::Int::splat(BRICK - 1);
+        let inside = x.and(end) + y.and(end).shifted_left::<3>() + z.and(end).shifted_left::<6>();
         // SAFETY: slots tell of whole bricks in memory, behind which there are three bytes more
         unsafe { L::bytes(&self.labels, slot.shifted_left::<9>() + inside) }
     }
 
     /// The segments of voxels of a scan with more labels than lanes can count.
     #[inline(never)]
-    fn one_by_one<L: Gather>(&self, voxels: [L::Int; 3]) -> L::Int {
-        let [x, y, z] = voxels.map(L::Int::store);
+    fn one_by_one<L: Gather>(&self, x: L::Int, y: L::Int, z: L::Int) -> L::Int {
+        let (x, y, z) = (x.store(), y.store(), z.store());
         let mut found = [0; LANES];
         for (lane, found) in found.iter_mut().enumerate() {
             *found = i32::from(self.at(IVec3::new(x[lane], y[lane], z[lane])));
         }
         Ints::load(&found)
     }
+}
+
+#[inline(always)]
+fn voxel_along<L: Gather>(place: L::Float, last: f32) -> L::Int {
+    place
+        .max(Floats::splat(0.0))
+        .min(Floats::splat(last))
+        .truncated()
 }

@@ -93,10 +93,14 @@ impl LightVolume {
     fn row<L: Gather>(&self, first: &[i32; LANES], offset: i32, share: L::Float) -> [L::Float; 2] {
         // SAFETY: the first of two cells was clamped to those before the last along each axis, where there are
         // two; behind the last there is one more in memory
-        let cells = unsafe { L::fours(&self.cells, first, offset) };
+        let [first, second] = unsafe { L::fours(&self.cells, first, offset) };
         let unit = L::Float::splat(1.0 / WHOLE);
-        let [first, second] = cells.map(|cell| both::<L>(cell).map(|stored| stored * unit));
-        mix::<L>(first, second, share)
+        let ([a_sky, a_lamp], [b_sky, b_lamp]) = (both::<L>(first), both::<L>(second));
+        mix::<L>(
+            [a_sky * unit, a_lamp * unit],
+            [b_sky * unit, b_lamp * unit],
+            share,
+        )
     }
 }
 
