@@ -11,7 +11,6 @@ import msgspec
 import numpy as np
 import pytest
 from made_scans import make_ball
-from numpy.typing import NDArray
 from palpate import protocol
 from palpate.pictures.session_pictures import DrawnArrays, SessionPictures
 from palpate.server.messages import engine_pictures
