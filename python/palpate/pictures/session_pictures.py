@@ -1,4 +1,4 @@
-"""Pictures of a session as it is now, for several who ask: one is drawn at a time."""
+"""Pictures of a session as it is now, in one look after another: one is drawn at a time."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Fineness:
 
 
 class SessionPictures:
-    """The renderer of a session; every method may be called from any thread."""
+    """A renderer of a session; every method may be called from any thread."""
 
     follows_edits = True
     """Whether a picture shows the edits since the first."""
@@ -82,11 +82,17 @@ class SessionPictures:
 
     def give_up(self) -> None:
         """Gives up the picture that is drawn, unless it is to be drawn to its end."""
-        if self._renderer is not None:
-            self._renderer.supersede(next(self._numbers))
+        renderer = self._renderer
+        if renderer is not None:
+            renderer.supersede(next(self._numbers))
         self._requested = time.monotonic()
         for others in self._lesser:
             others.give_up()
+
+    def free(self) -> None:
+        """Frees what is prepared; the next picture prepares it again."""
+        with self._turn:
+            self._renderer = None
 
     def draw(
         self,

@@ -15,7 +15,11 @@ from palpate.protocol.engine_picture import (
     DrawPicture,
     LookLight,
     LookSegment,
+    LookSurface,
+    PictureFailed,
     PictureLook,
+    PicturePart,
+    PictureTaken,
     SeenFrom,
 )
 from palpate.protocol.outline import FillOutline, Outline, TraceLevel, Wire
@@ -201,6 +205,7 @@ __all__ = [
     "LinearColour",
     "LookLight",
     "LookSegment",
+    "LookSurface",
     "MaterialPreset",
     "MatterParts",
     "MatterRegion",
@@ -224,7 +229,10 @@ __all__ = [
     "Outline",
     "Paint",
     "Passed",
+    "PictureFailed",
     "PictureLook",
+    "PicturePart",
+    "PictureTaken",
     "Place",
     "PointPair",
     "Pose",
@@ -312,6 +320,8 @@ ToPage = (
     | Gap
     | Outline
     | DrawnPicture
+    | PicturePart
+    | PictureFailed
     | CutPreview
     | NeedleEvents
     | SegmentWork
@@ -326,6 +336,7 @@ FromPage = (
     | View
     | PictureLook
     | DrawPicture
+    | PictureTaken
     | Clutch
     | Threshold
     | Otsu

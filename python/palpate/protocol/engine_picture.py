@@ -6,7 +6,7 @@ Structures of a look and a camera have the fields that ``_core.Renderer`` reads,
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -27,7 +27,10 @@ __all__ = [
     "LookLight",
     "LookSegment",
     "LookSurface",
+    "PictureFailed",
     "PictureLook",
+    "PicturePart",
+    "PictureTaken",
     "SeenFrom",
 ]
 
@@ -131,14 +134,25 @@ class DrawPicture(Message, frozen=True, tag="draw_picture"):
     jitter: bool
 
 
+class PictureTaken(Message, frozen=True, tag="picture_taken"):
+    """Tells that the next ``PicturePart`` has arrived, by which the engine measures the way."""
+
+
 class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
     """A picture for the ``DrawPicture`` with this number; ``finished``: it is the last one.
 
-    ``size`` has columns and rows: those requested, divided by ``divisor``, rounded up. ``colours``
-    are linear RGB multiplied by opacity, and opacity, as float16, shape [rows, columns, 4];
-    ``depths`` distances from the eye along the direction of view as uint16 from ``nearest`` (0)
-    to ``farthest`` (65534) [mm], 65535 where nothing is, shape [rows, columns]. Rows from the upper
-    edge, little-endian. ``milliseconds`` is how long it was drawn.
+    ``size`` has columns and rows: those requested, divided by ``divisor``, rounded up. Rows from
+    the upper edge, little-endian. ``milliseconds`` is how long it was drawn.
+
+    ``coding`` "raw": ``colours`` are linear RGB multiplied by opacity, and opacity, as float16,
+    shape [rows, columns, 4]; ``depths`` distances from the eye along the direction of view as
+    uint16 from ``nearest`` (0) to ``farthest`` (65534) [mm], 65535 where nothing is, shape
+    [rows, columns].
+
+    ``coding`` "webp": ``colours`` is a WebP picture of twice as many rows, above the same RGB
+    divided by ``brightest``, as sRGB, below opacity as grey. ``depths`` are those of every
+    ``depth_every``-th pixel of every ``depth_every``-th row, less that to their left (modulo
+    65536); first all low bytes, then all high ones, deflated (RFC 1950).
     """
 
     number: int
@@ -147,7 +161,29 @@ class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
     samples: int
     finished: bool
     milliseconds: float
+    coding: Literal["raw", "webp"]
     colours: bytes
+    brightest: float
     depths: bytes
+    depth_every: int
     nearest: float
     farthest: float
+
+
+class PicturePart(Message, frozen=True, tag="picture_part"):
+    """Bytes of a packed ``DrawnPicture``, so that states need not wait for all of it.
+
+    Parts of one ``serial`` come in order; ``last`` ends them. Once a part of another comes, the
+    rest of those before never does.
+    """
+
+    serial: int
+    last: bool
+    packed: bytes
+
+
+class PictureFailed(Message, frozen=True, tag="picture_failed"):
+    """Tells that the pictures of the ``DrawPicture`` with this number do not come, and why."""
+
+    number: int
+    text: str

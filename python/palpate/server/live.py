@@ -143,7 +143,8 @@ class Live:
         """Serves one page until it leaves."""
         await websocket.accept()
         # it knows no surface yet; the voxels it asks for
-        outbox = Outbox(missed=Missed())
+        is_near = websocket.client is not None and websocket.client.host in {"127.0.0.1", "::1"}
+        outbox = Outbox(missed=Missed(), is_near=is_near)
         outbox.put(
             msgspec.structs.replace(
                 self._hello,

@@ -686,11 +686,18 @@ export interface Outline {
 /**
  * A picture for the `DrawPicture` with this number; `finished`: it is the last one.
  *
- * `size` has columns and rows: those requested, divided by `divisor`, rounded up. `colours`
- * are linear RGB multiplied by opacity, and opacity, as float16, shape [rows, columns, 4];
- * `depths` distances from the eye along the direction of view as uint16 from `nearest` (0)
- * to `farthest` (65534) [mm], 65535 where nothing is, shape [rows, columns]. Rows from the upper
- * edge, little-endian. `milliseconds` is how long it was drawn.
+ * `size` has columns and rows: those requested, divided by `divisor`, rounded up. Rows from
+ * the upper edge, little-endian. `milliseconds` is how long it was drawn.
+ *
+ * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
+ * shape [rows, columns, 4]; `depths` distances from the eye along the direction of view as
+ * uint16 from `nearest` (0) to `farthest` (65534) [mm], 65535 where nothing is, shape
+ * [rows, columns].
+ *
+ * `coding` "webp": `colours` is a WebP picture of twice as many rows, above the same RGB
+ * divided by `brightest`, as sRGB, below opacity as grey. `depths` are those of every
+ * `depth_every`-th pixel of every `depth_every`-th row, less that to their left (modulo
+ * 65536); first all low bytes, then all high ones, deflated (RFC 1950).
  */
 export interface DrawnPicture {
   readonly type: "drawn_picture";
@@ -700,10 +707,33 @@ export interface DrawnPicture {
   readonly samples: number;
   readonly finished: boolean;
   readonly milliseconds: number;
+  readonly coding: "raw" | "webp";
   readonly colours: Uint8Array;
+  readonly brightest: number;
   readonly depths: Uint8Array;
+  readonly depth_every: number;
   readonly nearest: number;
   readonly farthest: number;
+}
+
+/**
+ * Bytes of a packed `DrawnPicture`, so that states need not wait for all of it.
+ *
+ * Parts of one `serial` come in order; `last` ends them. Once a part of another comes, the
+ * rest of those before never does.
+ */
+export interface PicturePart {
+  readonly type: "picture_part";
+  readonly serial: number;
+  readonly last: boolean;
+  readonly packed: Uint8Array;
+}
+
+/** Tells that the pictures of the `DrawPicture` with this number do not come, and why. */
+export interface PictureFailed {
+  readonly type: "picture_failed";
+  readonly number: number;
+  readonly text: string;
 }
 
 /**
@@ -923,6 +953,11 @@ export interface DrawPicture {
   readonly steps_per_voxel: number;
   readonly samples: number;
   readonly jitter: boolean;
+}
+
+/** Tells that the next `PicturePart` has arrived, by which the engine measures the way. */
+export interface PictureTaken {
+  readonly type: "picture_taken";
 }
 
 /** Decouples the device from the probe, or couples them again. */
@@ -1305,6 +1340,8 @@ export type ToPage =
   | Gap
   | Outline
   | DrawnPicture
+  | PicturePart
+  | PictureFailed
   | CutPreview
   | NeedleEvents
   | SegmentWork
@@ -1319,6 +1356,7 @@ export type FromPage =
   | View
   | PictureLook
   | DrawPicture
+  | PictureTaken
   | Clutch
   | Threshold
   | Otsu
@@ -1929,10 +1967,26 @@ const isDrawnPicture = record({
   samples: whole(),
   finished: flag,
   milliseconds: real(),
+  coding: oneOf("raw", "webp"),
   colours: bytes,
+  brightest: real(),
   depths: bytes,
+  depth_every: whole(),
   nearest: real(),
   farthest: real(),
+});
+
+const isPicturePart = record({
+  type: oneOf("picture_part"),
+  serial: whole(),
+  last: flag,
+  packed: bytes,
+});
+
+const isPictureFailed = record({
+  type: oneOf("picture_failed"),
+  number: whole(),
+  text: text(),
 });
 
 const isCutPreview = record({
@@ -2015,6 +2069,8 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["gap", isGap],
   ["outline", isOutline],
   ["drawn_picture", isDrawnPicture],
+  ["picture_part", isPicturePart],
+  ["picture_failed", isPictureFailed],
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],

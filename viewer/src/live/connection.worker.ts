@@ -5,8 +5,10 @@
 import { decodeToPage, encodeFromPage } from "../core/protocol";
 import type { FromConnection, ToConnection } from "./connection_messages";
 import { Mailbox, memoryOf } from "./mailbox";
+import { PictureParts } from "./picture_parts";
 
 const mailbox = new Mailbox();
+const pictureParts = new PictureParts();
 let socket: WebSocket | null = null;
 let pageReady = true;
 
@@ -25,7 +27,18 @@ function deliver(): void {
 function receive(packed: ArrayBuffer): void {
   const arrived = performance.timeOrigin + performance.now();
   try {
-    mailbox.put(decodeToPage(packed), arrived);
+    const message = decodeToPage(packed);
+    if (message.type === "picture_part") {
+      // at once: the engine measures the way by it
+      socket?.send(encodeFromPage({ type: "picture_taken" }));
+      const picture = pictureParts.take(message);
+      if (picture === null) {
+        return;
+      }
+      mailbox.put(decodeToPage(picture), arrived);
+    } else {
+      mailbox.put(message, arrived);
+    }
   } catch (error) {
     tell({ kind: "malformed", text: error instanceof Error ? error.message : String(error) });
     return;

@@ -3,7 +3,7 @@ import type { DrawnPicture } from "../core/protocol";
 import { Strips, type PictureWish } from "../core/view/saved_pictures";
 import { apiAddress } from "./connection";
 
-/** Strips of the pictures, from the left to the right, as they are drawn; leaving it ends the work. Throws why it failed. */
+/** Strips of the pictures, from left to right, as they are drawn; leaving it ends the work. Throws why it failed. */
 export async function* savedPictures(
   wish: PictureWish,
   token: string,

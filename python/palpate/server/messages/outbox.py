@@ -5,6 +5,8 @@ waiting one and inherits its force samples, at most a second of them. Changes of
 on one another and wait, up to a number of bytes. A page that falls farther behind does not get them
 one by one: they are forgotten but for the boxes of voxels that they touch, and once the page reads
 again it gets those boxes, and all surfaces, as they are then.
+
+Pictures that the engine draws have a lane of their own, behind all others.
 """
 
 from __future__ import annotations
@@ -14,7 +16,15 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from palpate.protocol import Changed, GridPlace, Notice, State, ToPage, encode_to_page
+from palpate.protocol import (
+    Changed,
+    GridPlace,
+    Notice,
+    State,
+    ToPage,
+    encode_to_page,
+)
+from palpate.server.messages.picture_lane import PictureLane
 from palpate.server.page_words import page_words
 
 __all__ = ["Box", "Missed", "Outbox"]
@@ -70,12 +80,17 @@ class Missed:
 class Outbox:
     """Waiting messages of one page."""
 
-    def __init__(self, *, missed: Missed | None = None) -> None:
-        """Starts empty; what a page has ``missed`` comes after all messages."""
+    def __init__(self, *, missed: Missed | None = None, is_near: bool = False) -> None:
+        """Starts empty; what a page has ``missed`` comes after all messages.
+
+        ``is_near``: the page seems to be on this machine.
+        """
         self._messages: list[ToPage] = []
         self._bytes = 0
         self._missed = missed
         self._state: State | None = None
+        self._pictures = PictureLane(is_near=is_near)
+        self._picture_is_next = False
         self._filled = asyncio.Event()
         self._mark()
 
@@ -88,6 +103,21 @@ class Outbox:
     def is_behind(self) -> bool:
         """Whether changes are forgotten, since too many waited."""
         return self._missed is not None
+
+    @property
+    def picture_rate(self) -> float:
+        """Bytes of pictures that the way to the page takes in a second; for any thread."""
+        return self._pictures.rate
+
+    def picture_taken(self) -> None:
+        """Notes that a part of a picture has arrived."""
+        self._pictures.taken()
+        self._mark()
+
+    def put_picture(self, number: int, packed: bytes) -> None:
+        """Adds the packed picture of a request; it takes the place of one that waits."""
+        self._pictures.put(number, packed)
+        self._mark()
 
     def put(self, message: ToPage) -> None:
         """Adds a message; of lists and settings only the newest waits, and of states."""
@@ -110,6 +140,8 @@ class Outbox:
     async def next(self) -> bytes | Missed:
         """Waits for the next message and returns it packed; states come after all others.
 
+        Parts of pictures come after states, or with them by turns where states never cease.
+
         Where the page has fallen behind it returns what was missed: changes wait again from then
         on, and the caller sends the page all that before the next message.
         """
@@ -121,9 +153,12 @@ class Outbox:
                 self._bytes -= _size_of(following)
         elif self._missed is not None:
             following, self._missed = self._missed, None
-        else:
-            assert self._state is not None  # noqa: S101  # filled means one of them
+        elif self._state is not None and not (self._picture_is_next and self._pictures.is_ready):
             following, self._state = self._state, None
+            self._picture_is_next = True
+        else:
+            following = self._pictures.next()
+            self._picture_is_next = False
         self._mark()
         return following if isinstance(following, Missed) else encode_to_page(following)
 
@@ -157,7 +192,8 @@ class Outbox:
         self._messages, self._bytes = kept, 0
 
     def _mark(self) -> None:
-        if self._messages or self._missed is not None or self._state is not None:
+        waits = self._messages or self._missed is not None or self._state is not None
+        if waits or self._pictures.is_ready:
             self._filled.set()
         else:
             self._filled.clear()

@@ -190,3 +190,26 @@ def test_of_the_parts_of_a_model_only_the_newest_wait() -> None:
     outbox.put(state(1))
     parts, newest = told(outbox, 2)
     assert (parts["type"], len(parts["strains"]), newest["type"]) == ("matter_parts", 3, "state")
+
+
+def test_states_go_before_pictures_and_pictures_come_all_the_same() -> None:
+    async def run() -> list[str]:
+        outbox = Outbox()
+        outbox.put_picture(1, bytes(5_000_000))
+        kinds = []
+        for tick in range(6):
+            # one state after another waits, and the page acknowledges no part
+            outbox.put(state(tick))
+            packed = await outbox.next()
+            assert isinstance(packed, bytes)
+            kinds.append(msgspec.msgpack.decode(packed)["type"])
+        return kinds
+
+    assert asyncio.run(run()) == [
+        "state",
+        "picture_part",
+        "state",
+        "picture_part",
+        "state",
+        "state",
+    ]

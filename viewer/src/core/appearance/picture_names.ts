@@ -36,7 +36,7 @@ export const blendNames: Readonly<Record<Blend, Named>> = {
 };
 
 export const drawerNames: Readonly<Record<DrawerChoice, Named>> = {
-  auto: { name: "Automatic", title: "The engine where this browser has no graphics card, else this browser" },
+  auto: { name: "Automatic", title: "This browser where it has a graphics card, else whichever is quicker: measured" },
   browser: { name: "This browser", title: "Pictures are drawn by this browser's graphics" },
   engine: { name: "Engine", title: "Pictures are drawn by the engine, where it can draw all that is shown" },
 };

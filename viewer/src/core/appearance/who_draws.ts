@@ -1,8 +1,11 @@
 /**
- * Who draws the 3-D view: this browser, or the engine, which is quicker where the browser's graphics are drawn by the
- * CPU. Always one of them alone.
+ * Who draws the 3-D view: this browser, or the engine, which is mostly quicker where the browser's graphics are drawn
+ * by the CPU. Always one of them alone.
  */
+import type { Segment } from "../protocol";
+import { drawnAsSurface } from "../segments/shown_segments";
 import type { Stereo } from "../view/stereo";
+import type { Drawer } from "./quicker_drawer";
 
 export const drawerChoices = ["auto", "browser", "engine"] as const;
 export type DrawerChoice = (typeof drawerChoices)[number];
@@ -12,28 +15,42 @@ export function saneDrawer(kept: unknown): DrawerChoice {
   return drawerChoices.find((choice) => choice === kept) ?? "auto";
 }
 
-/** Whom a person would have draw. */
-export function wantsEngine(choice: DrawerChoice, software: boolean): boolean {
-  return choice === "auto" ? software : choice === "engine";
+/** Whom a person would have draw; where the CPU draws in this browser, the quicker of both. */
+export function wantsEngine(choice: DrawerChoice, software: boolean, quicker: Drawer = "engine"): boolean {
+  return choice === "auto" ? software && quicker === "engine" : choice === "engine";
 }
+
+/** Seconds after which an engine is tried again whose pictures did not come. */
+export const retrySeconds = 30;
 
 /** What is shown, as far as it tells whether the engine can draw it. */
 export interface ShownThings {
   readonly connected: boolean;
+  /** Why the engine's pictures do not come; null where they do. */
+  readonly failure: string | null;
   readonly stereo: Stereo["mode"];
   readonly second: boolean;
+  readonly deforming: boolean;
+  readonly segments: readonly Segment[];
 }
 
 /** Why the engine cannot draw what is shown; null where it can. */
-export function engineObstacle({ connected, stereo, second }: ShownThings): string | null {
+export function engineObstacle(shown: ShownThings): string | null {
+  const { connected, failure, stereo, second, deforming, segments } = shown;
   if (!connected) {
     return "the engine is not connected";
+  }
+  if (failure !== null) {
+    return `${failure}; the engine is tried again every ${String(retrySeconds)} s`;
   }
   if (stereo !== "off") {
     return "stereo is shown";
   }
   if (second) {
     return "a second scan is shown";
+  }
+  if (deforming && segments.some(drawnAsSurface)) {
+    return "a surface is shown while soft tissue is deformed";
   }
   return null;
 }

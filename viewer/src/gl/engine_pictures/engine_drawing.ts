@@ -5,12 +5,12 @@
 import type * as THREE from "three";
 import type { Appearance } from "../../core/appearance/appearance";
 import { engineLook, type LookedSegments } from "../../core/appearance/engine_look";
-import type { DrawnPicture, DrawPicture, PictureLook } from "../../core/protocol";
+import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { Plane } from "../../core/view/clip";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { EnginePass } from "./engine_pass";
-import { EnginePictures, type EngineView } from "./engine_pictures";
+import { EnginePictures, type ArrivedPicture, type EngineView } from "./engine_pictures";
 
 export class EngineDrawing {
   readonly pictures: EnginePictures;
@@ -20,6 +20,9 @@ export class EngineDrawing {
   private appearance: Appearance | null = null;
   private segments: LookedSegments = { segments: [], modes: {} };
   private clip: readonly Plane[] = [];
+  /** The picture on display, and the size of the target that it was drawn into. */
+  private last: ArrivedPicture | null = null;
+  private drawnSize: readonly [number, number] = [0, 0];
 
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
@@ -54,44 +57,56 @@ export class EngineDrawing {
     return this.appearance && engineLook(this.appearance, this.segments, this.clip);
   }
 
-  take(picture: DrawnPicture): void {
-    this.pictures.take(picture);
+  take(answer: DrawnPicture | PictureFailed): void {
+    this.pictures.take(answer);
+  }
+
+  /** Another drew meanwhile: no picture of the engine is on display. */
+  leave(): void {
+    this.last = null;
   }
 
   /**
-   * Asks for what is due, and draws what has come; true where the cached picture has changed.
+   * Asks for what is due, and draws what has come; true where the cached picture has changed. In a target of another
+   * size the last picture stands in until one of that size has come.
    *
    * @param changed the view or what is seen has changed since the last call.
    * @param aim turns markers to a view.
    */
-  advance(
-    now: number,
-    { changed, view, target, aim }: {
-      readonly changed: boolean;
-      readonly view: EngineView;
-      readonly target: PictureTarget;
-      readonly aim: (view: EngineView) => void;
-    },
-  ): boolean {
+  advance({ changed, view, target, aim }: {
+    readonly changed: boolean;
+    readonly view: EngineView;
+    readonly target: PictureTarget;
+    readonly aim: (view: EngineView) => void;
+  }): boolean {
     const size = [target.target.width, target.target.height] as const;
-    this.pictures.ask(changed, view, size, now);
+    this.pictures.ask(changed, view, size);
     const next = this.pictures.next(size);
-    if (next === null) {
+    if (next !== null) {
+      this.pass.take(next);
+      this.last = next;
+    }
+    const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
+    if (this.last === null || (next === null && !isResized)) {
       return false;
     }
-    const { picture } = next;
-    const { divisor, samples } = picture;
-    const { stepsPerVoxel } = this.pictures.resting;
-    target.useLevel(divisor);
-    target.useRows(0, target.height);
-    aim(next.view);
-    this.pass.draw(this.renderer, target, picture);
-    this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
+    this.drawnSize = size;
+    this.draw(this.last, target, aim);
     return true;
   }
 
   dispose(): void {
     this.pass.dispose();
+  }
+
+  private draw(last: ArrivedPicture, target: PictureTarget, aim: (view: EngineView) => void): void {
+    const { divisor, samples } = last.picture;
+    const { stepsPerVoxel } = this.pictures.resting;
+    target.useLevel(divisor);
+    target.useRows(0, target.height);
+    aim(last.view);
+    this.pass.draw(this.renderer, target, last.size);
+    this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
   }
 
   private tell(): void {

@@ -2,11 +2,11 @@
  * Puts a picture of the engine, with its depth, into a cached picture.
  */
 import * as THREE from "three";
-import type { DrawnPicture } from "../../core/protocol";
 import { FullscreenPass } from "../base/fullscreen_pass";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { shaders } from "../shaders/shaders";
+import type { PictureTexels } from "./picture_texels";
 
 export class EnginePass {
   private readonly uniforms;
@@ -14,9 +14,13 @@ export class EnginePass {
 
   constructor(marcher: RayMarcher) {
     this.uniforms = {
-      engineColour: { value: null as THREE.DataTexture | null },
+      engineColour: { value: null as THREE.Texture | null },
       engineDepth: { value: null as THREE.DataTexture | null },
       depthSpan: { value: new THREE.Vector2() },
+      brightest: { value: 0 },
+      engineSize: { value: new THREE.Vector2() },
+      used: { value: new THREE.Vector2() },
+      fit: { value: new THREE.Vector2() },
       ...marcher.placeUniforms,
     };
     this.pass = new FullscreenPass(shaders.engine, this.uniforms);
@@ -27,14 +31,30 @@ export class EnginePass {
     await this.pass.prepare(renderer);
   }
 
-  /** Draws into the part in use, which is as large as the picture. */
-  draw(renderer: THREE.WebGLRenderer, target: PictureTarget, picture: DrawnPicture): void {
+  /** Takes a picture to the GPU. */
+  take({ picture, colours, depths, depthSize }: PictureTexels): void {
     const u = this.uniforms;
-    const [width, height] = picture.size;
-    const size = [width, height] as const;
-    u.engineColour.value = filled(u.engineColour.value, size, colourTexture, halves(picture.colours));
-    u.engineDepth.value = filled(u.engineDepth.value, size, depthTexture, halves(picture.depths));
+    const isRaw = colours instanceof Uint16Array;
+    u.engineColour.value = isRaw
+      ? filled(u.engineColour.value, picture.size, colourTexture, colours)
+      : unpackedTexture(u.engineColour.value, colours);
+    u.engineDepth.value = filled(u.engineDepth.value, depthSize, depthTexture, depths);
+    u.brightest.value = isRaw ? 0 : picture.brightest;
+    u.engineSize.value.set(...picture.size);
     u.depthSpan.value.set(picture.nearest, picture.farthest);
+  }
+
+  /**
+   * Draws it into the part in use.
+   *
+   * @param size that was asked for; the target may be another by now, and shows less or more at its sides then.
+   */
+  draw(renderer: THREE.WebGLRenderer, target: PictureTarget, size?: readonly [number, number]): void {
+    const [width, height] = size ?? [target.target.width, target.target.height];
+    const u = this.uniforms;
+    u.used.value.set(target.width, target.height);
+    // the height of a view is the same in all sizes
+    u.fit.value.set((target.target.width * height) / (target.target.height * width), 1);
     this.pass.draw(renderer, target.target);
   }
 
@@ -45,23 +65,34 @@ export class EnginePass {
   }
 }
 
-/** 16-bit values; they may lie anywhere in the message. */
-function halves(bytes: Uint8Array): Uint16Array {
-  return new Uint16Array(bytes.slice().buffer);
-}
-
 /** The texture with other values, or a new one where it had another size. */
 function filled(
-  texture: THREE.DataTexture | null,
+  texture: THREE.Texture | null,
   [width, height]: readonly [number, number],
   make: (values: Uint16Array, width: number, height: number) => THREE.DataTexture,
   values: Uint16Array,
 ): THREE.DataTexture {
-  if (texture?.image.width !== width || texture.image.height !== height) {
-    texture?.dispose();
-    texture = make(values, width, height);
+  if (texture instanceof THREE.DataTexture && texture.image.width === width && texture.image.height === height) {
+    texture.image.data = values;
+    texture.needsUpdate = true;
+    return texture;
   }
-  texture.image.data = values;
+  texture?.dispose();
+  const made = make(values, width, height);
+  made.needsUpdate = true;
+  return made;
+}
+
+function unpackedTexture(before: THREE.Texture | null, image: ImageBitmap): THREE.Texture {
+  before?.dispose();
+  const texture = new THREE.Texture(image);
+  texture.minFilter = THREE.NearestFilter;
+  texture.magFilter = THREE.NearestFilter;
+  texture.generateMipmaps = false;
+  // as it was unpacked: rows from the upper edge
+  texture.flipY = false;
+  texture.colorSpace = THREE.NoColorSpace;
+  texture.onUpdate = () => { image.close(); };
   texture.needsUpdate = true;
   return texture;
 }

@@ -1,17 +1,23 @@
 /**
  * Pictures of the view that the engine draws: asks for them as the view changes, and takes the newest that has come.
  *
- * While the camera moves one picture is asked for at a time of each frame, in haste; once it rests, or where anything
- * else has changed, the engine goes on to finer ones by itself. A picture is shown with the camera that it was asked
- * with, so that picture and markers always fit.
+ * While the camera moves one picture is asked for after another, in haste: the next one as soon as the one before has
+ * come, in the newest view. Once the camera rests, or where anything else has changed, the engine goes on to finer ones
+ * by itself. A picture is shown with the camera that it was asked with, so that picture and markers always fit.
  */
 import type { Camera, Extent } from "../../core/geometry/camera";
-import type { DrawnPicture, DrawPicture, PictureLook } from "../../core/protocol";
+import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { RestingPicture } from "../../core/view/quality";
 import { fewestSamples } from "../../core/view/saved_pictures";
+import { rawTexels, unpackedTexels, type PictureTexels } from "./picture_texels";
 
-/** Rest before finer pictures are asked for [ms]. */
-const settleMilliseconds = 90;
+/**
+ * Rest before finer pictures are asked for [ms]: two to three frames and moves of a mouse. A view that moves again has
+ * them given up at once.
+ */
+const settleMilliseconds = 50;
+/** So long an answer may take [ms]. */
+const patience = 10_000;
 
 /** From where a picture is seen. */
 export interface EngineView {
@@ -20,15 +26,23 @@ export interface EngineView {
 }
 
 /** A picture to be drawn, and how it is seen. */
-export interface ArrivedPicture {
-  readonly picture: DrawnPicture;
+export interface ArrivedPicture extends PictureTexels {
   readonly view: EngineView;
+  /** That was asked for [pixels]. */
+  readonly size: readonly [number, number];
 }
 
-interface Asked {
-  readonly number: number;
+interface Wanted {
   readonly view: EngineView;
   readonly size: readonly [number, number];
+  readonly moving: boolean;
+}
+
+interface Asked extends Wanted {
+  readonly number: number;
+  readonly askedAt: number;
+  /** A picture in this view is on display already: what moves need not wait for a finer one. */
+  readonly seen: boolean;
 }
 
 export class EnginePictures {
@@ -38,18 +52,34 @@ export class EnginePictures {
   count = 0;
   /** The last picture that was asked for has come as fine as it gets. */
   finished = false;
+  /** Why no pictures come; null where they do. */
+  failure: string | null = null;
+  /** Is told how long each picture took from its request until it came, while the view moved [ms]. */
+  onAnswer: (milliseconds: number) => void = () => undefined;
   /** Number of the request whose picture came last; 0 before the first. */
   answered = 0;
   private look: PictureLook | null = null;
   private toldLook: PictureLook | null = null;
   private asked: readonly Asked[] = [];
-  private arrived: DrawnPicture | null = null;
+  /** What is asked for as soon as the request before it is answered. */
+  private wanted: Wanted | null = null;
+  /** The last request of which nothing has come. */
+  private unanswered: Asked | null = null;
+  private arrived: ArrivedPicture | null = null;
   private number = 0;
+  private received = 0;
+  private shownReceived = 0;
+  private lastView: EngineView | null = null;
+  private lastSeen: Asked | null = null;
   private movedAt = -Infinity;
   /** The camera rests, but the engine does not know yet. */
   private moving = false;
 
-  constructor(private readonly send: (message: DrawPicture | PictureLook) => void) {}
+  /** @param clock tells the time [ms]. */
+  constructor(
+    private readonly send: (message: DrawPicture | PictureLook) => void,
+    private readonly clock: () => number = () => performance.now(),
+  ) {}
 
   /** How pictures look that are asked for from now on. */
   setLook(look: PictureLook): void {
@@ -61,11 +91,14 @@ export class EnginePictures {
     this.toldLook = null;
     this.asked = [];
     this.arrived = null;
+    this.wanted = null;
+    this.unanswered = null;
+    this.lastSeen = null;
   }
 
-  /** Number of the last request; 0 before the first. */
+  /** Number of the last request, or of the one that is due; 0 before the first. */
   get requested(): number {
-    return this.number;
+    return this.number + (this.wanted === null ? 0 : 1);
   }
 
   recount(): void {
@@ -77,59 +110,125 @@ export class EnginePictures {
    *
    * @param changed the view or what is seen has changed since the last call.
    * @param size of the picture [pixels].
-   * @param now [ms].
    */
-  ask(changed: boolean, view: EngineView, size: readonly [number, number], now: number): void {
+  ask(changed: boolean, view: EngineView, size: readonly [number, number]): void {
+    const now = this.clock();
     if (this.look === null) {
       return;
     }
     if (changed) {
-      const before = this.asked.at(-1)?.view.camera;
-      this.moving = before !== view.camera;
+      this.moving = this.lastView?.camera !== view.camera;
       this.movedAt = now;
-      this.request(view, size, this.moving);
+      this.want({ view, size, moving: this.moving });
     } else if (this.moving && now - this.movedAt >= settleMilliseconds) {
       this.moving = false;
-      this.request(view, size, false);
+      this.want({ view, size, moving: false });
+    }
+    this.lastView = view;
+    this.pump();
+    this.watch();
+  }
+
+  /** Asks for one picture in haste, to learn whether and how soon one comes; nothing else is asked for meanwhile. */
+  probe(view: EngineView, size: readonly [number, number]): void {
+    if (this.unanswered === null && this.look !== null) {
+      this.want({ view, size, moving: true });
+      this.pump();
+    }
+  }
+
+  /** Notes where an answer is due for too long. */
+  watch(): void {
+    if (this.unanswered !== null && this.clock() - this.unanswered.askedAt > patience) {
+      this.fail(`the engine sent no picture for ${String(patience / 1000)} s`);
     }
   }
 
   /** A picture of a view that has moved since is on its way: what stands over the picture moves with it. */
   get isTurning(): boolean {
-    return this.moving && this.asked.length > 1;
+    return this.moving && this.unanswered !== null && this.lastSeen !== null;
   }
 
-  /** Takes a picture that has come; one that was asked for earlier than one on display is none any more. */
-  take(picture: DrawnPicture): void {
-    this.arrived = picture;
+  /** Takes a picture that has come, or word that it does not. */
+  take(answer: DrawnPicture | PictureFailed): void {
+    if (answer.type === "picture_failed") {
+      this.fail(answer.text);
+      return;
+    }
+    this.received += 1;
+    const received = this.received;
+    if (answer.coding === "raw") {
+      this.arrive(rawTexels(answer), received);
+      return;
+    }
+    unpackedTexels(answer).then(
+      (texels) => { this.arrive(texels, received); },
+      () => { this.fail("a picture of the engine could not be unpacked"); },
+    );
   }
 
-  /** The newest picture that has come and fits the size; null where none has. */
+  /** The newest picture that has come; null where none has. */
   next(size: readonly [number, number]): ArrivedPicture | null {
-    const picture = this.arrived;
+    const { arrived } = this;
     this.arrived = null;
-    const asked = this.asked.find(({ number }) => number === picture?.number);
-    if (picture === null || asked === undefined) {
-      return null;
+    if (arrived !== null) {
+      const { picture } = arrived;
+      const fits = arrived.size[0] === size[0] && arrived.size[1] === size[1];
+      this.count += 1;
+      this.answered = picture.number;
+      this.finished = picture.finished && picture.number === this.number && this.wanted === null && fits;
     }
-    this.asked = this.asked.filter(({ number }) => number >= asked.number);
-    if (asked.size[0] !== size[0] || asked.size[1] !== size[1]) {
-      return null;
-    }
-    this.count += 1;
-    this.answered = picture.number;
-    this.finished = picture.finished && picture.number === this.number;
-    return { picture, view: asked.view };
+    return arrived;
   }
 
-  private request(view: EngineView, size: readonly [number, number], moving: boolean): void {
-    if (this.look !== null && this.look !== this.toldLook) {
+  /** Keeps a picture to be drawn, if it is newer than what came before, and asks for the next. */
+  private arrive(texels: PictureTexels, received: number): void {
+    const { number } = texels.picture;
+    const asked = this.asked.find((one) => one.number === number);
+    if (asked === undefined || received < this.shownReceived) {
+      return;
+    }
+    this.shownReceived = received;
+    this.asked = this.asked.filter((one) => one.number >= number);
+    this.arrived = { ...texels, view: asked.view, size: asked.size };
+    this.lastSeen = asked;
+    this.failure = null;
+    if (this.unanswered?.number === number) {
+      this.unanswered = null;
+      if (asked.moving) {
+        this.onAnswer(this.clock() - asked.askedAt);
+      }
+    }
+    this.pump();
+  }
+
+  private want(wanted: Wanted): void {
+    this.wanted = wanted;
+    this.finished = false;
+  }
+
+  /** Asks for what is wanted, unless an answer is due. */
+  private pump(): void {
+    const { unanswered, wanted } = this;
+    if (wanted === null || (unanswered !== null && !unanswered.seen)) {
+      return;
+    }
+    this.wanted = null;
+    this.request(wanted);
+  }
+
+  private request(wanted: Wanted): void {
+    const isNewLook = this.look !== null && this.look !== this.toldLook;
+    if (this.look !== null && isNewLook) {
       this.send(this.look);
       this.toldLook = this.look;
     }
+    const { view, size, moving } = wanted;
+    const seen = !moving && !isNewLook && this.lastSeen?.view.camera === view.camera && this.lastSeen.moving;
     this.number += 1;
-    this.finished = false;
-    this.asked = [...this.asked, { number: this.number, view, size }];
+    const asked = { ...wanted, number: this.number, askedAt: this.clock(), seen };
+    this.asked = [...this.asked, asked];
+    this.unanswered = asked;
     this.send({
       type: "draw_picture",
       number: this.number,
@@ -141,8 +240,14 @@ export class EnginePictures {
       jitter: this.jitter,
     });
   }
+
+  private fail(reason: string): void {
+    this.failure = reason;
+    this.forget();
+  }
 }
 
-export function seenFrom({ target, distance, right, up, back, field, parallel, aside = 0 }: Camera): DrawPicture["camera"] {
+export function seenFrom(camera: Camera): DrawPicture["camera"] {
+  const { target, distance, right, up, back, field, parallel, aside = 0 } = camera;
   return { target, distance, right, up, back, field, parallel, aside };
 }

@@ -9,6 +9,7 @@ import type { RestingPicture } from "../../core/view/quality";
 import { fewestSamples, savedSamples, type PictureWish } from "../../core/view/saved_pictures";
 import { EnginePass } from "../engine_pictures/engine_pass";
 import { seenFrom } from "../engine_pictures/engine_pictures";
+import { rawTexels } from "../engine_pictures/picture_texels";
 import type { RayMarcher } from "../march/ray_marcher";
 import type { Compositor } from "./compositor";
 import { SnapshotTile } from "./snapshot_tile";
@@ -122,7 +123,8 @@ export class EngineSnapshot {
     this.aim(camera);
     for (const rows of tilesOf({ width, height }, mostRows)) {
       tile.begin({ ...rows, x: x + rows.x }, size);
-      pass.draw(renderer, tile.drawn, rowsOf(strip, height - rows.y - rows.height, rows.height));
+      pass.take(rawTexels(rowsOf(strip, height - rows.y - rows.height, rows.height)));
+      pass.draw(renderer, tile.drawn);
       tile.compose(transparent);
       this.over(tile);
       context.putImageData(tile.read(), x + rows.x, height - rows.y - rows.height);

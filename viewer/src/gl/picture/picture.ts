@@ -11,7 +11,7 @@ import type { Appearance } from "../../core/appearance/appearance";
 import { isGrey } from "../../core/appearance/optics";
 import type { Rect } from "../../core/view/picture_layout";
 import { firstQuality, restingPictures, type QualityChoice } from "../../core/view/quality";
-import type { DrawnPicture, DrawPicture, MovedPose, PictureLook, Segment } from "../../core/protocol";
+import type { DrawnPicture, DrawPicture, MovedPose, PictureFailed, PictureLook, Segment } from "../../core/protocol";
 import type { ScanVolume } from "../../core/scan/scan_volume";
 import { drawnFromVoxels, type InsideModes } from "../../core/segments/shown_segments";
 import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../../core/view/stereo";
@@ -44,6 +44,9 @@ import { ViewPane } from "./view_pane";
 /** Cells along the scan's longest edge in which its light is worked out. */
 const lightCells = { gpu: 128, software: 64 } as const;
 
+/** Of the resolution, in which the browser's drawing is timed. */
+const timedDivisor = 4;
+
 export interface PictureOptions {
   readonly support: GpuSupport;
   /** Device pixels per CSS pixel, at most. */
@@ -52,6 +55,8 @@ export interface PictureOptions {
   readonly format?: FieldFormat;
   /** Asks the engine for pictures; it draws none where this is left out. */
   readonly askEngine?: (message: DrawPicture | PictureLook) => void;
+  /** Is told how long each picture of the engine took while the view moved, from its request until it came [ms]. */
+  readonly engineAnswered?: (milliseconds: number) => void;
   /** The engine draws from the start. */
   readonly engineDraws?: boolean;
   /** Asks the engine for pictures that are saved, where it draws; in strips. */
@@ -122,6 +127,7 @@ export class Picture {
     this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
     this.engine = new EngineDrawing(this.renderer, this.marcher, options.askEngine ?? (() => undefined));
+    this.engine.pictures.onAnswer = options.engineAnswered ?? (() => undefined);
     this.byEngine = options.engineDraws ?? false;
     this.askSaved = options.askSaved ?? noneSaved;
     this.quality = firstQuality(support.software);
@@ -164,19 +170,49 @@ export class Picture {
     if (on !== this.byEngine) {
       this.byEngine = on;
       this.engine.pictures.forget();
+      this.engine.leave();
       this.refiner.recount();
       this.refiner.restart();
     }
   }
 
-  /** Takes a picture that the engine has drawn. */
-  takeDrawn(picture: DrawnPicture): void {
-    this.engine.take(picture);
+  /** Takes a picture that the engine has drawn, or word that it has not. */
+  takeDrawn(answer: DrawnPicture | PictureFailed): void {
+    this.engine.take(answer);
+  }
+
+  /** Why the engine's pictures do not come; null where they do. */
+  get engineFailure(): string | null {
+    return this.engine.pictures.failure;
+  }
+
+  /** Asks the engine for a picture while the browser draws, to learn whether and how soon one comes. */
+  tryEngine(): void {
+    const { target } = this.refiner.pictureOf(0);
+    if (this.view !== null) {
+      this.engine.pictures.probe(this.view, [target.width, target.height]);
+    }
+  }
+
+  /**
+   * How long a picture of the browser takes, as fine as one of a view that turns should be at least [ms]; null until
+   * its programs are made, for which nothing waits.
+   */
+  timeBrowser(): number | null {
+    this.prepare();
+    const { target } = this.refiner.pictureOf(0);
+    if (this.prepared !== true || !this.scan.ready || this.scan.isLoading || this.view === null) {
+      return null;
+    }
+    this.aim(this.view.camera, this.view.extent, target.width / target.height);
+    const [width, height] = [Math.ceil(target.width / timedDivisor), Math.ceil(target.height / timedDivisor)];
+    return drawTimed(this.renderer, this.marcher, this.surfaces, { width, height, stepsPerVoxel: 1 }).milliseconds;
   }
 
   /** Another engine has greeted the page, or the same again. */
   forgetEngine(): void {
     this.engine.pictures.forget();
+    this.engine.pictures.failure = null;
     this.refiner.restart();
   }
 
@@ -398,20 +434,27 @@ export class Picture {
     }
   }
 
-  /** Follows the size of the canvas on the page and the place of the 3-D view on it [CSS pixels]. */
-  resize(width: number, height: number, pane: Rect = { x: 0, y: 0, width, height }): void {
+  /**
+   * Follows the size of the canvas on the page and the place of the 3-D view on it [CSS pixels]; true where pictures
+   * have another size from now on.
+   */
+  resize(width: number, height: number, pane: Rect = { x: 0, y: 0, width, height }): boolean {
+    const { target } = this.refiner.pictureOf(0);
+    const before = [target.width, target.height];
     const ratio = this.screen.resize({ width, height }, pane);
     const drawn = eyesOf(this.pane.stereo, pane)[0]?.rect ?? pane;
     this.refiner.resize(Math.floor(drawn.width * ratio), Math.floor(drawn.height * ratio));
+    return target.width !== before[0] || target.height !== before[1];
   }
 
   /** Does the work of one frame; `now` [ms]. */
   advance(now: number): void {
     this.upload();
     if (this.byEngine) {
-      this.advanceByEngine(now);
+      this.advanceByEngine();
       return;
     }
+    this.engine.pictures.watch();
     this.prepare();
     if (!this.scan.ready || this.view === null || this.suspended || this.snapping) {
       return;
@@ -437,12 +480,12 @@ export class Picture {
     this.show(this.refiner.advance(now));
   }
 
-  private advanceByEngine(now: number): void {
+  private advanceByEngine(): void {
     const { engine, view } = this;
     if (this.scan.frame === null || !this.composes || view === null || this.suspended || this.snapping) {
       return;
     }
-    const drawn = engine.advance(now, {
+    const drawn = engine.advance({
       changed: this.refiner.takeChange(),
       view,
       target: this.refiner.pictureOf(0),

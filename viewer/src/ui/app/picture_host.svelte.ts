@@ -52,6 +52,10 @@ export class PictureHost {
   private drawnCamera: Camera | null = null;
   /** Greetings of engines that the picture knows of. */
   private greetings = 0;
+  /** The mode in which was drawn last. */
+  private blend: Appearance["optics"]["blend"] | null = null;
+  /** Why the engine's pictures did not come in the last frame. */
+  private failure: string | null = null;
   private readonly sync: PictureSync;
 
   constructor(
@@ -92,6 +96,10 @@ export class PictureHost {
 
   setAppearance(appearance: Appearance | null): void {
     if (appearance !== null && this.sources.loader.held !== null) {
+      if (appearance.optics.blend !== this.blend) {
+        this.blend = appearance.optics.blend;
+        this.sources.drawer.quicker.forget();
+      }
       this.picture?.setAppearance(appearance);
     }
   }
@@ -106,7 +114,9 @@ export class PictureHost {
     const { slices, stereo, touch, view } = this.sources;
     view.resize(stereo.viewport(pane));
     this.picture?.setStereo(stereo.choice);
-    this.picture?.resize(slices.size.width, slices.size.height, pane);
+    if (this.picture?.resize(slices.size.width, slices.size.height, pane) === true) {
+      this.sources.drawer.quicker.forget();
+    }
     touch.redraw();
   }
 
@@ -179,6 +189,9 @@ export class PictureHost {
           session.send(message);
         },
         engineDraws: drawer.wantsEngine,
+        engineAnswered: (milliseconds) => {
+          drawer.quicker.learnEngine(milliseconds);
+        },
         askSaved: (wish, signal) => savedPictures(wish, this.token, signal),
       });
     } catch (error) {
@@ -218,6 +231,7 @@ export class PictureHost {
     }
     this.sync.pass(picture, now, loader.held !== null);
     this.chooseDrawer(picture);
+    this.measureDrawers(picture, now);
     this.show(picture);
     picture.advance(now);
     loader.follow(picture);
@@ -226,16 +240,38 @@ export class PictureHost {
 
   /** Has the engine draw, or this browser. */
   private chooseDrawer(picture: Picture): void {
-    const { drawer, second, session, stereo } = this.sources;
+    const { drawer, edits, scene, second, session, stereo } = this.sources;
     picture.engineDraws = drawer.follow({
       // at first it is about to be
       connected: session.greetings === 0 || session.connection.kind === "open",
+      failure: picture.engineFailure,
       stereo: stereo.choice.mode,
       second: second.shown !== null,
+      deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,
+      segments: scene.segments,
     });
     if (session.greetings !== this.greetings) {
       this.greetings = session.greetings;
       picture.forgetEngine();
+    }
+  }
+
+  /** Has a picture of the one timed that is not known, and of an engine that has failed after a while. */
+  private measureDrawers(picture: Picture, now: number): void {
+    const { drawer, session } = this.sources;
+    const failure = picture.engineFailure;
+    if (failure !== null && failure !== this.failure && drawer.wantsEngine) {
+      session.notify("warning", `This browser draws the picture: ${failure}.`);
+    }
+    this.failure = failure;
+    const due = drawer.look(now, failure !== null);
+    if (due === "engine") {
+      picture.tryEngine();
+    } else if (due === "browser" && picture.shown.finished) {
+      const milliseconds = picture.timeBrowser();
+      if (milliseconds !== null) {
+        drawer.quicker.learnBrowser(milliseconds);
+      }
     }
   }
 

@@ -12,6 +12,7 @@ import {
   type DeformationModel,
   type DeviceLimits,
   type DrawnPicture,
+  type PictureFailed,
   type FromPage,
   type Gap,
   type Hello,
@@ -103,7 +104,7 @@ export class Session {
   private secondListeners: readonly ((second: SecondScan) => void)[] = [];
   private registrationListeners: readonly ((registration: Registration) => void)[] = [];
   private outlineListener: (outline: Outline) => void = () => undefined;
-  private drawnListener: (picture: DrawnPicture) => void = () => undefined;
+  private drawnListener: (answer: DrawnPicture | PictureFailed) => void = () => undefined;
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -168,8 +169,8 @@ export class Session {
     this.outlineListener = listener;
   }
 
-  /** Calls back with pictures that the engine has drawn for this page. */
-  onDrawn(listener: (picture: DrawnPicture) => void): void {
+  /** Calls back with pictures that the engine has drawn for this page, and where it could not. */
+  onDrawn(listener: (answer: DrawnPicture | PictureFailed) => void): void {
     this.drawnListener = listener;
   }
 
@@ -324,6 +325,7 @@ export class Session {
         this.outlineListener(message);
         break;
       case "drawn_picture":
+      case "picture_failed":
         this.drawnListener(message);
         break;
       case "cut_preview":

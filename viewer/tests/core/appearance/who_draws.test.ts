@@ -1,11 +1,20 @@
 import { expect, test } from "vitest";
 import { engineObstacle, saneDrawer, wantsEngine, type ShownThings } from "../../../src/core/appearance/who_draws";
+import { segment } from "../../support/volumes";
 
-const alone: ShownThings = { connected: true, stereo: "off", second: false };
+const alone: ShownThings = {
+  connected: true,
+  failure: null,
+  stereo: "off",
+  second: false,
+  deforming: false,
+  segments: [],
+};
 
 test("automatically the engine draws where the browser draws by the CPU", () => {
   expect(wantsEngine("auto", true)).toBe(true);
   expect(wantsEngine("auto", false)).toBe(false);
+  expect(wantsEngine("auto", true, "browser")).toBe(false);
   expect([wantsEngine("browser", true), wantsEngine("engine", false)]).toEqual([false, true]);
 });
 
@@ -19,8 +28,13 @@ test("the engine draws a scan, with segments and surfaces of any kind", () => {
 
 test.each<[string, Partial<ShownThings>]>([
   ["the engine is not connected", { connected: false }],
+  ["not enough memory; the engine is tried again every 30 s", { failure: "not enough memory" }],
   ["stereo is shown", { stereo: "anaglyph" }],
   ["a second scan is shown", { second: true }],
+  [
+    "a surface is shown while soft tissue is deformed",
+    { deforming: true, segments: [{ ...segment, visible: true, shown_as: "surface" }] },
+  ],
 ])("the browser draws where %s", (obstacle, part) => {
   expect(engineObstacle({ ...alone, ...part })).toBe(obstacle);
 });

@@ -15,92 +15,155 @@ function viewAt(distance: number): EngineView {
 function drawn(number: number, finished = false): DrawnPicture {
   const bytes = new Uint8Array();
   return {
-    type: "drawn_picture", number, size: [100, 67], divisor: 3, samples: 1, finished, milliseconds: 1,
-    colours: bytes, depths: bytes, nearest: 0, farthest: 1,
+    type: "drawn_picture", number, size: [100, 67], divisor: 3, samples: 1, finished, milliseconds: 1, coding: "raw",
+    colours: bytes, brightest: 2, depths: bytes, depth_every: 1, nearest: 0, farthest: 1,
   };
 }
 
-function started(): { pictures: EnginePictures; sent: (DrawPicture | PictureLook)[]; asked: () => DrawPicture[] } {
+function started() {
   const sent: (DrawPicture | PictureLook)[] = [];
-  const pictures = new EnginePictures((message) => sent.push(message));
+  let now = 0;
+  const pictures = new EnginePictures((message) => sent.push(message), () => now);
   pictures.setLook({ type: "picture_look" } as PictureLook);
-  return { pictures, sent, asked: () => sent.filter((message) => message.type === "draw_picture") };
+  return {
+    pictures,
+    sent,
+    asked: () => sent.filter((message) => message.type === "draw_picture"),
+    at: (milliseconds: number) => (now = milliseconds),
+  };
 }
 
 test("nothing is asked for before it is known how it looks", () => {
   const pictures = new EnginePictures(() => { throw new Error("asked"); });
-  pictures.ask(true, viewAt(1), size, 0);
+  pictures.ask(true, viewAt(1), size);
 });
 
 test("a camera that moves is asked for in haste, and finely once it rests", () => {
-  const { pictures, asked } = started();
+  const { pictures, asked, at } = started();
   const view = viewAt(500);
-  pictures.ask(true, view, size, 0);
-  pictures.ask(false, view, size, 50);
+  pictures.ask(true, view, size);
+  pictures.take(drawn(1));
+  at(40);
+  pictures.ask(false, view, size);
   expect(asked().map(({ moving }) => moving)).toEqual([true]);
-  pictures.ask(false, view, size, 95);
-  pictures.ask(false, view, size, 200);
+  at(55);
+  pictures.ask(false, view, size);
+  at(200);
+  pictures.ask(false, view, size);
   expect(asked().map(({ moving }) => moving)).toEqual([true, false]);
+});
+
+test("one picture at a time is asked for, the next one at once in the newest view", () => {
+  const { pictures, asked } = started();
+  for (let distance = 1; distance <= 9; distance += 1) {
+    pictures.ask(true, viewAt(distance), size);
+  }
+  expect(asked().map(({ camera }) => camera.distance)).toEqual([1]);
+  pictures.take(drawn(1));
+  expect(asked().map(({ camera }) => camera.distance)).toEqual([1, 9]);
+});
+
+test("a view that moves again does not wait for finer pictures of one that is seen", () => {
+  const { pictures, asked, at } = started();
+  const view = viewAt(1);
+  pictures.ask(true, view, size);
+  pictures.take(drawn(1));
+  at(60);
+  pictures.ask(false, view, size);
+  pictures.ask(true, viewAt(2), size);
+  expect(asked().map(({ moving }) => moving)).toEqual([true, false, true]);
 });
 
 test("what changes under a camera that rests is asked for finely at once", () => {
   const { pictures, asked } = started();
   const view = viewAt(500);
-  pictures.ask(true, view, size, 0);
-  pictures.ask(false, view, size, 100);
-  pictures.ask(true, view, size, 200);
+  pictures.ask(true, view, size);
+  pictures.take(drawn(1));
+  pictures.ask(true, view, size);
   expect(asked().at(-1)?.moving).toBe(false);
 });
 
 test("a look goes out once, and again to another engine", () => {
   const { pictures, sent } = started();
-  pictures.ask(true, viewAt(1), size, 0);
-  pictures.ask(true, viewAt(2), size, 1);
+  pictures.ask(true, viewAt(1), size);
+  pictures.take(drawn(1));
+  pictures.ask(true, viewAt(2), size);
   expect(sent.filter(({ type }) => type === "picture_look")).toHaveLength(1);
   pictures.forget();
-  pictures.ask(true, viewAt(3), size, 2);
+  pictures.ask(true, viewAt(3), size);
   expect(sent.filter(({ type }) => type === "picture_look")).toHaveLength(2);
 });
 
 test("a picture is shown with the camera that it was asked with", () => {
   const { pictures } = started();
-  pictures.ask(true, viewAt(1), size, 0);
-  pictures.ask(true, viewAt(2), size, 1);
+  pictures.ask(true, viewAt(1), size);
+  pictures.ask(true, viewAt(2), size);
   pictures.take(drawn(1));
   expect(pictures.next(size)?.view.camera.distance).toBe(1);
   expect(pictures.next(size)).toBeNull();
   expect(pictures.finished).toBe(false);
 });
 
-test("it is known which request the picture on display answers", () => {
+test("it is known which request the picture on display answers, also while the next is due", () => {
   const { pictures } = started();
-  pictures.ask(true, viewAt(1), size, 0);
-  pictures.ask(true, viewAt(2), size, 1);
+  pictures.ask(true, viewAt(1), size);
+  pictures.ask(true, viewAt(2), size);
   expect([pictures.requested, pictures.answered]).toEqual([2, 0]);
   pictures.take(drawn(1));
-  pictures.next([301, 200]);
-  expect(pictures.answered).toBe(0);
+  pictures.next(size);
+  expect(pictures.answered).toBe(1);
   pictures.take(drawn(2));
   pictures.next(size);
   expect(pictures.answered).toBe(2);
 });
 
-test("a picture of another size, or that nobody asked for, is left out", () => {
+test("a picture that nobody asked for is left out; one of another size stands in, and is not the last", () => {
   const { pictures } = started();
-  pictures.ask(true, viewAt(1), size, 0);
-  pictures.take(drawn(1));
-  expect(pictures.next([301, 200])).toBeNull();
   pictures.take(drawn(99));
   expect(pictures.next(size)).toBeNull();
+  pictures.ask(true, viewAt(1), size);
+  pictures.take(drawn(1, true));
+  expect(pictures.next([301, 200])?.size).toEqual(size);
+  expect(pictures.finished).toBe(false);
 });
 
 test("it is finished with the last picture of the last request", () => {
-  const { pictures } = started();
-  pictures.ask(true, viewAt(1), size, 0);
-  pictures.ask(false, viewAt(1), size, 100);
+  const { pictures, at } = started();
+  const view = viewAt(1);
+  pictures.ask(true, view, size);
+  pictures.take(drawn(1));
+  at(100);
+  pictures.ask(false, view, size);
   pictures.take(drawn(2, true));
   pictures.next(size);
   expect(pictures.finished).toBe(true);
-  pictures.ask(true, viewAt(1), size, 200);
+  pictures.ask(true, view, size);
   expect(pictures.finished).toBe(false);
+});
+
+test("where no picture comes for long, or word that none does, it has failed; the next picture mends that", () => {
+  const { pictures, at } = started();
+  const view = viewAt(1);
+  pictures.ask(true, view, size);
+  at(9_000);
+  pictures.ask(false, view, size);
+  expect(pictures.failure).toBeNull();
+  at(10_001);
+  pictures.ask(false, view, size);
+  expect(pictures.failure).toBe("the engine sent no picture for 10 s");
+  pictures.probe(view, size);
+  pictures.take(drawn(2));
+  expect(pictures.failure).toBeNull();
+  pictures.take({ type: "picture_failed", number: 3, text: "not enough memory" });
+  expect(pictures.failure).toBe("not enough memory");
+});
+
+test("it tells how long moving pictures took until they came", () => {
+  const { pictures, at } = started();
+  const times: number[] = [];
+  pictures.onAnswer = (milliseconds) => times.push(milliseconds);
+  pictures.ask(true, viewAt(1), size);
+  at(70);
+  pictures.take(drawn(1));
+  expect(times).toEqual([70]);
 });

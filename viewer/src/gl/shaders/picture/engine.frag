@@ -2,22 +2,44 @@
 
 layout(location = 0) out vec4 picture;
 
+// linear; or, where brightest is not 0, of twice as many rows: sRGB of shares of it, and below that opacity
 uniform sampler2D engineColour;
+uniform float brightest;
+// of the picture [pixels]
+uniform vec2 engineSize;
+// part of the target in use [pixels], and how much more of the view it shows than the picture, along each axis
+uniform vec2 used;
+uniform vec2 fit;
 // 0 to 65534 from the nearest depth to the farthest, 65535 where nothing is
 uniform highp usampler2D engineDepth;
 // [mm]
 uniform vec2 depthSpan;
 
-float viewDepthAt(ivec2 pixel) {
-  uint stored = texelFetch(engineDepth, pixel, 0).r;
+vec3 linearFromSrgb(vec3 colour) {
+  return mix(pow((colour + 0.055) / 1.055, vec3(2.4)), colour / 12.92, step(colour, vec3(0.04045)));
+}
+
+vec4 colourAt(ivec2 pixel) {
+  vec4 stored = texelFetch(engineColour, pixel, 0);
+  if (brightest == 0.0) {
+    return stored;
+  }
+  float opacity = texelFetch(engineColour, pixel + ivec2(0, engineSize.y), 0).g;
+  // what packing leaves where nothing is does not shine
+  return opacity < 0.5 / 255.0 ? vec4(0.0) : vec4(brightest * linearFromSrgb(stored.rgb), opacity);
+}
+
+// at a place in the picture, 0 to 1 from its upper left corner
+float viewDepthAt(vec2 place) {
+  uint stored = texelFetch(engineDepth, ivec2(place * vec2(textureSize(engineDepth, 0))), 0).r;
   return stored == 65535u ? farAway : mix(depthSpan.x, depthSpan.y, float(stored) / 65534.0);
 }
 
 void main() {
-  ivec2 size = textureSize(engineColour, 0);
   // its rows begin at the upper edge
-  ivec2 pixel = ivec2(gl_FragCoord.x, size.y - 1 - int(gl_FragCoord.y));
-  picture = texelFetch(engineColour, pixel, 0);
-  float depth = viewDepthAt(pixel);
+  vec2 place = 0.5 + fit * (gl_FragCoord.xy / used - 0.5) * vec2(1.0, -1.0);
+  bool isInside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)));
+  picture = isInside ? colourAt(ivec2(place * engineSize)) : vec4(0.0);
+  float depth = isInside ? viewDepthAt(place) : farAway;
   gl_FragDepth = depth >= farAway ? 1.0 : windowDepth(depth);
 }
