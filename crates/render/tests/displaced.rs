@@ -54,7 +54,9 @@ fn tissue_that_has_all_moved_by_voxels_looks_as_a_scan_whose_voxels_have() {
     let back = DVec3::new(0.3, 0.4, 0.85).normalize();
     let view = request(parallel(DVec3::splat(28.0), back, 56.0), 48);
     for blend in ALL {
-        let look = appearance(blend, 0.5);
+        let mut look = appearance(blend, 0.5);
+        // air has no extinction, also where its bricks are not leapt over
+        look.transfer[0].value = 10.0;
         let drawn = picture(&displaced, &look, &view);
         let (mean, far) = difference(&drawn, &picture(&shifted, &look, &view));
         assert!(mean < 0.02 && far == 0.0, "{blend:?}: {mean} {far}");
