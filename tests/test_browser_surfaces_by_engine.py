@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 pytestmark = pytest.mark.browser
 
 OUTPUT = ROOT / "tests" / "output"
-SIZE = {"width": 820, "height": 420}
+SIZE = {"width": 1000, "height": 420}
 """Small: one of both is drawn in software."""
 MIDDLES = ((20.0, 32.0, 32.0), (46.0, 32.0, 32.0))
 RADIUS = 9.0

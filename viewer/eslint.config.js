@@ -39,7 +39,7 @@ const rooms = {
   "gl/textures": ["core", "gl/base"],
   "gl/march": ["core", "gl/base", "gl/shaders", "gl/textures"],
   "gl/surfaces": ["core", "gl/base", "gl/march", "gl/shaders", "gl/textures"],
-  "gl/engine_pictures": ["core", "gl/base", "gl/march", "gl/shaders", "gl/surfaces"],
+  "gl/engine_pictures": ["core", "gl/base", "gl/march", "gl/shaders"],
   "gl/picture": ["core", "gl"],
   live: ["core"],
   "ui/state": ["core", "live"],

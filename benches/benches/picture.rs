@@ -1,18 +1,23 @@
-//! Time of a picture of CThead at 806×696 on all cores: whole, a half and a third of the resolution, and its light.
+//! Time of a picture of CThead at 806×696 on all cores: whole, a half and a third of the resolution, its light, and the
+//! parts of a first picture and of one after a drill's edit.
 
 use std::hint::black_box;
 
-use criterion::{Criterion, criterion_group, criterion_main};
-use glam::{DMat3, DVec3, Vec3};
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use glam::{DMat3, DVec3, IVec3, Vec3};
 use palpate_benches::scans::cthead;
-use palpate_render::appearance::{Appearance, Blend, ControlPoint, Lighting};
+use palpate_render::appearance::{Appearance, Blend, ControlPoint, Lighting, Shown, ShownSegment};
 use palpate_render::camera::Camera;
 use palpate_render::draw::{Request, draw};
 use palpate_render::light_volume::LightVolume;
 use palpate_render::prepared::Prepared;
+use palpate_render::renderer::Renderer;
 use palpate_render::scene::Scene;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::simd_dispatch::SimdLevel;
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
 /// Pixels across and down.
@@ -47,6 +52,90 @@ fn appearance() -> Appearance {
     }
 }
 
+/// Values from which on there is bone, drilled as a segment.
+const BONE: f64 = 1250.0;
+
+/// The bone as a solid segment that was edited.
+fn with_bone() -> Appearance {
+    Appearance {
+        segments: vec![ShownSegment {
+            id: 1,
+            range: Some((BONE, f64::MAX)),
+            is_edited: true,
+            shown: Shown::Solid,
+            colour: Vec3::new(0.9, 0.8, 0.7),
+            ambient: 1.0,
+            specular: 1.0,
+        }],
+        ..appearance()
+    }
+}
+
+/// A ball of 5 voxels drilled out of everything.
+fn drilled(voxels: &Voxels, middle: IVec3) -> Voxels {
+    let mut voxels = voxels.clone();
+    let region = VoxelBox::new(middle - 6, middle + 6);
+    let edit = voxels.voxel_edit(&region, |voxel, was| {
+        if (voxel - middle).length_squared() > 25 {
+            return was;
+        }
+        VoxelState {
+            stored: 0,
+            segments: Default::default(),
+        }
+    });
+    voxels.apply(edit).expect("an edit of these voxels");
+    voxels
+}
+
+/// What a first picture and one after an edit wait for, but for their rays.
+fn parts(criterion: &mut Criterion, voxels: &Voxels, request: &Request) {
+    let mut voxels = voxels.clone();
+    let bone = voxels.threshold(BONE, f64::INFINITY);
+    voxels
+        .insert_segment(SegmentId(1), bone)
+        .expect("a segment of this scan");
+    let mut group = criterion.benchmark_group("parts of a picture of cthead");
+    group.sample_size(10);
+    group.bench_function("scene", |bencher| {
+        bencher.iter(|| Scene::new(voxels.clone()).expect("a small scan"));
+    });
+    let scene = Scene::new(voxels.clone()).expect("a small scan");
+    group.bench_function("prepared", |bencher| {
+        bencher.iter(|| Prepared::new(black_box(&scene), with_bone()));
+    });
+    let first = drilled(&voxels, IVec3::new(150, 60, 50));
+    let second = drilled(&first, IVec3::new(152, 62, 51));
+    let one_ray = Request {
+        size: (1, 1),
+        is_in_haste: true,
+        ..*request
+    };
+    let half = Request {
+        size: (SIZE.0 / 2, SIZE.1 / 2),
+        ..one_ray
+    };
+    for (name, request) in [("edit to one ray", one_ray), ("edit to a half", half)] {
+        let drawn = || {
+            let mut renderer = Renderer::new(first.clone()).expect("a small scan");
+            renderer.set_appearance(with_bone());
+            renderer.draw(&one_ray, 1, &|| false).expect("a look");
+            renderer
+        };
+        group.bench_function(name, |bencher| {
+            bencher.iter_batched_ref(
+                drawn,
+                |renderer| {
+                    renderer.follow(second.clone());
+                    renderer.draw(&request, 1, &|| false).expect("a look")
+                },
+                BatchSize::LargeInput,
+            );
+        });
+    }
+    group.finish();
+}
+
 fn pictures(criterion: &mut Criterion) {
     let Some(scan) = cthead() else {
         return;
@@ -55,7 +144,7 @@ fn pictures(criterion: &mut Criterion) {
     let spacing = DVec3::new(1.0, 1.0, 2.0);
     let grid = Grid::new(dimensions, spacing, DVec3::ZERO, DMat3::IDENTITY).expect("a grid");
     let voxels = Voxels::new(grid, scan).expect("values of the grid");
-    let scene = Scene::new(voxels).expect("a small scan");
+    let scene = Scene::new(voxels.clone()).expect("a small scan");
     let prepared = Prepared::new(&scene, appearance());
     let back = DVec3::new(0.4, -0.9, 0.16).normalize();
     let right = DVec3::Z.cross(back).normalize();
@@ -95,6 +184,7 @@ fn pictures(criterion: &mut Criterion) {
             .iter(|| LightVolume::new(black_box(&scene), &prepared, camera.lamp(), 128, &|| false));
     });
     group.finish();
+    parts(criterion, &voxels, &request);
 }
 
 criterion_group!(benches, pictures);

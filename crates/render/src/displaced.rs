@@ -8,6 +8,7 @@ use palpate_volume::brick_grid::BRICK;
 use palpate_volume::simd_dispatch;
 use palpate_volume::simd_dispatch::SimdLevel;
 
+use crate::field::Field;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::Avx2;
 use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Plain, Vector};
@@ -82,10 +83,17 @@ impl Displaced {
         if !self.hold(grid, 0.0).any() {
             return grid;
         }
-        let mut places = [grid.x.store(), grid.y.store(), grid.z.store()];
+        let mut places = stored(grid);
         pull_back(self, &mut places, SimdLevel::widest());
-        let [x, y, z] = &places;
-        Vector::new(Floats::load(x), Floats::load(y), Floats::load(z))
+        loaded(&places)
+    }
+
+    /// Gradient of what is seen at places, in the scan's unit [per mm].
+    #[inline(always)]
+    pub fn gradient_at<L: Gather>(&self, field: &Field, grid: Vector<L>) -> Vector<L> {
+        let mut places = stored(grid);
+        differ((self, field), &mut places, SimdLevel::widest());
+        loaded(&places)
     }
 
     /// Which places lie among the nodes, or so many voxels beside them.
@@ -177,36 +185,85 @@ fn mixed<L: Gather>(a: Vector<L>, b: Vector<L>, share: L::Float) -> Vector<L> {
     a + (b - a).scaled(share)
 }
 
-// a function of its own: it is large, and most pictures show no displaced tissue
+/// Eight vectors in memory.
+type Vectors = [[f32; LANES]; 3];
+
+#[inline(always)]
+fn stored<L: Gather>(vectors: Vector<L>) -> Vectors {
+    [vectors.x.store(), vectors.y.store(), vectors.z.store()]
+}
+
+#[inline(always)]
+fn loaded<L: Gather>([x, y, z]: &Vectors) -> Vector<L> {
+    Vector::new(Floats::load(x), Floats::load(y), Floats::load(z))
+}
+
+// functions of their own: they are large, and most pictures show no displaced tissue
 #[cfg(target_arch = "x86_64")]
 simd_dispatch! {
-    fn pull_back(displaced: &Displaced, places: &mut [[f32; LANES]; 3], level: SimdLevel) =
+    fn pull_back(displaced: &Displaced, places: &mut Vectors, level: SimdLevel) =
         [avx2 => pull_back_avx2] pull_back_plain, at level
 }
 
+#[cfg(target_arch = "x86_64")]
+simd_dispatch! {
+    fn differ(scan: (&Displaced, &Field), places: &mut Vectors, level: SimdLevel) =
+        [avx2 => differ_avx2] differ_plain, at level
+}
+
 #[cfg(not(target_arch = "x86_64"))]
-fn pull_back(displaced: &Displaced, places: &mut [[f32; LANES]; 3], level: SimdLevel) {
+fn pull_back(displaced: &Displaced, places: &mut Vectors, level: SimdLevel) {
     pull_back_plain(displaced, places, level);
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn differ(scan: (&Displaced, &Field), places: &mut Vectors, level: SimdLevel) {
+    differ_plain(scan, places, level);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn pull_back_avx2(displaced: &Displaced, places: &mut [[f32; LANES]; 3], _: SimdLevel) {
-    pulled_back::<Avx2>(displaced, places);
+fn pull_back_avx2(displaced: &Displaced, places: &mut Vectors, _: SimdLevel) {
+    *places = stored(displaced.pulled_back::<Avx2>(loaded(places)));
 }
 
-fn pull_back_plain(displaced: &Displaced, places: &mut [[f32; LANES]; 3], _: SimdLevel) {
-    pulled_back::<Plain>(displaced, places);
+fn pull_back_plain(displaced: &Displaced, places: &mut Vectors, _: SimdLevel) {
+    *places = stored(displaced.pulled_back::<Plain>(loaded(places)));
 }
 
+#[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn pulled_back<L: Gather>(displaced: &Displaced, places: &mut [[f32; LANES]; 3]) {
-    let [x, y, z] = &*places;
-    let grid = Vector::<L>::new(Floats::load(x), Floats::load(y), Floats::load(z));
-    let inside = displaced.hold(grid, 0.0);
-    let first = grid - displaced.at(grid);
-    let rest = (grid - displaced.at(first)).or_else(inside, grid);
-    *places = [rest.x.store(), rest.y.store(), rest.z.store()];
+fn differ_avx2((displaced, field): (&Displaced, &Field), places: &mut Vectors, _: SimdLevel) {
+    *places = stored(displaced.differences::<Avx2>(field, loaded(places)));
+}
+
+fn differ_plain((displaced, field): (&Displaced, &Field), places: &mut Vectors, _: SimdLevel) {
+    *places = stored(displaced.differences::<Plain>(field, loaded(places)));
+}
+
+impl Displaced {
+    #[inline(always)]
+    fn pulled_back<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
+        let first = grid - self.at(grid);
+        (grid - self.at(first)).or_else(self.hold(grid, 0.0), grid)
+    }
+
+    /// Central differences over a voxel to each side, to a gradient in the scan's unit [per mm].
+    #[inline(always)]
+    fn differences<L: Gather>(&self, field: &Field, grid: Vector<L>) -> Vector<L> {
+        let zero = L::Float::splat(0.0);
+        let mut sums = [zero; 3];
+        // one body for all six
+        for i in 0..6 {
+            let axis = i / 2;
+            let toward = if i % 2 == 0 { -1.0 } else { 1.0 };
+            let aside = grid + Vector::splat(toward * Vec3::AXES[axis]);
+            let value = field.value_at(self.pulled_back(aside));
+            sums[axis] = sums[axis] + value * Floats::splat(toward);
+        }
+        let [x, y, z] = sums;
+        Vector::new(x, y, z).times(Vector::splat(field.gradient_scale()))
+    }
 }
 
 #[cfg(test)]

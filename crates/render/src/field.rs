@@ -12,6 +12,7 @@ use palpate_volume::grid::voxel_index;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::overlay::Overlay;
 
+use crate::bricks::brick_index;
 use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Vector};
 
 /// A scan with what edits put over it.
@@ -77,7 +78,14 @@ impl Field {
         let value = taps.trilinear(self);
         match &self.overlay {
             None => value,
-            Some(edited) => self.with_edits::<L>(edited, grid, value),
+            Some(edited) => {
+                let near = edited.are_near::<L>(grid);
+                if near.any() {
+                    self.with_edits::<L>(edited, grid, value, near.bits())
+                } else {
+                    value
+                }
+            }
         }
     }
 
@@ -86,11 +94,13 @@ impl Field {
     #[inline(always)]
     pub fn gradient_at<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
         let taps = Taps::<L>::at(self, grid);
-        let difference = if self.overlay.is_none() && taps.are_inside(self).all() {
-            taps.differences(self)
-        } else {
-            self.differences_one_by_one::<L>(grid)
-        };
+        let is_near = |edited: &Edited| edited.are_near::<L>(grid).any();
+        let difference =
+            if taps.are_inside(self).all() && !self.overlay.as_ref().is_some_and(is_near) {
+                taps.differences(self)
+            } else {
+                self.differences_one_by_one::<L>(grid)
+            };
         difference.times(Vector::splat(self.gradient_scale()))
     }
 
@@ -108,21 +118,19 @@ impl Field {
         )
     }
 
-    /// `values`, but where edits are near the true ones.
+    /// `values`, but in lanes that are near edits the true ones.
     #[inline(never)]
     fn with_edits<L: Gather>(
         &self,
         edited: &Edited,
         grid: Vector<L>,
         values: L::Float,
+        near: u8,
     ) -> L::Float {
         let (x, y, z) = (grid.x.store(), grid.y.store(), grid.z.store());
         let mut values = values.store();
-        for i in 0..LANES {
-            let place = Vec3::new(x[i], y[i], z[i]);
-            if edited.is_near(place) {
-                values[i] = self.edited_value(edited, place);
-            }
+        for i in (0..LANES).filter(|lane| near >> lane & 1 == 1) {
+            values[i] = self.edited_value(edited, Vec3::new(x[i], y[i], z[i]));
         }
         Floats::load(&values)
     }
@@ -143,35 +151,31 @@ impl Field {
         mix(plane(0), plane(1), share.z)
     }
 
-    /// Stored values of some voxels of a row, edits included; all within the grid.
-    pub fn for_row(&self, columns: Range<i32>, y: i32, z: i32, mut take: impl FnMut(i16)) {
-        let first = IVec3::new(columns.start, y, z);
-        match &self.overlay {
-            None => {
-                let start = voxel_index(self.dimensions, first);
-                let values = &self.scan.values()[start..start + columns.len()];
-                values.iter().for_each(|&value| take(value));
-            }
-            Some(_) => columns.for_each(|x| take(self.stored(IVec3::new(x, y, z)))),
-        }
-    }
-
-    /// Stored values of a row within the grid, edits included; `memory` is as long as a row.
-    pub fn row<'a>(&'a self, y: i32, z: i32, memory: &'a mut [i16]) -> &'a [i16] {
+    /// Stored values of some columns of a row within the grid, edits included; `memory` is as long as a row.
+    pub fn row<'a>(
+        &'a self,
+        y: i32,
+        z: i32,
+        columns: &Range<usize>,
+        memory: &'a mut [i16],
+    ) -> &'a [i16] {
         let start = voxel_index(self.dimensions, IVec3::new(0, y, z));
-        let own = &self.scan.values()[start..start + self.dimensions.x as usize];
+        let own = &self.scan.values()[start + columns.start..start + columns.end];
         let Some(edited) = &self.overlay else {
             return own;
         };
         let bricks = edited.bricks_of_row(y, z);
-        if bricks.iter().all(|&is_near| is_near == 0) {
+        let read = columns.start / BRICK as usize..columns.end.div_ceil(BRICK as usize);
+        if bricks[read.clone()].iter().all(|&is_near| is_near == 0) {
             return own;
         }
+        let memory = &mut memory[..own.len()];
         memory.copy_from_slice(own);
-        let parts = memory.chunks_mut(BRICK as usize).zip(bricks).enumerate();
-        for (brick, (values, _)) in parts.filter(|(_, (_, is_near))| **is_near != 0) {
-            for (x, value) in (BRICK * brick as i32..).zip(values) {
-                *value = self.stored(IVec3::new(x, y, z));
+        for brick in read.filter(|&brick| bricks[brick] != 0) {
+            let first = (brick * BRICK as usize).max(columns.start);
+            let end = ((brick + 1) * BRICK as usize).min(columns.end);
+            for x in first..end {
+                memory[x - columns.start] = self.stored(IVec3::new(x as i32, y, z));
             }
         }
         memory
@@ -227,18 +231,20 @@ impl Edited {
         &self.bricks[first as usize..(first + self.counts.x) as usize]
     }
 
-    fn is_near(&self, place: Vec3) -> bool {
-        let brick = (place.floor().as_ivec3() >> 3_i32).clamp(IVec3::ZERO, self.counts - 1);
-        let index = brick.x + self.counts.x * (brick.y + self.counts.y * brick.z);
-        self.bricks[index as usize] != 0
+    /// Whether there are such values in, or beside, the bricks of places.
+    #[inline(always)]
+    fn are_near<L: Gather>(&self, grid: Vector<L>) -> L::Mask {
+        // SAFETY: the bricks lie within the grid, and there are three bytes more in memory
+        let near = unsafe { L::bytes(&self.bricks, brick_index::<L>(grid, self.counts)) };
+        near.greater(Ints::splat(0))
     }
 }
 
 /// The voxels between whose centres a place lies.
 #[derive(Clone, Copy)]
 struct Taps<L: Gather> {
-    /// Place in memory of the first, and fractions of the way to the next along each axis.
-    first: L::Int,
+    /// Places in memory of the first, and fractions of the way to the next along each axis.
+    first: [i32; LANES],
     share: Vector<L>,
     /// Coordinates of the first.
     corner: [L::Int; 3],
@@ -254,7 +260,7 @@ impl<L: Gather> Taps<L> {
         let [_, row, plane] = field.strides;
         let first = x + y * Ints::splat(row) + z * Ints::splat(plane);
         Self {
-            first,
+            first: first.store(),
             share: Vector::new(x_share, y_share, z_share),
             corner: [x, y, z],
         }
@@ -290,10 +296,19 @@ impl<L: Gather> Taps<L> {
     fn row(self, field: &Field, offset: i32) -> L::Float {
         // SAFETY: callers stay among the voxels around a corner that lies within the grid, which has at
         // least two columns in memory
-        let pair = unsafe { L::pairs(&field.values, self.first + Ints::splat(offset)) };
-        let low = pair.shifted_left::<16>().shifted_right::<16>().to_float();
-        let high = pair.shifted_right::<16>().to_float();
-        low + (high - low) * self.share.x
+        let pair = unsafe { L::pairs(&field.values, &self.first, offset) };
+        let [low, high] = both::<L>(pair);
+        mixed::<L>(low, high, self.share.x)
+    }
+
+    /// The same of a row with one more voxel to each side, and the difference of what it is one voxel after and before.
+    #[inline(always)]
+    fn row_and_step(self, field: &Field, offset: i32) -> (L::Float, L::Float) {
+        // SAFETY: as in `row`; the corner is inside, so that there are these voxels too
+        let [before, after] = unsafe { L::fours(&field.values, &self.first, offset - 1) };
+        let ([a, b], [c, d]) = (both::<L>(before), both::<L>(after));
+        let step = mixed::<L>(c, d, self.share.x) - mixed::<L>(a, b, self.share.x);
+        (mixed::<L>(b, c, self.share.x), step)
     }
 
     #[inline(always)]
@@ -313,13 +328,15 @@ impl<L: Gather> Taps<L> {
             z: z_share,
             ..
         } = self.share;
+        let (r00, x00) = self.row_and_step(field, 0);
+        let (r10, x10) = self.row_and_step(field, y);
+        let (r01, x01) = self.row_and_step(field, z);
+        let (r11, x11) = self.row_and_step(field, z + y);
         let along_x = mixed::<L>(
-            mixed::<L>(self.step_x(field, 0), self.step_x(field, y), y_share),
-            mixed::<L>(self.step_x(field, z), self.step_x(field, z + y), y_share),
+            mixed::<L>(x00, x10, y_share),
+            mixed::<L>(x01, x11, y_share),
             z_share,
         );
-        let (r00, r10) = (self.row(field, 0), self.row(field, y));
-        let (r01, r11) = (self.row(field, z), self.row(field, z + y));
         let along_y = mixed::<L>(
             mixed::<L>(r10, self.row(field, y + y), y_share)
                 - mixed::<L>(self.row(field, -y), r00, y_share),
@@ -336,12 +353,15 @@ impl<L: Gather> Taps<L> {
         );
         Vector::new(along_x, along_y, along_z)
     }
+}
 
-    /// Difference of a row one voxel after and one before.
-    #[inline(always)]
-    fn step_x(self, field: &Field, offset: i32) -> L::Float {
-        self.row(field, offset + 1) - self.row(field, offset - 1)
-    }
+/// Two neighbouring values that were read together.
+#[inline(always)]
+pub(crate) fn both<L: Gather>(pair: L::Int) -> [L::Float; 2] {
+    [
+        pair.shifted_left::<16>().shifted_right::<16>().to_float(),
+        pair.shifted_right::<16>().to_float(),
+    ]
 }
 
 #[inline(always)]

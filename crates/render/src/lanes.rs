@@ -98,11 +98,37 @@ pub(crate) trait Masks:
 
 /// Look-ups in memory, one for each lane.
 pub(crate) trait Gather: Lanes {
-    /// Two neighbouring values from each place: the first in the low half, sign and all, the second in the high one.
+    /// Two neighbouring values from each place, an offset further: the first in the low half, sign and all, the
+    /// second in the high one.
     ///
     /// # Safety
     /// Each place and the one after it must lie within `values`.
-    unsafe fn pairs(values: &[i16], places: Self::Int) -> Self::Int;
+    unsafe fn pairs(values: &[i16], places: &[i32; LANES], offset: i32) -> Self::Int;
+
+    /// Four values from each place on, an offset further: the first two and the last two as in [`Self::pairs`].
+    ///
+    /// # Safety
+    /// Each place and the three after it must lie within `values`.
+    unsafe fn fours(values: &[i16], places: &[i32; LANES], offset: i32) -> [Self::Int; 2];
+
+    /// Two neighbouring floats from each place.
+    ///
+    /// # Safety
+    /// Each place and the one after it must lie within `floats`.
+    #[inline(always)]
+    unsafe fn neighbours(floats: &[f32], places: Self::Int) -> [Self::Float; 2] {
+        // a float is two halves, and two floats are four
+        let places = (places + places).store();
+        // SAFETY: the caller warrants each place and the next
+        let [first, second] = unsafe { Self::fours(bytemuck::cast_slice(floats), &places, 0) };
+        [Floats::from_bits(first), Floats::from_bits(second)]
+    }
+
+    /// Whole numbers.
+    ///
+    /// # Safety
+    /// Each place must lie within `numbers`.
+    unsafe fn ints(numbers: &[i32], places: Self::Int) -> Self::Int;
 
     /// Bytes as whole numbers.
     ///

@@ -43,7 +43,7 @@ pub struct LightVolume {
     clarity: Arc<Clarity>,
     /// Unit vector along the grid's axes.
     lamp: Vec3,
-    /// Sky and lamp of each cell in turn, in units of [`WHOLE`], x fastest.
+    /// Sky and lamp of each cell in turn, in units of [`WHOLE`], x fastest; one cell of padding.
     cells: Vec<i16>,
 }
 
@@ -79,7 +79,7 @@ impl LightVolume {
         let mut light = Self {
             clarity: Arc::new(clarity),
             lamp: lamp_in_grid(scene, lamp),
-            cells: vec![WHOLE as i16; 2 * grid.counts.element_product() as usize],
+            cells: vec![WHOLE as i16; 2 * (grid.counts.element_product() as usize + 1)],
             grid,
         };
         light.renew(prepared, &Stale::everywhere(all), stop)?;
@@ -160,17 +160,21 @@ impl LightVolume {
         let (columns, rows) = (grid.counts.x as usize, grid.counts.y);
         let sky = Sky::new(grid);
         let stride = *lamp * grid.cells_per_edge();
-        let renewed = cells
+        let count = cells.len() - 2;
+        let renewed = cells[..count]
             .par_chunks_mut(2 * columns)
             .enumerate()
             .try_for_each_init(
                 || Scratch::new(columns),
                 |scratch, (index, cells)| {
                     let row = (index as i32 % rows, index as i32 / rows);
-                    let seen = grid.seen_cells(prepared, row, stale.sky(row));
+                    let (in_sky, in_lamp) = (stale.sky(row), stale.lamp(row, stride));
+                    let mut seen = grid.seen_cells(prepared, row, in_sky.clone());
                     sky::reach_row(&sky, clarity, row, &seen.span, scratch);
                     seen.put(scratch.found(), cells, 0);
-                    let seen = grid.seen_cells(prepared, row, stale.lamp(row, stride));
+                    if in_lamp != in_sky {
+                        seen = grid.seen_cells(prepared, row, in_lamp);
+                    }
                     lamp::reach_row(stride, clarity, row, &seen.span, scratch);
                     seen.put(scratch.found(), cells, 1);
                     if stop() { Err(()) } else { Ok(()) }

@@ -1,6 +1,7 @@
 //! An appearance made ready for a scene: tables, segments, and which bricks are empty.
 
 use glam::{DVec3, Vec4};
+use palpate_volume::voxel_box::VoxelBox;
 
 use crate::appearance::{Appearance, Blend, Plane};
 use crate::bricks::EmptySpace;
@@ -33,27 +34,66 @@ impl Prepared {
             appearance.transfer.len() >= 2,
             "a transfer function of fewer than two points"
         );
-        let voxels = scene.voxels();
-        let scan = voxels.intensities();
+        let labels = Labels::of(scene.voxels(), &by_voxels(&appearance));
+        Self::with_labels(scene, appearance, labels)
+    }
+
+    /// Shows the same scene in another way.
+    pub(crate) fn show(&mut self, scene: &Scene, appearance: Appearance) {
+        if self.appearance == appearance {
+            return;
+        }
+        let asked = by_voxels(&appearance);
+        let labels = if asked == by_voxels(&self.appearance) {
+            self.segments.take_labels()
+        } else {
+            Labels::of(scene.voxels(), &asked)
+        };
+        *self = Self::with_labels(scene, appearance, labels);
+    }
+
+    /// Follows the scene to a later edit that changed voxels of a box.
+    pub(crate) fn follow(&mut self, scene: &Scene, changed: &VoxelBox) {
+        if changed.is_empty() {
+            return;
+        }
+        let asked = by_voxels(&self.appearance);
+        self.segments.renew(scene.voxels(), &asked, changed);
+        // a brick's range tells of the voxels around it too
+        let region = changed.dilate(1).intersect(&scene.grid().bounds());
+        let Self {
+            appearance,
+            transfer,
+            segments,
+            grey,
+            empty,
+            ..
+        } = self;
+        let drawn = Drawn {
+            scene,
+            appearance,
+            transfer,
+            segments,
+            grey: *grey,
+        };
+        empty.renew(&region, |brick| drawn.is_in(brick));
+    }
+
+    fn with_labels(scene: &Scene, appearance: Appearance, labels: Option<Labels>) -> Self {
+        let scan = scene.voxels().intensities();
         let transfer = Transfer::new(&appearance.transfer, scan);
-        let labels = Labels::of(voxels, &by_voxels(&appearance));
         let segments = Segments::new(&appearance, labels, scan);
         let grey = grey_of(&appearance, scan.slope(), scan.intercept());
         let window = appearance.window.0.max(1e-6);
         let tissue_from = (appearance.tissue_from - appearance.window.1) / window + 0.5;
-        let draws_solids = appearance.blend.draws_solids();
-        let ranges = &scene.ranges.ranges;
-        let empty = EmptySpace::new(scene.ranges.counts, |brick| {
-            let (low, high) = ranges[brick];
-            let largest = |at: i16| f32::from(at) * grey.0 + grey.1;
-            let by_value = match appearance.blend {
-                Blend::Mip => largest(low).max(largest(high)) > 0.0,
-                Blend::Iso => largest(low).max(largest(high)) >= 0.0,
-                Blend::MinIp | Blend::Average => true,
-                _ => transfer.shows(low, high),
-            };
-            by_value || (draws_solids && segments.show(low, high)) || segments.hold(brick)
-        });
+        let drawn = Drawn {
+            scene,
+            appearance: &appearance,
+            transfer: &transfer,
+            segments: &segments,
+            grey,
+        };
+        let empty = EmptySpace::new(scene.ranges.counts, |brick| drawn.is_in(brick));
         Self {
             planes: planes_in_grid(scene, &appearance.clip),
             appearance,
@@ -69,6 +109,32 @@ impl Prepared {
     #[must_use]
     pub fn appearance(&self) -> &Appearance {
         &self.appearance
+    }
+}
+
+/// What tells whether anything is drawn in a brick.
+struct Drawn<'a> {
+    scene: &'a Scene,
+    appearance: &'a Appearance,
+    transfer: &'a Transfer,
+    segments: &'a Segments,
+    grey: (f32, f32),
+}
+
+impl Drawn<'_> {
+    fn is_in(&self, brick: usize) -> bool {
+        let (low, high) = self.scene.ranges.ranges[brick];
+        let largest = |at: i16| f32::from(at) * self.grey.0 + self.grey.1;
+        let blend = self.appearance.blend;
+        let by_value = match blend {
+            Blend::Mip => largest(low).max(largest(high)) > 0.0,
+            Blend::Iso => largest(low).max(largest(high)) >= 0.0,
+            Blend::MinIp | Blend::Average => true,
+            _ => self.transfer.shows(low, high),
+        };
+        by_value
+            || (blend.draws_solids() && self.segments.show(low, high))
+            || self.segments.hold(brick)
     }
 }
 

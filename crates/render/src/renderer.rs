@@ -23,8 +23,10 @@ const LIGHT_CELLS: u32 = 128;
 pub struct Renderer {
     scene: Scene,
     appearance: Option<Appearance>,
-    /// Of the scene and the appearance as they are; none until a picture is asked for.
+    /// Of the last picture's scene and appearance; none until a picture is asked for.
     prepared: Option<Prepared>,
+    /// Voxels that were changed since.
+    changed: VoxelBox,
     light: Option<LightVolume>,
     stale: Stale,
     /// Toward the lamp for which the light was worked out, patient frame.
@@ -54,6 +56,7 @@ impl Renderer {
             scene: Scene::new(voxels)?,
             appearance: None,
             prepared: None,
+            changed: VoxelBox::EMPTY,
             light: None,
             stale: Stale::Everything,
             lamp: DVec3::ZERO,
@@ -77,7 +80,7 @@ impl Renderer {
             Stale::Around(before) => Stale::Around(before.union(&changed)),
             Stale::Everything => Stale::Everything,
         };
-        self.prepared = None;
+        self.changed = self.changed.union(&changed);
         true
     }
 
@@ -102,7 +105,6 @@ impl Renderer {
             _ => self.stale = Stale::Everything,
         }
         self.appearance = Some(appearance);
-        self.prepared = None;
     }
 
     /// Draws the mean of so many pictures; none where `stop` said so meanwhile. A picture in haste is lit by the
@@ -116,11 +118,24 @@ impl Renderer {
         samples: u32,
         stop: Stop<'_>,
     ) -> Result<Option<Picture>, NoAppearance> {
-        let appearance = self.appearance.as_ref().ok_or(NoAppearance)?;
-        if self.prepared.is_none() {
-            self.prepared = Some(Prepared::new(&self.scene, appearance.clone()));
-        }
+        let appearance = self.appearance.clone().ok_or(NoAppearance)?;
+        self.prepare(appearance);
         Ok(self.draw_prepared(request, samples, stop))
+    }
+
+    /// Brings what the pictures have in common to the scene and the appearance as they are.
+    fn prepare(&mut self, appearance: Appearance) {
+        // none is left if this panics
+        let prepared = match self.prepared.take() {
+            Some(mut prepared) => {
+                prepared.follow(&self.scene, &self.changed);
+                prepared.show(&self.scene, appearance);
+                prepared
+            }
+            None => Prepared::new(&self.scene, appearance),
+        };
+        self.prepared = Some(prepared);
+        self.changed = VoxelBox::EMPTY;
     }
 
     fn draw_prepared(

@@ -6,6 +6,8 @@
 
 use glam::{IVec3, Vec3};
 use palpate_volume::intensities::Intensities;
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::Voxels;
 
 use crate::appearance::{Appearance, Shown, ShownSegment};
 use crate::field::Field;
@@ -19,6 +21,9 @@ const MOST_RANGES: usize = 32;
 /// Codes above this one are segments by their voxels' number.
 const LABELS: i32 = MOST_RANGES as i32;
 
+/// No code: values tell of these voxels.
+const NOT_TOLD: i32 = i32::MIN;
+
 const CODES: usize = MOST_RANGES + 256;
 
 /// Place of a code's appearance; 0 stands for no segment.
@@ -26,9 +31,10 @@ const CODES: usize = MOST_RANGES + 256;
 pub(crate) struct Segments {
     ranges: Vec<Range>,
     labels: Option<Labels>,
-    /// By number: how voxels look that values do not tell of.
-    by_label: Box<[Option<Shown>; 256]>,
-    /// By code: linear colour, and 1 where solid; then factors on ambient and specular light.
+    /// By number: the code of voxels that values do not tell of, `NOT_TOLD` of all others.
+    by_label: Vec<i32>,
+    /// By code: 1 where solid; then linear colour and factors on ambient and specular light.
+    solid: Vec<i32>,
     colours: Vec<[f32; 4]>,
     factors: Vec<[f32; 4]>,
     numbers: Vec<u8>,
@@ -50,7 +56,8 @@ impl Segments {
         let mut segments = Self {
             ranges: Vec::new(),
             labels,
-            by_label: Box::new([None; 256]),
+            by_label: vec![NOT_TOLD; 256],
+            solid: vec![0; CODES],
             colours: vec![[0.0; 4]; CODES],
             factors: vec![[1.0, 1.0, 0.0, 0.0]; CODES],
             numbers: numbers_of_labels(),
@@ -62,17 +69,31 @@ impl Segments {
                     segments.ranges.len()
                 }
                 _ => {
-                    segments.by_label[usize::from(segment.id)] = Some(segment.shown);
-                    MOST_RANGES + usize::from(segment.id)
+                    let code = LABELS + i32::from(segment.id);
+                    let is_hidden = segment.shown == Shown::Hidden;
+                    segments.by_label[usize::from(segment.id)] = if is_hidden { -1 } else { code };
+                    code as usize
                 }
             };
             let Vec3 { x, y, z } = segment.colour;
-            let solid = f32::from(u8::from(segment.shown == Shown::Solid));
-            segments.colours[code] = [x, y, z, solid];
+            segments.solid[code] = i32::from(segment.shown == Shown::Solid);
+            segments.colours[code] = [x, y, z, 0.0];
             segments.factors[code] = [segment.ambient, segment.specular, 0.0, 0.0];
             segments.numbers[code] = segment.id;
         }
         segments
+    }
+
+    /// Takes the voxels of a box from a later edit, of the segments that [`by_voxels`] names.
+    pub fn renew(&mut self, voxels: &Voxels, asked: &[u8], changed: &VoxelBox) {
+        let before = self.labels.take();
+        let kept = before.and_then(|labels| labels.renewed(voxels, asked, changed));
+        self.labels = kept.or_else(|| Labels::of(voxels, asked));
+    }
+
+    /// The voxels of segments, for another appearance.
+    pub fn take_labels(&mut self) -> Option<Labels> {
+        self.labels.take()
     }
 
     /// Whether a value from `low` to `high` is that of a solid body.
@@ -99,7 +120,7 @@ impl Segments {
             return code;
         }
         let label = match &self.labels {
-            Some(labels) => labels_at::<L>(labels, grid),
+            Some(labels) => labels.around(grid),
             None => code,
         };
         // the last to be taken wins: hidden ones first, then the first of those that are seen
@@ -123,17 +144,11 @@ impl Segments {
         code
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn by_labels<L: Gather>(&self, label: L::Int, before: L::Int) -> L::Int {
-        let (labels, mut codes) = (label.store(), before.store());
-        for (&label, code) in labels.iter().zip(&mut codes) {
-            match self.by_label[label as usize] {
-                Some(Shown::Hidden) => *code = -1,
-                Some(_) => *code = LABELS + label,
-                None => {}
-            }
-        }
-        Ints::load(&codes)
+        // SAFETY: labels are bytes, of which each has its code
+        let code = unsafe { L::ints(&self.by_label, label) };
+        before.or_else(code.equal(Ints::splat(NOT_TOLD)), code)
     }
 
     #[inline(always)]
@@ -197,8 +212,8 @@ impl Segments {
             return seen;
         }
         // SAFETY: a code that is not positive was replaced by 0, and all others lie in the table
-        let [_, _, _, solid] = unsafe { L::rows(&self.colours, code.max(Ints::splat(0))) };
-        L::Float::splat(0.5).less(solid)
+        let solid = unsafe { L::ints(&self.solid, code.max(Ints::splat(0))) };
+        solid.greater(Ints::splat(0))
     }
 
     /// Linear colour of segments; black of none.
@@ -362,15 +377,4 @@ pub(crate) fn by_voxels(appearance: &Appearance) -> Vec<u8> {
     // where segments overlap a voxel has the highest number, as in the session
     asked.sort_unstable();
     asked
-}
-
-#[inline(never)]
-fn labels_at<L: Gather>(labels: &Labels, grid: Vector<L>) -> L::Int {
-    let (x, y, z) = (grid.x.store(), grid.y.store(), grid.z.store());
-    let mut found = [0; LANES];
-    for (lane, found) in found.iter_mut().enumerate() {
-        let voxel = Vec3::new(x[lane], y[lane], z[lane]).floor().as_ivec3();
-        *found = i32::from(labels.at(voxel));
-    }
-    Ints::load(&found)
 }

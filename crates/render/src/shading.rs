@@ -66,9 +66,9 @@ impl Shading<'_> {
     #[inline(always)]
     pub fn gradient_at<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
         match self.displaced {
-            Some(displaced) if displaced.hold(grid, 1.0).any() => self
-                .differences_one_by_one(grid)
-                .times(Vector::splat(self.field.gradient_scale())),
+            Some(displaced) if displaced.hold(grid, 1.0).any() => {
+                displaced.gradient_at(self.field, grid)
+            }
             _ => self.field.gradient_at(grid),
         }
     }
@@ -88,20 +88,6 @@ impl Shading<'_> {
             None => grid,
             Some(displaced) => displaced.at_rest(grid),
         }
-    }
-
-    #[inline(always)]
-    fn differences_one_by_one<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
-        let (x, y, z) = (
-            Vector::splat(Vec3::X),
-            Vector::splat(Vec3::Y),
-            Vector::splat(Vec3::Z),
-        );
-        Vector::new(
-            self.value_at(grid + x) - self.value_at(grid - x),
-            self.value_at(grid + y) - self.value_at(grid - y),
-            self.value_at(grid + z) - self.value_at(grid - z),
-        )
     }
 
     /// Fraction of the window at a stored value.

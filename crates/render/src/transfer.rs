@@ -22,6 +22,12 @@ pub(crate) struct Transfer {
     scale: (f32, f32),
     /// Linear colour and extinction [1/mm].
     rows: Vec<[f32; 4]>,
+    /// The extinctions alone.
+    extinctions: Vec<f32>,
+    /// Places between which nothing is clear.
+    seen: (f32, f32),
+    /// For each row the first from there on that is seen; `SIZE` where there is none.
+    next_seen: Vec<usize>,
     /// Running integrals of colour · extinction and of extinction over the place.
     integrals: Vec<[f32; 4]>,
 }
@@ -38,6 +44,9 @@ impl Transfer {
         Self {
             scale: (scale, ((scan.intercept() - low) / width) as f32),
             integrals: integrated(&rows),
+            extinctions: rows.iter().map(|row| row[3]).collect(),
+            seen: seen_places(&rows),
+            next_seen: next_seen(&rows),
             rows,
         }
     }
@@ -51,7 +60,7 @@ impl Transfer {
             row(a.min(b)).floor() as usize,
             row(a.max(b)).ceil() as usize,
         );
-        self.rows[first..=last].iter().any(|row| row[3] > CLEAR)
+        self.next_seen[first] <= last
     }
 
     /// Extinction [1/mm] at a stored value.
@@ -62,13 +71,18 @@ impl Transfer {
             * Floats::splat((SIZE - 1) as f32);
         let first = row.truncated().min(Ints::splat(SIZE as i32 - 2));
         // SAFETY: as in `integral_to`
-        let ([.., low], [.., high]) = unsafe {
-            (
-                L::rows(&self.rows, first),
-                L::rows(&self.rows, first + Ints::splat(1)),
-            )
-        };
+        let [low, high] = unsafe { L::neighbours(&self.extinctions, first) };
         low + (high - low) * (row - first.to_float())
+    }
+
+    /// Where the mean over all stored values between two has no extinction, at least where all are beyond what is seen.
+    #[inline(always)]
+    pub fn are_clear_between<L: Gather>(&self, front: L::Float, back: L::Float) -> L::Mask {
+        let place =
+            |stored: L::Float| stored * Floats::splat(self.scale.0) + Floats::splat(self.scale.1);
+        let (one, other) = (place(front), place(back));
+        one.max(other).less(Floats::splat(self.seen.0))
+            | L::Float::splat(self.seen.1).less(one.min(other))
     }
 
     /// Mean over all stored values between two: linear colour, and extinction [1/mm].
@@ -122,6 +136,33 @@ impl Transfer {
         }
         integral
     }
+}
+
+/// Places before and after which the integrals do not rise, with the rows that [`Transfer::between`] reaches beyond.
+fn seen_places(rows: &[[f32; 4]]) -> (f32, f32) {
+    let is_seen = |row: &[f32; 4]| row[3] > 0.0;
+    let place = |row: f32| row / (SIZE - 1) as f32;
+    let first = match rows.iter().position(is_seen) {
+        Some(0) => f32::NEG_INFINITY,
+        first => place(first.unwrap_or(2 * SIZE) as f32 - 3.0),
+    };
+    let last = match rows.iter().rposition(is_seen) {
+        Some(last) if last < rows.len() - 1 => place(last as f32 + 3.0),
+        _ => f32::INFINITY,
+    };
+    (first, last)
+}
+
+fn next_seen(rows: &[[f32; 4]]) -> Vec<usize> {
+    let mut next = vec![SIZE; rows.len()];
+    let mut seen = SIZE;
+    for (i, row) in rows.iter().enumerate().rev() {
+        if row[3] > CLEAR {
+            seen = i;
+        }
+        next[i] = seen;
+    }
+    next
 }
 
 /// Colour · extinction, or extinction.

@@ -55,7 +55,7 @@ fn tissue_that_has_all_moved_by_voxels_looks_as_a_scan_whose_voxels_have() {
     let view = request(parallel(DVec3::splat(28.0), back, 56.0), 48);
     for blend in ALL {
         let mut look = appearance(blend, 0.5);
-        // air is clear by a margin: where it is not leapt over, its mean is taken with what is just above it
+        // air has no extinction, also where its bricks are not leapt over
         look.transfer[0].value = 10.0;
         let drawn = picture(&displaced, &look, &view);
         let (mean, far) = difference(&drawn, &picture(&shifted, &look, &view));

@@ -97,11 +97,14 @@ def expected(values: NDArray[np.int16], displaced: dict[str, Any] | None) -> Arr
     return AWAY + TOP - surface
 
 
-def follow(edited: EditedValues, session: Session) -> None:
+def edited(session: Session) -> NDArray[np.int16]:
+    """Returns the stored values with the changes since the first that were asked for."""
+    edited = EditedValues(session.scene.volume.array)
     for change in session.picture_changes():
         for box in change["voxels"]:
             if box["stored"] is not None:
                 edited.write(box["low"], box["high"], box["stored"])
+    return edited.values
 
 
 def test_a_pressed_block_is_drawn_where_it_stands() -> None:
@@ -109,16 +112,14 @@ def test_a_pressed_block_is_drawn_where_it_stands() -> None:
     path = path.move((*MIDDLE, TOP - 1.6), seconds=0.5)
     with Session(soft_block(), device=path, options=SessionOptions(real_time=False)) as session:
         pictures = SessionPictures(session)
-        edited = EditedValues(session.scene.volume.values())
-        session.picture_changes()
         untouched = depths(pictures)
         np.testing.assert_allclose(untouched, AWAY + 0.5, atol=0.02)
+        session.picture_changes()
         session.set_material(1, Material(young=2.0e4, poisson=0.45, friction=0.0))
         session.set_deformation("lattice")
         session.run(1.4)
         displaced: Any = session.whole_surfaces()["displaced"]
-        follow(edited, session)
-        values = edited.values
+        values = edited(session)
         seen = depths(pictures)
         # as a renderer sees it that has followed nothing
         np.testing.assert_array_equal(depths(SessionPictures(session)), seen)
@@ -131,5 +132,5 @@ def test_a_pressed_block_is_drawn_where_it_stands() -> None:
     # voxels alone show it elsewhere, and a dent it is
     assert np.abs(by_formula - by_voxels).max() > 0.1
     assert seen.max() - seen.min() > 0.8
-    # without a model the block is as it was
-    np.testing.assert_array_equal(still, untouched)
+    # without a model tissue is at rest
+    np.testing.assert_allclose(still, untouched, atol=0.02)

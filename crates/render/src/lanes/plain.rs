@@ -216,13 +216,25 @@ impl Masks for Mask {
 
 impl Gather for Plain {
     #[inline(always)]
-    unsafe fn pairs(values: &[i16], places: Int) -> Int {
-        let mut pairs = [0; LANES];
-        for (pair, place) in pairs.iter_mut().zip(places.store()) {
-            let place = place as usize;
-            *pair = i32::from(values[place + 1]) << 16 | i32::from(values[place] as u16);
+    unsafe fn pairs(values: &[i16], places: &[i32; LANES], offset: i32) -> Int {
+        Ints::load(&places.map(|place| {
+            let place = (place + offset) as usize;
+            i32::from(values[place + 1]) << 16 | i32::from(values[place] as u16)
+        }))
+    }
+    #[inline(always)]
+    unsafe fn fours(values: &[i16], places: &[i32; LANES], offset: i32) -> [Int; 2] {
+        // SAFETY: the caller warrants each place and the next three
+        unsafe {
+            [
+                Self::pairs(values, places, offset),
+                Self::pairs(values, places, offset + 2),
+            ]
         }
-        Ints::load(&pairs)
+    }
+    #[inline(always)]
+    unsafe fn ints(numbers: &[i32], places: Int) -> Int {
+        Ints::load(&places.store().map(|place| numbers[place as usize]))
     }
     #[inline(always)]
     unsafe fn bytes(bytes: &[u8], places: Int) -> Int {

@@ -29,8 +29,6 @@ pub(super) enum Beside {
 
 /// Memory for a row of cells.
 pub(super) struct Scratch {
-    /// The mean of four rows.
-    mean: Vec<f32>,
     /// What passes beside each cell, from the first on.
     pub passing: Vec<f32>,
     /// What has passed so far, and sums of it, by cell.
@@ -41,7 +39,6 @@ pub(super) struct Scratch {
 impl Scratch {
     pub fn new(columns: usize) -> Self {
         Self {
-            mean: vec![0.0; columns + 2],
             passing: vec![0.0; columns],
             clear: vec![1.0; columns],
             sum: vec![0.0; columns],
@@ -150,14 +147,12 @@ impl Clarity {
         let b = &self.rows[rows[1] * width + start..][..=count];
         let c = &self.rows[rows[2] * width + start..][..=count];
         let d = &self.rows[rows[3] * width + start..][..=count];
-        let mean = &mut scratch.mean[..=count];
-        for i in 0..=count {
-            mean[i] = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];
-        }
-        let (first, second) = (&mean[..count], &mean[1..=count]);
-        let passing = &mut scratch.passing[..count];
-        for i in 0..count {
-            passing[i] = first[i] + (second[i] - first[i]) * share;
+        let mean = |i: usize| {
+            weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i]
+        };
+        for (i, passing) in scratch.passing[..count].iter_mut().enumerate() {
+            let (first, second) = (mean(i), mean(i + 1));
+            *passing = first + (second - first) * share;
         }
     }
 }

@@ -8,10 +8,10 @@ use crate::lanes::{Floats, Gather, Ints, Vector};
 
 /// Values and gradients beside the voxels of a line.
 pub(super) struct Line {
-    /// Mean of four rows at the line itself, and one voxel before and after along y and z.
+    /// Mean of four rows at the line itself, and one voxel before and after along y and z; one more at the end.
     means: [Vec<f32>; 5],
-    /// For each voxel: value, and gradient in the scan's unit [per mm]; one more at the end.
-    records: Vec<[f32; 4]>,
+    /// For each voxel the gradient in the scan's unit [per mm], and 0; one more at the end.
+    gradients: Vec<[f32; 4]>,
     rows: [Vec<i16>; 4],
 }
 
@@ -25,8 +25,8 @@ fn between(place: f32, size: i32) -> (i32, i32, f32) {
 impl Line {
     pub fn new(columns: usize) -> Self {
         Self {
-            means: std::array::from_fn(|_| vec![0.0; columns]),
-            records: vec![[0.0; 4]; columns + 1],
+            means: std::array::from_fn(|_| vec![0.0; columns + 1]),
+            gradients: vec![[0.0; 4]; columns + 1],
             rows: std::array::from_fn(|_| vec![0; columns]),
         }
     }
@@ -41,27 +41,29 @@ impl Line {
         with_gradient: bool,
     ) {
         self.blend(field, (y, z), columns, 0);
-        if with_gradient {
-            for (i, place) in [(y - 1.0, z), (y + 1.0, z), (y, z - 1.0), (y, z + 1.0)]
-                .into_iter()
-                .enumerate()
-            {
-                self.blend(field, place, columns, i + 1);
-            }
+        let end = self.gradients.len() - 1;
+        self.means[0][end] = self.means[0][end - 1];
+        if !with_gradient {
+            return;
+        }
+        for (i, place) in [(y - 1.0, z), (y + 1.0, z), (y, z - 1.0), (y, z + 1.0)]
+            .into_iter()
+            .enumerate()
+        {
+            self.blend(field, place, columns, i + 1);
         }
         let scale = field.gradient_scale();
         let [values, below, above, near, far] = self.means.each_ref().map(|it| &it[..]);
-        let end = self.records.len() - 1;
         for x in columns.clone() {
             let (before, after) = (x.saturating_sub(1), (x + 1).min(end - 1));
-            self.records[x] = [
-                values[x],
+            self.gradients[x] = [
                 (values[after] - values[before]) * scale.x,
                 (above[x] - below[x]) * scale.y,
                 (far[x] - near[x]) * scale.z,
+                0.0,
             ];
         }
-        self.records[end] = self.records[end - 1];
+        self.gradients[end] = self.gradients[end - 1];
     }
 
     #[inline(always)]
@@ -70,14 +72,13 @@ impl Line {
         let (y0, y1, y) = between(y, size.y);
         let (z0, z1, z) = between(z, size.z);
         let [a, b, c, d] = &mut self.rows;
-        let a = field.row(y0, z0, a);
-        let b = field.row(y1, z0, b);
-        let c = field.row(y0, z1, c);
-        let d = field.row(y1, z1, d);
+        let a = field.row(y0, z0, columns, a);
+        let b = field.row(y1, z0, columns, b);
+        let c = field.row(y0, z1, columns, c);
+        let d = field.row(y1, z1, columns, d);
         let mean = &mut self.means[number][columns.clone()];
         let count = mean.len();
-        let (a, b) = (&a[columns.clone()][..count], &b[columns.clone()][..count]);
-        let (c, d) = (&c[columns.clone()][..count], &d[columns.clone()][..count]);
+        let (a, b, c, d) = (&a[..count], &b[..count], &c[..count], &d[..count]);
         for x in 0..count {
             let near = f32::from(a[x]) + (f32::from(b[x]) - f32::from(a[x])) * y;
             let far = f32::from(c[x]) + (f32::from(d[x]) - f32::from(c[x])) * y;
@@ -85,27 +86,50 @@ impl Line {
         }
     }
 
-    /// Value and gradient at places along x [grid].
+    /// The voxels between which places along x lie [grid].
     #[inline(always)]
-    pub fn at<L: Gather>(&self, x: L::Float) -> (L::Float, Vector<L>) {
-        let last = (self.records.len() - 2) as f32;
+    pub fn at<L: Gather>(&self, x: L::Float) -> OnLine<'_, L> {
+        let last = (self.gradients.len() - 2) as f32;
         let inside = (x - Floats::splat(0.5))
             .max(Floats::splat(0.0))
             .min(Floats::splat(last));
         let first = inside.truncated();
-        let share = inside - first.to_float();
-        // SAFETY: the first was clamped to the voxels, of which there is one record more
+        OnLine {
+            line: self,
+            first,
+            share: inside - first.to_float(),
+        }
+    }
+}
+
+/// Places on a line.
+#[derive(Clone, Copy)]
+pub(super) struct OnLine<'a, L: Gather> {
+    line: &'a Line,
+    /// The voxel before each, and the fraction of the way to the next.
+    first: L::Int,
+    share: L::Float,
+}
+
+impl<L: Gather> OnLine<'_, L> {
+    #[inline(always)]
+    pub fn value(self) -> L::Float {
+        // SAFETY: the first was clamped to the voxels, of which there is one mean more
+        let [low, high] = unsafe { L::neighbours(&self.line.means[0], self.first) };
+        low + (high - low) * self.share
+    }
+
+    #[inline(always)]
+    pub fn gradient(self) -> Vector<L> {
+        let gradients = &self.line.gradients;
+        // SAFETY: the first was clamped to the voxels, of which there is one gradient more
         let (low, high) = unsafe {
             (
-                L::rows(&self.records, first),
-                L::rows(&self.records, first + Ints::splat(1)),
+                L::rows(gradients, self.first),
+                L::rows(gradients, self.first + Ints::splat(1)),
             )
         };
-        let mut mixed = low;
-        for i in 0..4 {
-            mixed[i] = low[i] + (high[i] - low[i]) * share;
-        }
-        let [value, x, y, z] = mixed;
-        (value, Vector::new(x, y, z))
+        let mixed = |axis: usize| low[axis] + (high[axis] - low[axis]) * self.share;
+        Vector::new(mixed(0), mixed(1), mixed(2))
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::{IVec3, Vec3};
 
-use crate::lanes::{Floats, Gather, Ints, Vector};
+use crate::field::both;
+use crate::lanes::{Floats, Gather, Ints, LANES, Vector};
 use crate::light_volume::{LightVolume, WHOLE};
 use crate::lighting::Reaching;
 
@@ -63,58 +64,54 @@ impl LightVolume {
     #[inline(always)]
     fn mixed<L: Gather>(&self, place: Vector<L>) -> [L::Float; 2] {
         let counts = self.grid.counts;
-        let (x0, x1, x) = between::<L>(place.x, counts.x);
-        let (y0, y1, y) = between::<L>(place.y, counts.y);
-        let (z0, z1, z) = between::<L>(place.z, counts.z);
-        let rows = Ints::splat(counts.x);
-        let layers = L::Int::splat(counts.x * counts.y);
-        let (y0, y1) = (y0 * rows, y1 * rows);
-        let (z0, z1) = (z0 * layers, z1 * layers);
+        let (x, x_share) = between::<L>(place.x, counts.x);
+        let (y, y_share) = between::<L>(place.y, counts.y);
+        let (z, z_share) = between::<L>(place.z, counts.z);
+        let first = x + (y + z * Ints::splat(counts.y)) * Ints::splat(counts.x);
+        let first = (first + first).store();
+        let row = if counts.y > 1 { 2 * counts.x } else { 0 };
+        let layer = if counts.z > 1 {
+            2 * counts.x * counts.y
+        } else {
+            0
+        };
         let near = mix::<L>(
-            self.row::<L>(x0, x1, x, y0 + z0),
-            self.row::<L>(x0, x1, x, y1 + z0),
-            y,
+            self.row::<L>(&first, 0, x_share),
+            self.row::<L>(&first, row, x_share),
+            y_share,
         );
         let far = mix::<L>(
-            self.row::<L>(x0, x1, x, y0 + z1),
-            self.row::<L>(x0, x1, x, y1 + z1),
-            y,
+            self.row::<L>(&first, layer, x_share),
+            self.row::<L>(&first, layer + row, x_share),
+            y_share,
         );
-        mix::<L>(near, far, z)
+        mix::<L>(near, far, z_share)
     }
 
+    /// Mixed between a cell and the next of its row; `first` is the cell's place in memory.
     #[inline(always)]
-    fn row<L: Gather>(
-        &self,
-        x0: L::Int,
-        x1: L::Int,
-        share: L::Float,
-        row: L::Int,
-    ) -> [L::Float; 2] {
-        mix::<L>(self.cell::<L>(x0 + row), self.cell::<L>(x1 + row), share)
-    }
-
-    #[inline(always)]
-    fn cell<L: Gather>(&self, index: L::Int) -> [L::Float; 2] {
-        // SAFETY: each coordinate was clamped to the cells, which have two numbers each
-        let both = unsafe { L::pairs(&self.cells, index + index) };
+    fn row<L: Gather>(&self, first: &[i32; LANES], offset: i32, share: L::Float) -> [L::Float; 2] {
+        // SAFETY: the first of two cells was clamped to those before the last along each axis, where there are
+        // two; behind the last there is one more in memory
+        let [first, second] = unsafe { L::fours(&self.cells, first, offset) };
         let unit = L::Float::splat(1.0 / WHOLE);
-        [
-            both.shifted_left::<16>().shifted_right::<16>().to_float() * unit,
-            both.shifted_right::<16>().to_float() * unit,
-        ]
+        let ([a_sky, a_lamp], [b_sky, b_lamp]) = (both::<L>(first), both::<L>(second));
+        mix::<L>(
+            [a_sky * unit, a_lamp * unit],
+            [b_sky * unit, b_lamp * unit],
+            share,
+        )
     }
 }
 
-/// The two cells between whose middles a place lies, and the fraction of the way.
+/// The first of the two cells between whose middles a place lies, and the fraction of the way to the second.
 #[inline(always)]
-fn between<L: Gather>(place: L::Float, count: i32) -> (L::Int, L::Int, L::Float) {
+fn between<L: Gather>(place: L::Float, count: i32) -> (L::Int, L::Float) {
     let inside = (place - Floats::splat(0.5))
         .max(Floats::splat(0.0))
         .min(Floats::splat((count - 1) as f32));
-    let first = inside.truncated();
-    let second = (first + Ints::splat(1)).min(Ints::splat(count - 1));
-    (first, second, inside - first.to_float())
+    let first = inside.truncated().min(Ints::splat((count - 2).max(0)));
+    (first, inside - first.to_float())
 }
 
 #[inline(always)]

@@ -1,6 +1,8 @@
 //! How much of the light passes a cell over the length of its edge: by the mean optical thickness at some of its
 //! places, of what is drawn there as the ray caster draws it. Eight cells of a row at a time.
 
+use std::ops::Range;
+
 use glam::IVec3;
 use palpate_volume::simd_dispatch;
 use palpate_volume::simd_dispatch::SimdLevel;
@@ -9,10 +11,10 @@ use palpate_volume::voxel_box::VoxelBox;
 use crate::appearance::Blend;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::Avx2;
-use crate::lanes::{Floats, Gather, Ints, LANES, Plain, Vector, exp_of_negative};
+use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Plain, Vector, exp_of_negative};
 use crate::light_volume::cells::CellGrid;
 use crate::light_volume::clarity::Clarity;
-use crate::light_volume::line::Line;
+use crate::light_volume::line::{Line, OnLine};
 use crate::prepared::Prepared;
 use crate::scene::Scene;
 use crate::shading::{boundary, is_before_a_plane};
@@ -56,9 +58,7 @@ pub(super) fn look_at(
             return Err(());
         }
         row[region.min.x as usize..region.max.x as usize].fill(1.0);
-        let filled: Vec<_> = (region.min.x..region.max.x)
-            .filter(|&x| job.is_filled(IVec3::new(x, y, z)))
-            .collect();
+        let filled = job.filled_cells((y, z), region.min.x..region.max.x);
         look_at_row(&job, (y, z), &filled, row, level);
         Ok(())
     })
@@ -91,16 +91,22 @@ fn row_plain(job: &Job<'_>, at: (i32, i32), cells: &[i32], row: &mut [f32], _: S
 }
 
 impl Job<'_> {
-    /// Whether a cell meets a brick in which something is drawn.
-    fn is_filled(&self, cell: IVec3) -> bool {
+    /// Cells of a row that meet a brick in which something is drawn.
+    fn filled_cells(&self, (y, z): (i32, i32), cells: Range<i32>) -> Vec<i32> {
         let size = self.grid.voxels;
-        let low = (cell.as_vec3() * size).as_ivec3() >> 3_i32;
-        let high = ((cell + 1).as_vec3() * size).as_ivec3() >> 3_i32;
-        (low.z..=high.z).any(|z| {
-            (low.y..=high.y).any(|y| {
-                (low.x..=high.x).any(|x| self.prepared.empty.distance(IVec3::new(x, y, z)) == 0)
+        let bricks = |cell: i32, voxels: f32| {
+            (cell as f32 * voxels) as i32 >> 3..=((cell + 1) as f32 * voxels) as i32 >> 3
+        };
+        let columns = self.scene.ranges.counts.x;
+        let is_filled = |x: i32| {
+            bricks(z, size.z).any(|z| {
+                bricks(y, size.y).any(|y| self.prepared.empty.distance(IVec3::new(x, y, z)) == 0)
             })
-        })
+        };
+        let filled: Vec<_> = (0..columns).map(is_filled).collect();
+        cells
+            .filter(|&cell| bricks(cell, size.x).any(|x| filled[x.min(columns - 1) as usize]))
+            .collect()
     }
 
     /// Some cells of a row, by rising number.
@@ -158,7 +164,8 @@ impl Job<'_> {
             ..
         } = self;
         let (zero, full) = (L::Float::splat(0.0), L::Float::splat(FULL));
-        let (value, gradient) = line.at::<L>(grid.x);
+        let place = line.at::<L>(grid.x);
+        let value = place.value();
         let code = prepared.segments.at(field, grid, value);
         let solid = prepared.segments.are_solid::<L>(code);
         let hidden = L::Int::splat(0).greater(code);
@@ -167,16 +174,20 @@ impl Job<'_> {
             let height = value * Floats::splat(prepared.grey.0) + Floats::splat(prepared.grey.1);
             full.or_else(zero.at_most(height), zero)
         } else {
-            self.extinction_of_tissue(value, gradient)
+            self.extinction_of_tissue(value, place)
         };
         full.or_else(solid, extinction).or_else(seen, zero)
     }
 
     #[inline(always)]
-    fn extinction_of_tissue<L: Gather>(&self, value: L::Float, gradient: Vector<L>) -> L::Float {
+    fn extinction_of_tissue<L: Gather>(&self, value: L::Float, place: OnLine<'_, L>) -> L::Float {
         let density = self.prepared.appearance.density;
         let extinction = self.prepared.transfer.extinction_at::<L>(value) * Floats::splat(density);
-        let (kept, _) = boundary::<L>((self.edge_gradient, self.flat_share), gradient.length());
+        if !L::Float::splat(0.0).less(extinction).any() {
+            return extinction;
+        }
+        let gradient = place.gradient().length();
+        let (kept, _) = boundary::<L>((self.edge_gradient, self.flat_share), gradient);
         extinction * kept
     }
 }

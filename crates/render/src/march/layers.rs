@@ -347,11 +347,10 @@ fn loaded<L: Gather>([x, y, z]: &[[f32; LANES]; 3]) -> Vector<L> {
 
 #[inline(always)]
 fn turned<L: Gather>(by: glam::Mat3, vector: Vector<L>) -> Vector<L> {
-    let columns = [by.x_axis, by.y_axis, by.z_axis].map(Vector::<L>::splat);
-    columns[0]
+    Vector::splat(by.x_axis)
         .scaled(vector.x)
-        .along(columns[1], vector.y)
-        .along(columns[2], vector.z)
+        .along(Vector::splat(by.y_axis), vector.y)
+        .along(Vector::splat(by.z_axis), vector.z)
 }
 
 #[inline(always)]

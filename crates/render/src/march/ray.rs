@@ -2,7 +2,7 @@
 //! empty. Positions run in grid coordinates, lengths along a ray in mm.
 
 use crate::camera::RayFan;
-use crate::lanes::{Floats, Gather, Ints, LANES, Vector};
+use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Vector};
 use crate::shading::Shading;
 
 /// Eight pixels, four beside one another in two rows.
@@ -162,6 +162,9 @@ impl<L: Gather> Packet<L> {
             .empty
             .ahead::<L>(grid, self.margin, self.inverse, self.is_forward);
         let zero = L::Float::splat(0.0);
+        if !zero.less(ahead).any() {
+            return zero;
+        }
         let steps = (ahead * Floats::splat(1.0 / shading.step))
             .ceil()
             .max(Floats::splat(1.0));

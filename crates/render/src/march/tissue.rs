@@ -120,9 +120,14 @@ impl<'a, L: Gather> March<'a, L> {
             self.front = front.or_else(looks & unknown, self.front);
         }
         let (value, code) = shading.at(grid);
-        let (colour, extinction) = shading.transfer.between::<L>(self.front, value);
-        let solid = shading.segments.are_solid::<L>(code);
         let zero = L::Float::splat(0.0);
+        let clear = shading.transfer.are_clear_between::<L>(self.front, value);
+        let (colour, extinction) = if (looks & !clear).any() {
+            shading.transfer.between::<L>(self.front, value)
+        } else {
+            (Vector::new(zero, zero, zero), zero)
+        };
+        let solid = shading.segments.are_solid::<L>(code);
         let hidden = L::Int::splat(0).greater(code);
         let mut meets = L::Mask::splat(false);
         if shading.blend.draws_solids() {

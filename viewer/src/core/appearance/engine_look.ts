@@ -3,7 +3,13 @@
  */
 import { linearFromSrgb } from "../base/colour";
 import type { LookSegment, LookSurface, PictureLook, Segment } from "../protocol";
-import { drawnAsSurface, drawnFromVoxels, shownByValue, type InsideModes, type ShownRange } from "../segments/shown_segments";
+import {
+  drawnAsSurface,
+  drawnFromVoxels,
+  shownByValue,
+  type InsideModes,
+  type ShownRange,
+} from "../segments/shown_segments";
 import type { Plane } from "../view/clip";
 import type { Appearance } from "./appearance";
 import { sample } from "./transfer_function";

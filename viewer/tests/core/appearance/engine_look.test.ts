@@ -78,7 +78,14 @@ test("a painted segment that is hidden looks as the scan does", () => {
 });
 
 test("surfaces go out with their own look, and those that are not drawn do not", () => {
-  const through: Segment = { ...bone, shown_as: "both", opacity: 0.5, wireframe: true, ambient: 0.5, colour: [1, 0, 0] };
+  const through: Segment = {
+    ...bone,
+    shown_as: "both",
+    opacity: 0.5,
+    wireframe: true,
+    ambient: 0.5,
+    colour: [1, 0, 0],
+  };
   const { surfaces } = lookOf([through, { ...painted, shown_as: "surface", opacity: 0 }, { ...bone, id: 3 }]);
   const colour = [1, 0, 0];
   expect(surfaces).toEqual([{ id: 1, colour, opacity: 0.5, wireframe: true, ambient: 0.5, specular: bone.specular }]);

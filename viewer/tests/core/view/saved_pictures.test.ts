@@ -12,8 +12,11 @@ function packed(number: number, width: number): Uint8Array {
     samples: 1,
     finished: true,
     milliseconds: 3,
+    coding: "raw",
     colours: new Uint8Array(16 * width).fill(number),
+    brightest: 1,
     depths: new Uint8Array(4 * width).fill(number),
+    depth_every: 1,
     nearest: 0,
     farthest: 1,
   });
