@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from itertools import count
 from threading import Lock
@@ -19,8 +18,6 @@ __all__ = ["DrawnArrays", "Fineness", "SessionPictures"]
 
 NEVER_GIVEN_UP = 2**64 - 1
 """Number of a picture that is newer than all others."""
-REST = 0.15
-"""Seconds without a request after which nobody is taken to turn the view."""
 
 
 @dataclass(frozen=True)
@@ -60,21 +57,6 @@ class SessionPictures:
         self._turn = Lock()
         self._numbers = count(1)
         self._renderer: _core.Renderer | None = None
-        self._lesser: tuple[SessionPictures, ...] = ()
-        self._requested = -REST
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether a picture is drawn, or is likely to be requested."""
-        return self._turn.locked() or time.monotonic() - self._requested < REST
-
-    def put_before(self, others: SessionPictures) -> None:
-        """Gives up pictures of others from now on where its own are given up for newer ones."""
-        self._lesser = (*self._lesser, others)
-
-    def forget(self, others: SessionPictures) -> None:
-        """Lets others draw on."""
-        self._lesser = tuple(each for each in self._lesser if each is not others)
 
     def next_number(self) -> int:
         """Returns the number of the next picture."""
@@ -85,9 +67,6 @@ class SessionPictures:
         renderer = self._renderer
         if renderer is not None:
             renderer.supersede(next(self._numbers))
-        self._requested = time.monotonic()
-        for others in self._lesser:
-            others.give_up()
 
     def free(self) -> None:
         """Frees what is prepared; the next picture prepares it again."""

@@ -6,6 +6,7 @@ import time
 
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
+from palpate.pictures.live_view import LiveView
 from palpate.pictures.session_pictures import DrawnArrays, Fineness, SessionPictures
 from palpate.session.session import Session
 
@@ -22,7 +23,7 @@ class StillPictures(SessionPictures):
 
     follows_edits = False
 
-    def __init__(self, session: Session, live: SessionPictures) -> None:
+    def __init__(self, session: Session, live: LiveView) -> None:
         """Draws nothing until it is asked to; all that is drawn ``live`` goes first."""
         super().__init__(session)
         self._live = live

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.pictures.appearance import Appearance, ShownSegment
 from palpate.pictures.camera import Camera
+from palpate.pictures.live_view import LiveView
 from palpate.pictures.session_pictures import Fineness, SessionPictures
 from palpate.pictures.still_pictures import StillPictures
 from palpate.pictures.strips import MOST_RAYS, Strip, strips_of
@@ -75,7 +76,7 @@ def test_a_picture_wider_than_a_camera_can_look_aside_stays_whole_or_is_refused(
 
 def test_edits_meanwhile_are_not_seen_in_a_picture_that_was_begun() -> None:
     with Session(make_ball()) as session:
-        still = StillPictures(session, SessionPictures(session))
+        still = StillPictures(session, LiveView())
         before = still.draw_at_rest(BALL, FRONT, (40, 40), fineness=ONCE)
         session.fill_box(1, low=(0, 0, 0), high=(41, 41, 41), solid=False)
         after = still.draw_at_rest(BALL, FRONT, (40, 40), fineness=ONCE)
@@ -85,7 +86,7 @@ def test_edits_meanwhile_are_not_seen_in_a_picture_that_was_begun() -> None:
 
 def test_a_request_of_the_live_view_goes_first_and_the_picture_comes_all_the_same() -> None:
     with Session(make_ball()) as session:
-        live = SessionPictures(session)
+        live = LiveView()
         still = StillPictures(session, live)
         still.draw_at_rest(BALL, FRONT, (40, 40), fineness=ONCE)
         given_up: list[int | None] = []
@@ -93,7 +94,7 @@ def test_a_request_of_the_live_view_goes_first_and_the_picture_comes_all_the_sam
 
         def draw(*given: Any, number: int | None, **more: Any) -> Any:
             if not given_up:
-                live.give_up()
+                live.request()
             picture = usual(*given, number=number, **more)
             given_up.append(number if picture is None else None)
             return picture
@@ -111,13 +112,13 @@ def test_a_request_of_the_live_view_goes_first_and_the_picture_comes_all_the_sam
 
 def test_a_live_view_that_never_rests_does_not_hold_a_picture_up_for_ever() -> None:
     with Session(make_ball()) as session:
-        live = SessionPictures(session)
+        live = LiveView()
         still = StillPictures(session, live)
         ended = False
 
         def turn() -> None:
             while not ended:
-                live.give_up()
+                live.request()
 
         thread = Thread(target=turn)
         thread.start()

@@ -23,6 +23,7 @@ from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
+from palpate.pictures.live_view import LiveView
 from palpate.pictures.session_pictures import DrawnArrays, Fineness, SessionPictures
 from palpate.pictures.still_pictures import StillPictures
 from palpate.server.messages.encoded_picture import encoded_picture
@@ -63,12 +64,12 @@ class Stage:
     last: bool = False
 
 
-class AllPages(SessionPictures):
-    """Stands for what is drawn for all pages: pictures that are saved make way for it."""
+class AllPages(LiveView):
+    """What is drawn for all pages."""
 
-    def __init__(self, session: Session, fine_turn: FineTurn) -> None:
-        """Draws nothing itself."""
-        super().__init__(session)
+    def __init__(self, fine_turn: FineTurn) -> None:
+        """Nothing was requested yet."""
+        super().__init__()
         self._fine_turn = fine_turn
 
     @property
@@ -111,7 +112,7 @@ class PagePainter:
             self._waiting = request
             self._changed.notify()
         self._own.give_up()
-        self._all.give_up()
+        self._all.request()
 
     def end(self) -> None:
         """Ends the thread, once the picture that it draws is given up or done."""
@@ -265,7 +266,7 @@ class EnginePictures:
         """Draws what a session has."""
         self._session = session
         self._fine_turn = FineTurn()
-        self._all = AllPages(session, self._fine_turn)
+        self._all = AllPages(self._fine_turn)
         self._painters: dict[Outbox, PagePainter] = {}
         """Those that drew last at the end."""
 
