@@ -43,11 +43,6 @@ def page(way: SlowWay) -> Iterator[Browser]:
         yield opened
 
 
-def drawn_by(page: Browser, drawer: str) -> None:
-    page.do("choose", testid="drawer", value=drawer)
-    page.frames()
-
-
 @pytest.mark.data
 def test_where_the_browser_draws_by_the_cpu_the_engine_draws(page: Browser) -> None:
     assert page.read("window.palpate.drawer") == {
@@ -64,9 +59,9 @@ def test_where_the_browser_draws_by_the_cpu_the_engine_draws(page: Browser) -> N
 @pytest.mark.data
 def test_both_draw_the_same_picture(page: Browser) -> None:
     engine = page.picture(OUTPUT / "drawn-by-engine.png")
-    drawn_by(page, "browser")
+    page.draw_by("browser")
     own = page.picture(OUTPUT / "drawn-by-browser.png")
-    drawn_by(page, "auto")
+    page.draw_by("auto")
     off = np.abs(engine - own)[:, 90:-10]
     assert own.std() > 0.1
     assert off.mean() <= 4 / 255
@@ -131,7 +126,7 @@ def hold(page: Browser, kind: str) -> None:
 @pytest.mark.data
 def test_over_a_slow_line_pictures_are_small_and_look_the_same(page: Browser, way: SlowWay) -> None:
     # over such a line the browser may well be quicker
-    drawn_by(page, "engine")
+    page.draw_by("engine")
     before = page.picture(OUTPUT / "drawn-by-engine-near.png")
     way.rate = 300e3
     try:
@@ -174,8 +169,8 @@ def test_a_resized_view_keeps_its_picture_and_without_answers_the_browser_draws(
         way.rate = None
     page.finish()
     # who chooses again need not wait until it is tried
-    drawn_by(page, "browser")
-    drawn_by(page, "engine")
+    page.draw_by("browser")
+    page.draw_by("engine")
     page.wait("window.palpate.drawer.engine")
     page.do("resize", **SIZE)
     page.finish()
@@ -279,10 +274,10 @@ def test_what_the_engine_cannot_draw_the_browser_draws(page: Browser) -> None:
 
 @pytest.mark.data
 def test_a_choice_is_remembered(page: Browser) -> None:
-    drawn_by(page, "browser")
+    page.draw_by("browser")
     page.do("open", url=page.read("location.href"), **SIZE)
     assert page.read("window.palpate.drawer.choice") == "browser"
-    drawn_by(page, "auto")
+    page.draw_by("auto")
     page.do("open", url=page.read("location.href"), **SIZE)
     assert page.read("window.palpate.drawer.engine")
     page.finish()

@@ -322,8 +322,7 @@ def test_the_engine_draws_a_pressed_liver_as_the_browser_does(page: Browser) -> 
     page.do("clickText", text="Quality")
     drawn = {}
     for drawer in ("browser", "engine"):
-        page.do("choose", testid="drawer", value=drawer)
-        page.frames()
+        page.draw_by(drawer)
         told = {"choice": drawer, "engine": drawer == "engine", "obstacle": None}
         assert page.read("window.palpate.drawer") == told
         drawn[drawer] = page.picture(OUTPUT / f"matter_by_{drawer}.png")
@@ -332,7 +331,7 @@ def test_the_engine_draws_a_pressed_liver_as_the_browser_does(page: Browser) -> 
     assert liver.mean() > 0.1
     off = np.abs(drawn["engine"] - drawn["browser"])[liver]
     assert off.mean() <= 4 / 255
-    page.do("choose", testid="drawer", value="browser")
+    page.draw_by("browser")
     page.do("clickText", text="Quality")
     page.read(f"window.palpate.place({before})")
     page.do("click", testid="reset-matter")

@@ -59,15 +59,10 @@ def by_both(page: Browser, name: str) -> tuple[NDArray[np.float64], NDArray[np.f
         "obstacle": None,
     }
     engine = page.picture(OUTPUT / f"surfaces-{name}-engine.png")
-    drawn_by(page, "browser")
+    page.draw_by("browser")
     own = page.picture(OUTPUT / f"surfaces-{name}-browser.png")
-    drawn_by(page, "auto")
+    page.draw_by("auto")
     return engine, own
-
-
-def drawn_by(page: Browser, drawer: str) -> None:
-    page.do("choose", testid="drawer", value=drawer)
-    page.frames()
 
 
 def assert_alike(

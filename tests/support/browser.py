@@ -113,6 +113,11 @@ class Browser:
         """Waits until the page has drawn what was changed before: it takes a frame or two."""
         self.read(f"new Promise(resolve => {2 * 'requestAnimationFrame(() => '}resolve(0))))")
 
+    def draw_by(self, drawer: str) -> None:
+        """Chooses who draws the 3-D view, where *Quality* is open."""
+        self.do("choose", testid="drawer", value=drawer)
+        self.frames()
+
     def finish(self) -> None:
         """Waits until the picture of the present view is as fine as it gets."""
         # a change of the view is taken up by the next frame
