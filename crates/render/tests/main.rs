@@ -14,6 +14,7 @@ mod grids;
 mod light;
 mod modes;
 mod same_picture;
+mod second;
 mod segments;
 mod surfaces;
 mod tissue;

@@ -13,6 +13,7 @@ from palpate import _core
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.session.session import Session
+from palpate.volumes.second_scan import SecondScan
 
 __all__ = ["DrawnArrays", "Fineness", "SessionPictures"]
 
@@ -57,6 +58,7 @@ class SessionPictures:
         self._turn = Lock()
         self._numbers = count(1)
         self._renderer: _core.Renderer | None = None
+        self._second: tuple[SecondScan, _core.SecondScan] | None = None
 
     def next_number(self) -> int:
         """Returns the number of the next picture."""
@@ -72,6 +74,7 @@ class SessionPictures:
         """Frees what is prepared; the next picture prepares it again."""
         with self._turn:
             self._renderer = None
+            self._second = None
 
     def draw(
         self,
@@ -93,6 +96,7 @@ class SessionPictures:
         with self._turn:
             renderer = self._following()
             renderer.set_appearance(appearance)
+            renderer.show_second(self._second_scan(), appearance.second)
             picture = renderer.draw(
                 camera,
                 size,
@@ -103,6 +107,19 @@ class SessionPictures:
                 number=NEVER_GIVEN_UP if number is None else number,
             )
         return None if picture is None else DrawnArrays(picture.colours(), picture.depths())
+
+    def _second_scan(self) -> _core.SecondScan | None:
+        """Returns the session's second scan as the renderer reads it."""
+        shown = self._session.scene.second
+        if shown is None:
+            self._second = None
+            return None
+        if self._second is None or self._second[0].volume is not shown.volume:
+            volume = shown.volume._internal  # noqa: SLF001  # the renderer reads the voxels itself
+            self._second = shown, _core.SecondScan(volume, shown.second_from_first)
+        elif self._second[0] is not shown:
+            self._second = shown, self._second[1].moved(shown.second_from_first)
+        return self._second[1]
 
     def _following(self) -> _core.Renderer:
         """Returns the renderer with the voxels as they are now."""

@@ -246,7 +246,7 @@ export class PictureHost {
       connected: session.greetings === 0 || session.connection.kind === "open",
       failure: picture.engineFailure,
       stereo: stereo.choice.mode,
-      second: second.shown !== null,
+      second: second.shown?.appearance.inView === true ? second.shown.appearance.viewFusion : null,
       deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,
       segments: scene.segments,
     });
