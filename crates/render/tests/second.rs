@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
-use palpate_render::appearance::{Appearance, Blend};
+use glam::{DAffine3, DVec3, UVec3, Vec3};
+use palpate_render::appearance::{Appearance, Blend, Plane, ShownSurface};
+use palpate_render::displaced::Displacements;
+use palpate_render::picture::Picture;
 use palpate_render::scene::Scene;
 use palpate_render::second::{SecondAppearance, SecondScan, Tint};
+use palpate_render::surfaces::{SegmentSurface, Triangles};
 use palpate_volume::voxels::Voxels;
 
 use crate::common::{
@@ -41,6 +44,41 @@ fn fused(
     let scan = SecondScan::new(second.clone(), place).unwrap();
     scene.show_second(Some((Arc::new(scan), look)), blend);
     scene
+}
+
+/// Two triangles across all of a scan of 32 mm.
+#[derive(Debug)]
+struct Square {
+    positions: [[f32; 3]; 4],
+}
+
+impl Triangles for Square {
+    fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+
+    fn normals(&self) -> &[[f32; 3]] {
+        &[[0.0, 0.0, 1.0]; 4]
+    }
+
+    fn corners(&self) -> &[[u32; 3]] {
+        &[[0, 1, 2], [0, 2, 3]]
+    }
+}
+
+fn square_at(z: f32) -> SegmentSurface {
+    let positions = [
+        [0.0, 0.0, z],
+        [32.0, 0.0, z],
+        [32.0, 32.0, z],
+        [0.0, 32.0, z],
+    ];
+    SegmentSurface {
+        id: 1,
+        origin: DVec3::ZERO,
+        pose: DAffine3::IDENTITY,
+        patches: vec![Arc::new(Square { positions })],
+    }
 }
 
 fn oblique() -> DVec3 {
@@ -163,5 +201,85 @@ fn without_a_second_scan_all_is_as_before() {
         let alone = picture(&scene(&scan), &look, &view);
         assert!(picture(&both, &look, &view) == alone, "{blend:?}");
         assert!(drawn != alone, "{blend:?}");
+    }
+}
+
+#[test]
+fn planes_and_slabs_cut_it_also_beside_the_first() {
+    let empty = cube(32, |_| 0.0);
+    let scan = ball(32, 9.0);
+    let view = request(parallel(DVec3::splat(16.0), oblique(), 60.0), 48);
+    let aside = DVec3::new(12.0, 0.0, 0.0);
+    for blend in [Blend::Shaded, Blend::Mip, Blend::Iso] {
+        let mut look = appearance(blend, 0.3);
+        let whole = fused(&empty, &scan, aside, as_first(&look), blend);
+        let uncut = picture(&whole, &look, &view);
+        // its middle stands at 4 mm: half of the ball is left
+        look.clip = vec![Plane {
+            normal: DVec3::X,
+            offset: 4.0,
+        }];
+        let cut = picture(&whole, &look, &view);
+        let seen = |it: &Picture| it.colours.iter().filter(|each| each[3] > 0.1).count() as f64;
+        let share = seen(&cut) / seen(&uncut);
+        assert!((0.4..0.75).contains(&share), "{blend:?}: {share}");
+
+        // as the ball alone is cut
+        let mut moved = view;
+        moved.camera.target.x += 12.0;
+        look.clip[0].offset += 12.0;
+        let alone = picture(&scene(&scan), &look, &moved);
+        let (mean, far) = difference(&cut, &alone);
+        assert!(mean < 0.5 && far < 0.02, "{blend:?}: {mean} {far}");
+    }
+}
+
+#[test]
+fn surfaces_stand_in_it_too() {
+    // an opaque square before the middle of its ball, and one behind all of it
+    let (empty, scan) = (cube(32, |_| 0.0), ball(32, 9.0));
+    let look = |blend| {
+        let mut look = appearance(blend, 0.3);
+        look.surfaces = vec![ShownSurface {
+            id: 1,
+            colour: Vec3::X,
+            opacity: 1.0,
+            is_wireframe: false,
+            ambient: 1.0,
+            specular: 1.0,
+        }];
+        look
+    };
+    for blend in [Blend::Shaded, Blend::Iso] {
+        let look = look(blend);
+        let seen = |depth: f32| {
+            let mut both = fused(&empty, &scan, DVec3::ZERO, as_first(&look), blend);
+            both.set_surfaces(vec![square_at(32.0 - depth)]);
+            one_ray(&both, &look, (16.5, 16.5))
+        };
+        let (before, behind) = (seen(4.0), seen(28.0));
+        assert_near(before.depth, 4.0, 0.1);
+        assert!(behind.depth > 6.0 && behind.depth < 12.0, "{blend:?}");
+        assert!(before.colour.x > 4.0 * before.colour.y, "{blend:?}");
+        assert!(behind.colour.x < 2.5 * behind.colour.y, "{blend:?}");
+    }
+}
+
+#[test]
+fn displaced_tissue_is_that_of_the_first() {
+    let (empty, scan) = (cube(32, |_| 0.0), ball(32, 9.0));
+    let view = request(parallel(DVec3::splat(16.0), oblique(), 40.0), 32);
+    for blend in [Blend::Shaded, Blend::Mip] {
+        let look = appearance(blend, 0.3);
+        let mut both = fused(&empty, &scan, DVec3::ZERO, as_first(&look), blend);
+        let still = picture(&both, &look, &view);
+        both.displace(Some(&Displacements {
+            origin: DVec3::splat(-20.0),
+            step: DVec3::splat(72.0),
+            size: UVec3::splat(2),
+            moved: &[Vec3::new(4.0, 0.0, 0.0); 8],
+        }));
+        let (mean, far) = difference(&picture(&both, &look, &view), &still);
+        assert!(mean < 0.01 && far == 0.0, "{blend:?}: {mean} {far}");
     }
 }

@@ -91,7 +91,12 @@ export class PictureHost {
   /** How fine the picture on display is; null before there is one. */
   get shown(): Picture["shown"] | null {
     const { sync, picture } = this;
-    return picture && { ...picture.shown, finished: picture.shown.finished && sync.isWhole };
+    if (picture === null) {
+      return null;
+    }
+    // who draws changes with a frame, not with the choice
+    const isByChosen = picture.engineDraws === this.sources.drawer.engineDraws;
+    return { ...picture.shown, finished: picture.shown.finished && sync.isWhole && isByChosen };
   }
 
   setAppearance(appearance: Appearance | null): void {
