@@ -17,6 +17,8 @@ export class EngineDrawing {
   /** With what the picture on display was drawn. */
   shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
   private readonly pass: EnginePass;
+  /** Of parts, so that the picture before is still there where the target gets another size. */
+  private readonly partPass: EnginePass;
   private appearance: Appearance | null = null;
   private segments: LookedSegments = { segments: [], modes: {} };
   private clip: readonly Plane[] = [];
@@ -30,11 +32,12 @@ export class EngineDrawing {
     send: (message: DrawPicture | PictureLook) => void,
   ) {
     this.pass = new EnginePass(marcher);
+    this.partPass = new EnginePass(marcher);
     this.pictures = new EnginePictures(send);
   }
 
   async prepare(): Promise<void> {
-    await this.pass.prepare(this.renderer);
+    await Promise.all([this.pass.prepare(this.renderer), this.partPass.prepare(this.renderer)]);
   }
 
   setAppearance(appearance: Appearance): void {
@@ -64,6 +67,7 @@ export class EngineDrawing {
   /** Another drew meanwhile: no picture of the engine is on display. */
   leave(): void {
     this.last = null;
+    this.pictures.cover();
   }
 
   /**
@@ -81,12 +85,19 @@ export class EngineDrawing {
   }): boolean {
     const size = [target.target.width, target.target.height] as const;
     this.pictures.ask(changed, view, size);
+    const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
+    if (isResized) {
+      this.pictures.cover();
+    }
     const next = this.pictures.next(size);
+    if (next?.picture.part) {
+      this.drawPart(next, next.picture.part, target);
+      return true;
+    }
     if (next !== null) {
       this.pass.take(next);
       this.last = next;
     }
-    const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
     if (this.last === null || (next === null && !isResized)) {
       return false;
     }
@@ -97,16 +108,23 @@ export class EngineDrawing {
 
   dispose(): void {
     this.pass.dispose();
+    this.partPass.dispose();
   }
 
   private draw(last: ArrivedPicture, target: PictureTarget, aim: (view: EngineView) => void): void {
     const { divisor, samples } = last.picture;
     const { stepsPerVoxel } = this.pictures.resting;
     target.useLevel(divisor);
-    target.useRows(0, target.height);
     aim(last.view);
     this.pass.draw(this.renderer, target, last.size);
     this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
+  }
+
+  /** Draws what was edited over the rest of the picture on display, which is of the same view. */
+  private drawPart(part: ArrivedPicture, first: readonly [number, number], target: PictureTarget): void {
+    this.partPass.take(part);
+    target.useLevel(part.picture.divisor);
+    this.partPass.drawPart(this.renderer, target, first);
   }
 
   private tell(): void {
