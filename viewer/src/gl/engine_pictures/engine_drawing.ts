@@ -7,6 +7,7 @@ import type { Appearance } from "../../core/appearance/appearance";
 import { engineLook, type LookedSegments } from "../../core/appearance/engine_look";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { Plane } from "../../core/view/clip";
+import { everywhere, type Region } from "../../core/view/region";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { EnginePass } from "./engine_pass";
@@ -71,8 +72,8 @@ export class EngineDrawing {
   }
 
   /**
-   * Asks for what is due, and draws what has come; true where the cached picture has changed. In a target of another
-   * size the last picture stands in until one of that size has come.
+   * Asks for what is due, and draws what has come; returns where the cached picture has changed, null where nowhere. In
+   * a target of another size the last picture stands in until one of that size has come.
    *
    * @param changed the view or what is seen has changed since the last call.
    * @param aim turns markers to a view.
@@ -82,7 +83,7 @@ export class EngineDrawing {
     readonly view: EngineView;
     readonly target: PictureTarget;
     readonly aim: (view: EngineView) => void;
-  }): boolean {
+  }): Region | null {
     const size = [target.target.width, target.target.height] as const;
     this.pictures.ask(changed, view, size);
     const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
@@ -91,19 +92,18 @@ export class EngineDrawing {
     }
     const next = this.pictures.next(size);
     if (next?.picture.part) {
-      this.drawPart(next, next.picture.part, target);
-      return true;
+      return this.drawPart(next, next.picture.part, target);
     }
     if (next !== null) {
       this.pass.take(next);
       this.last = next;
     }
     if (this.last === null || (next === null && !isResized)) {
-      return false;
+      return null;
     }
     this.drawnSize = size;
     this.draw(this.last, target, aim);
-    return true;
+    return everywhere;
   }
 
   dispose(): void {
@@ -121,10 +121,19 @@ export class EngineDrawing {
   }
 
   /** Draws what was edited over the rest of the picture on display, which is of the same view. */
-  private drawPart(part: ArrivedPicture, first: readonly [number, number], target: PictureTarget): void {
+  private drawPart(part: ArrivedPicture, first: readonly [number, number], target: PictureTarget): Region {
     this.partPass.take(part);
     target.useLevel(part.picture.divisor);
     this.partPass.drawPart(this.renderer, target, first);
+    const { width, height } = target;
+    const [columns, rows] = part.picture.size;
+    // pixels beside it are mixed with its own where it is enlarged
+    return [
+      (first[0] - 1) / width,
+      1 - (first[1] + rows + 1) / height,
+      (first[0] + columns + 1) / width,
+      1 - (first[1] - 1) / height,
+    ];
   }
 
   private tell(): void {
