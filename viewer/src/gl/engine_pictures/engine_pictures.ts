@@ -116,9 +116,9 @@ export class EnginePictures {
     this.onDisplay = null;
   }
 
-  /** Number of the last request, or of the one that is due; 0 before the first. */
+  /** Number of the last request; 0 before the first. */
   get requested(): number {
-    return this.number + (this.wanted === null ? 0 : 1);
+    return this.number;
   }
 
   recount(): void {

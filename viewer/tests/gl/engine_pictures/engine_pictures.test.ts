@@ -110,7 +110,7 @@ test("it is known which request the picture on display answers, also while the n
   const { pictures } = started();
   pictures.ask(true, viewAt(1), size);
   pictures.ask(true, viewAt(2), size);
-  expect([pictures.requested, pictures.answered]).toEqual([2, 0]);
+  expect([pictures.requested, pictures.answered]).toEqual([1, 0]);
   pictures.take(drawn(1));
   pictures.next(size);
   expect(pictures.answered).toBe(1);
