@@ -288,6 +288,12 @@ class Session:
     def fill_box(self, segment_id: int, low: _Voxel, high: _Voxel, solid: bool) -> None:
         """Makes the voxels from ``low`` up to, but without, ``high`` solid or free."""
 
+    def remove_matter(self, mask: Segment, stored: int) -> None:
+        """Gives voxels of a mask one stored value, and takes them out of all segments."""
+
+    def as_edited(self, made: Segment, low: float, high: float) -> Segment:
+        """A threshold of the scan with edited voxels as their values are now."""
+
     def show_surface(
         self, segment_id: int, *, smoothing: int, step: int = 1, of_bits: bool = False
     ) -> None:

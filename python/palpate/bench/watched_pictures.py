@@ -3,8 +3,8 @@
 A script, put into the page before its own, looks at it with every frame: when a picture stands on
 the screen, by what its resolution is divided, and which request it answers. Pointer events and
 edits are noted with the number of the last request before the frame after them, in which the page
-takes them: the first picture with a higher one shows what they changed. Times are from the opening of the page [ms]; a picture counts from the
-frame after the one in which it was drawn.
+takes them: the first picture with a higher one shows what they changed. Times are from the opening
+of the page [ms]; a picture counts from the frame after the one in which it was drawn.
 """
 
 from __future__ import annotations

@@ -47,11 +47,13 @@ from palpate.protocol.registration import (
 )
 from palpate.protocol.segments import (
     ChangeShape,
+    CropScan,
     CutAlong,
     CutPreview,
     CutSegment,
     EndPaint,
     Feel,
+    FindTable,
     Gap,
     Grab,
     GrowSeeds,
@@ -61,6 +63,7 @@ from palpate.protocol.segments import (
     NewSegment,
     Otsu,
     Paint,
+    RemoveFromScan,
     RemoveSegment,
     Segment,
     SegmentFeel,
@@ -68,6 +71,7 @@ from palpate.protocol.segments import (
     Segments,
     SegmentWork,
     StopSegmentWork,
+    TableFound,
     Threshold,
     TurnGrabbed,
     WatchGap,
@@ -175,6 +179,7 @@ __all__ = [
     "Colour",
     "Constants",
     "Coordinate",
+    "CropScan",
     "CutAlong",
     "CutPreview",
     "CutSegment",
@@ -188,6 +193,7 @@ __all__ = [
     "Feel",
     "Fence",
     "FillOutline",
+    "FindTable",
     "FollowEdits",
     "ForceSource",
     "FoundRegistration",
@@ -253,6 +259,7 @@ __all__ = [
     "RegistrationLevel",
     "RegistrationMetric",
     "RegistrationStart",
+    "RemoveFromScan",
     "RemoveSegment",
     "Safety",
     "Scan",
@@ -286,6 +293,7 @@ __all__ = [
     "Stroke",
     "SurfacePatch",
     "SurfaceSource",
+    "TableFound",
     "Threshold",
     "ThresholdPreset",
     "TissueName",
@@ -327,6 +335,7 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | TableFound
     | SecondScan
     | Registration
     | Passed
@@ -346,6 +355,9 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | StopSegmentWork
+    | FindTable
+    | RemoveFromScan
+    | CropScan
     | Register
     | StopRegistration
     | ShowRegistration

@@ -778,6 +778,12 @@ export interface SegmentWork {
   readonly what: string | null;
 }
 
+/** Tells which segment a table has become, for a person to decide on. */
+export interface TableFound {
+  readonly type: "table_found";
+  readonly id: SegmentId;
+}
+
 /**
  * The second scan; null where there is none any more.
  *
@@ -1037,6 +1043,29 @@ export interface ChangeShape {
 /** Stops what `SegmentWork` reports and drops what is queued. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
+}
+
+/** Makes a segment of what lies outside of the body and does not touch it; see `TableFound`. */
+export interface FindTable {
+  readonly type: "find_table";
+}
+
+/** Takes the voxels of a segment out of the scan, and removes the segment: one step of undo. */
+export interface RemoveFromScan {
+  readonly type: "remove_from_scan";
+  readonly id: SegmentId;
+}
+
+/**
+ * Takes what lies outside of a box out of the scan; undo brings it back.
+ *
+ * `low` and `high` are how much goes from the low and high faces of the scan, along its own
+ * axes [mm]; voxels whose centre lies in the box stay.
+ */
+export interface CropScan {
+  readonly type: "crop_scan";
+  readonly low: Vector;
+  readonly high: Vector;
 }
 
 /**
@@ -1358,6 +1387,7 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | TableFound
   | SecondScan
   | Registration
   | Passed;
@@ -1377,6 +1407,9 @@ export type FromPage =
   | GrowSeeds
   | ChangeShape
   | StopSegmentWork
+  | FindTable
+  | RemoveFromScan
+  | CropScan
   | Register
   | StopRegistration
   | ShowRegistration
@@ -2030,6 +2063,11 @@ const isSegmentWork = record({
   what: nullable(text()),
 });
 
+const isTableFound = record({
+  type: oneOf("table_found"),
+  id: isSegmentId,
+});
+
 const isSecondScan = record({
   type: oneOf("second_scan"),
   scan: nullable(isScan),
@@ -2090,6 +2128,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["table_found", isTableFound],
   ["second_scan", isSecondScan],
   ["registration", isRegistration],
   ["passed", isPassed],
