@@ -18,7 +18,6 @@ BONE = (
     "Number(/([0-9\\s\u2009\u202f]+) voxels/.exec(document.body.innerText)[1].replace(/\\D/g, ''))"
 )
 """Voxels of the first segment, as its card tells them."""
-FOLDS = "localStorage.setItem('palpate.fold.Clip', JSON.stringify({ open: true }))"
 OPTIONS = ("--threshold", "300", "--unit", "HU", "--port", "0")
 
 
@@ -37,11 +36,9 @@ def lying(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(lying: Path) -> Iterator[Browser]:
     with palpate("open", lying, *OPTIONS) as command, browser(drawer="") as opened:
-        opened.do("open", url=command.url, width=1366, height=768)
-        opened.read(FOLDS)
         assert opened.do("open", url=command.url, width=1366, height=768)["firstPicture"]
         yield opened
         assert opened.complaints == []
@@ -64,10 +61,13 @@ def test_a_table_is_shown_before_it_goes_and_one_undo_brings_it_back(page: Brows
     page.picture(OUTPUT / "removal-gone.png")
     page.do("press", key="Control+z")
     page.wait(f"{COUNT} === 2 && {BONE} === {both}")
+    page.do("press", key="Control+z")
+    page.wait(f"{COUNT} === 1")
 
 
 def test_the_scan_is_cropped_to_the_box_and_undo_brings_it_back(page: Browser) -> None:
     whole = page.read(BONE)
+    page.do("clickText", text="Clip")
     page.do("click", testid="clip-box")
     page.do("slide", testid="clip-S", value=48.0)
     page.do("click", testid="clip-crop")
