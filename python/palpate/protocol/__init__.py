@@ -19,6 +19,7 @@ from palpate.protocol.engine_picture import (
     LookSurface,
     PictureFailed,
     PictureLook,
+    PictureOver,
     PicturePart,
     PictureTaken,
     SeenFrom,
@@ -47,11 +48,13 @@ from palpate.protocol.registration import (
 )
 from palpate.protocol.segments import (
     ChangeShape,
+    CropScan,
     CutAlong,
     CutPreview,
     CutSegment,
     EndPaint,
     Feel,
+    FindTable,
     Gap,
     Grab,
     GrowSeeds,
@@ -61,6 +64,7 @@ from palpate.protocol.segments import (
     NewSegment,
     Otsu,
     Paint,
+    RemoveFromScan,
     RemoveSegment,
     Segment,
     SegmentFeel,
@@ -68,6 +72,7 @@ from palpate.protocol.segments import (
     Segments,
     SegmentWork,
     StopSegmentWork,
+    TableFound,
     Threshold,
     TurnGrabbed,
     WatchGap,
@@ -175,6 +180,7 @@ __all__ = [
     "Colour",
     "Constants",
     "Coordinate",
+    "CropScan",
     "CutAlong",
     "CutPreview",
     "CutSegment",
@@ -188,6 +194,7 @@ __all__ = [
     "Feel",
     "Fence",
     "FillOutline",
+    "FindTable",
     "FollowEdits",
     "ForceSource",
     "FoundRegistration",
@@ -233,6 +240,7 @@ __all__ = [
     "Passed",
     "PictureFailed",
     "PictureLook",
+    "PictureOver",
     "PicturePart",
     "PictureTaken",
     "Place",
@@ -253,6 +261,7 @@ __all__ = [
     "RegistrationLevel",
     "RegistrationMetric",
     "RegistrationStart",
+    "RemoveFromScan",
     "RemoveSegment",
     "Safety",
     "Scan",
@@ -286,6 +295,7 @@ __all__ = [
     "Stroke",
     "SurfacePatch",
     "SurfaceSource",
+    "TableFound",
     "Threshold",
     "ThresholdPreset",
     "TissueName",
@@ -327,6 +337,7 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | TableFound
     | SecondScan
     | Registration
     | Passed
@@ -346,6 +357,9 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | StopSegmentWork
+    | FindTable
+    | RemoveFromScan
+    | CropScan
     | Register
     | StopRegistration
     | ShowRegistration

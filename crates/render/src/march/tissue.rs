@@ -329,10 +329,10 @@ impl<'a, L: Gather> March<'a, L> {
         let mut divided = L::Mask::splat(false);
         let middle = L::Float::splat(0.5) * (self.last + self.next);
         let (grid, to_eye) = (packet.at(middle), packet.to_eye());
-        let other = match beside {
-            None => None,
-            Some(beside) => Some(beside.second.lit(shading, grid, to_eye)),
-        };
+        let mut other = None;
+        if let Some(beside) = beside {
+            other = Some(beside.second.lit(shading, grid, to_eye));
+        }
         if shading.blend.draws_solids() {
             let gradient = if self.is_beside {
                 Vector::new(zero, zero, zero)
