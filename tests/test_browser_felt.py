@@ -95,13 +95,16 @@ def is_there(page: Browser, testid: str) -> bool:
 
 
 def test_hiding_what_is_touched_ends_the_contact_and_undo_brings_it_back(page: Browser) -> None:
+    page.shows("touched", "text === 'Free: nothing is touched'")
     assert np.linalg.norm(press(page)["force"]) > 0.5
+    page.shows("touched", "text === 'threshold · rigid · 1000 HU'")
     page.do("click", testid="visible-1")
     page.all_done()
     page.wait("!window.palpate.state.contact")
     free = page.settled()
     assert free["force"] == [0.0, 0.0, 0.0]
     assert free["proxy"][1] == pytest.approx(SURFACE + 3, abs=0.1)
+    page.shows("touched", "text === 'Free: in threshold, which is hidden'")
     title = "document.querySelector('[data-testid=touchable-1]').title"
     assert "Hidden, so the probe does not feel it" in page.read(title)
 
@@ -147,6 +150,8 @@ def test_the_picture_changes_where_touch_does(page: Browser) -> None:
 
     page.do("fill", testid="threshold", text="700")
     page.all_done()
+    page.read(f"window.palpate.place({[STRIP / 2, SURFACE + 10, MIDDLE]})")
+    page.shows("touched", "text === 'Free: in bone of no segment'")
     hinted, still_dense = parts(page, "raised")
     assert np.abs(still_dense - dense).mean() < 0.02
     assert strip.mean() - hinted.mean() > 0.2, "what is not felt is not drawn as bone"
