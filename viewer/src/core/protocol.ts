@@ -689,8 +689,10 @@ export interface Outline {
 /**
  * A picture for the `DrawPicture` with this number; `finished`: it is the last one.
  *
- * `size` has columns and rows: those requested, divided by `divisor`, rounded up. Rows from
- * the upper edge, little-endian. `milliseconds` is how long it was drawn.
+ * `size` has columns and rows: those requested, divided by `divisor`, rounded up. Where it is
+ * a `part` of such a picture, it has its first column and row there, and is to be put over one
+ * of the same view that shows edit `over` or a later one. `edit` is the last edit that it
+ * shows. Rows from the upper edge, little-endian. `milliseconds` is how long it was drawn.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
  * shape [rows, columns, 4]; `depths` distances from the eye along the direction of view as
@@ -706,6 +708,9 @@ export interface DrawnPicture {
   readonly type: "drawn_picture";
   readonly number: number;
   readonly size: readonly [number, number];
+  readonly part: readonly [number, number] | null;
+  readonly over: number | null;
+  readonly edit: number;
   readonly divisor: number;
   readonly samples: number;
   readonly finished: boolean;
@@ -939,13 +944,20 @@ export interface SeenFrom {
   readonly aside: number;
 }
 
+/** The picture that a page shows in the same view, size and look; see `DrawnPicture`. */
+export interface PictureOver {
+  readonly edit: number;
+  readonly divisor: number;
+}
+
 /**
  * Requests pictures of the 3-D view in the last `PictureLook`; see `DrawnPicture`.
  *
  * One at once; where the view does not move (`moving`) finer ones follow, until another is
  * requested. `size` has columns and rows [pixels]. The last picture is the mean of `samples`,
  * of `steps_per_voxel` steps for each smallest voxel edge. With `jitter` rays start at
- * different fractions of a step.
+ * different fractions of a step. Where the page shows this view already (`over`) and a part of
+ * it was edited since, that part comes first.
  */
 export interface DrawPicture {
   readonly type: "draw_picture";
@@ -953,6 +965,7 @@ export interface DrawPicture {
   readonly camera: SeenFrom;
   readonly size: readonly [number, number];
   readonly moving: boolean;
+  readonly over: PictureOver | null;
   readonly steps_per_voxel: number;
   readonly samples: number;
   readonly jitter: boolean;
@@ -1969,6 +1982,9 @@ const isDrawnPicture = record({
   type: oneOf("drawn_picture"),
   number: whole(),
   size: tuple(whole(), whole()),
+  part: nullable(tuple(whole(), whole())),
+  over: nullable(whole()),
+  edit: whole(),
   divisor: real(),
   samples: whole(),
   finished: flag,
