@@ -77,12 +77,14 @@ class Segment(SegmentAppearance, frozen=True):
     differently. ``grid`` is the ``patient_from_grid`` of its voxels where they are not on the
     scan's grid. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
     surface; ``ambient`` and ``specular`` are factors of its light. The voxels of a ``locked``
-    segment cannot change.
+    segment cannot change. ``touchable`` is what is wanted; ``felt`` is whether the probe collides
+    with it: touchable, and visible or ``touched_while_hidden``.
     """
 
     id: SegmentId
     name: Name
     touchable: bool
+    felt: bool
     locked: bool
     range: tuple[Value, Value] | None
     made_by: tuple[Value, Value] | None

@@ -217,12 +217,14 @@ export interface MatterRegion {
  * differently. `grid` is the `patient_from_grid` of its voxels where they are not on the
  * scan's grid. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
  * surface; `ambient` and `specular` are factors of its light. The voxels of a `locked`
- * segment cannot change.
+ * segment cannot change. `touchable` is what is wanted; `felt` is whether the probe collides
+ * with it: touchable, and visible or `touched_while_hidden`.
  */
 export interface Segment {
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
+  readonly touched_while_hidden: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -232,6 +234,7 @@ export interface Segment {
   readonly specular: LightFactor;
   readonly id: SegmentId;
   readonly touchable: boolean;
+  readonly felt: boolean;
   readonly locked: boolean;
   readonly range: readonly [Value, Value] | null;
   readonly made_by: readonly [Value, Value] | null;
@@ -1045,7 +1048,7 @@ export interface StopSegmentWork {
   readonly type: "stop_segment_work";
 }
 
-/** Makes a segment of what lies outside of the body and does not touch it; see `TableFound`. */
+/** Makes a segment of what lies outside of the body and does not touch it: `TableFound`. */
 export interface FindTable {
   readonly type: "find_table";
 }
@@ -1168,6 +1171,7 @@ export interface SegmentProperties {
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
+  readonly touched_while_hidden: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -1694,6 +1698,7 @@ const isSegment = record({
   name: isName,
   colour: isColour,
   visible: flag,
+  touched_while_hidden: flag,
   shown_as: isShownAs,
   opacity: isShare,
   smoothing: isSmoothingDegree,
@@ -1703,6 +1708,7 @@ const isSegment = record({
   specular: isLightFactor,
   id: isSegmentId,
   touchable: flag,
+  felt: flag,
   locked: flag,
   range: nullable(tuple(isValue, isValue)),
   made_by: nullable(tuple(isValue, isValue)),
