@@ -167,6 +167,38 @@ def test_points_of_its_own_transfer_function_are_dragged_and_taken_back(lungs: B
 
 
 @pytest.mark.data
+def test_the_engine_draws_both_as_the_browser_does(lungs: Browser) -> None:
+    lungs.do("choose", testid="second-preset", value="CT-Lung")
+    lungs.do("choose", testid="second-fusion", value="blend")
+    lungs.do("choose", testid="second-tint", value="grey")
+    lungs.do("slide", testid="second-opacity", value=0.6)
+    lungs.do("clickText", text="Quality")
+    # both light volumes have cells of their own, which a mode of grey does without
+    for mode, within in (("shaded", 0.98), ("mip", 0.999)):
+        lungs.draw_by("browser")
+        lungs.do("choose", testid="blend", value=mode)
+        browser_s = lungs.picture(OUTPUT / f"second_{mode}_by_browser.png")
+        lungs.draw_by("engine")
+        assert lungs.read("window.palpate.drawer.obstacle") is None
+        engine_s = lungs.picture(OUTPUT / f"second_{mode}_by_engine.png")
+        off = np.abs(engine_s - browser_s)
+        assert off.mean() <= 1 / 255, mode
+        assert np.mean(off.max(axis=2) <= 8 / 255) >= within, mode
+        lungs.do("click", testid="second-view")
+        alone = lungs.picture(OUTPUT / f"second_{mode}_alone.png")
+        lungs.do("click", testid="second-view")
+        assert np.mean(np.abs(alone - engine_s).max(axis=2) > 8 / 255) > 0.05, mode
+    # what the engine cannot draw
+    lungs.do("choose", testid="second-fusion", value="checkerboard")
+    lungs.wait("window.palpate.drawer.engine === false")
+    assert lungs.read("window.palpate.drawer.obstacle") == "two scans are shown by turns"
+    lungs.draw_by("browser")
+    lungs.do("choose", testid="second-fusion", value="blend")
+    lungs.do("choose", testid="blend", value="shaded")
+    lungs.do("clickText", text="Quality")
+
+
+@pytest.mark.data
 def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> None:
     lungs.do("choose", testid="second-preset", value="CT-Lung")
     lungs.do("choose", testid="second-fusion", value="blend")

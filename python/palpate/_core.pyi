@@ -19,7 +19,7 @@ from palpate.bench.results import (
     SoftTissueStressResult,
     StressResult,
 )
-from palpate.pictures.appearance import Appearance
+from palpate.pictures.appearance import Appearance, SecondAppearance
 from palpate.pictures.camera import Camera
 from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun
 from palpate.session.deformation_state import DeformationState, ModelOffer, ModelParts
@@ -530,6 +530,23 @@ class KeptSurface:
     def thin_parts(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What is thin: places [patient], shape [n, 3]; volumes expected and kept, [n, 2]."""
 
+class SecondScan:
+    """A second scan that a renderer shows through the first."""
+
+    def __init__(self, volume: Volume, second_from_first: NDArray[np.float64]) -> None:
+        """Reads each value once; the matrix [4, 4] takes patient points of the first to its own.
+
+        Raises:
+            ValueError: There are too many voxels, or the matrix is none.
+        """
+
+    def moved(self, second_from_first: NDArray[np.float64]) -> SecondScan:
+        """Returns the same scan elsewhere; reads nothing again.
+
+        Raises:
+            ValueError: The matrix is none.
+        """
+
 class Renderer:
     """Draws pictures of a scan, on all cores, on threads that give way to a session's."""
 
@@ -564,6 +581,13 @@ class Renderer:
 
         Raises:
             ValueError: It is none; the sentence tells what is allowed.
+        """
+
+    def show_second(self, scan: SecondScan | None, appearance: SecondAppearance | None) -> None:
+        """Shows a second scan through the first; the first alone where either is None.
+
+        Raises:
+            ValueError: The appearance is none; the sentence tells what is allowed.
         """
 
     def supersede(self, number: int) -> None:

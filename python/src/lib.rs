@@ -59,7 +59,7 @@ mod _core {
     #[pymodule_export]
     use super::recording::{build, replay_recording};
     #[pymodule_export]
-    use super::render::{PyPicture, PyRenderer};
+    use super::render::{PyPicture, PyRenderer, PySecondScan};
     #[pymodule_export]
     use super::scenario::{drive_drill, drive_needle, needle_tissues, press};
     #[pymodule_export]

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DAffine3, DVec3, Vec3};
 use numpy::ndarray::{Array2, Array3};
-use numpy::{PyArray2, PyArray3, ToPyArray};
+use numpy::{PyArray2, PyArray3, PyReadonlyArray2, ToPyArray};
 use palpate_engine::error::SessionError;
 use palpate_engine::picture::{ShownDisplacements, ShownSurface as ShownSurfaceOfSession};
 use palpate_engine::session::{Drawn, Session};
@@ -19,6 +19,7 @@ use palpate_render::part::Part;
 use palpate_render::picture::{Ground, Picture};
 use palpate_render::renderer::Renderer;
 use palpate_render::scene::SceneError;
+use palpate_render::second::{SecondAppearance, SecondScan, Tint};
 use palpate_render::surfaces::{SegmentSurface, Triangles};
 use palpate_surface::Patch;
 use palpate_volume::edit::SegmentId;
@@ -26,7 +27,7 @@ use palpate_volume::simd_dispatch::SimdLevel;
 use palpate_volume::voxels::Voxels;
 use pyo3::prelude::*;
 
-use crate::arrays::{Triple, vector};
+use crate::arrays::{Triple, affine, vector};
 use crate::errors::CoreError;
 use crate::parallel::{in_background, parallel};
 use crate::segment::PySegment;
@@ -45,6 +46,12 @@ pub struct PyRenderer {
     displacements: Mutex<ShownDisplacements>,
     /// Pictures of lower numbers are given up.
     newest: AtomicU64,
+}
+
+/// A second scan, shown through the first.
+#[pyclass(name = "SecondScan", module = "palpate._core", frozen)]
+pub struct PySecondScan {
+    scan: Arc<SecondScan>,
 }
 
 /// A picture.
@@ -94,6 +101,20 @@ struct GivenSegment {
     colour: Colour,
     ambient: f32,
     specular: f32,
+}
+
+/// How a second scan looks as Python has it, see `palpate.pictures.appearance`.
+#[derive(FromPyObject)]
+struct GivenSecond {
+    density: f32,
+    transfer: Vec<(f64, Colour, f32)>,
+    edge_gradient: f64,
+    window: (f64, f64),
+    iso_value: f64,
+    iso_colour: Colour,
+    tissue_from: f64,
+    tint: String,
+    opacity: f32,
 }
 
 /// A segment's surface as Python has it, see `palpate.pictures.appearance`.
@@ -206,6 +227,19 @@ impl PyRenderer {
     fn set_appearance(&self, py: Python<'_>, appearance: GivenAppearance) -> Result<(), CoreError> {
         let appearance = appearance.checked()?;
         py.detach(|| self.lock().set_appearance(appearance));
+        Ok(())
+    }
+
+    /// Shows a second scan through the first; the first alone where either is None.
+    fn show_second(
+        &self,
+        py: Python<'_>,
+        scan: Option<&PySecondScan>,
+        appearance: Option<GivenSecond>,
+    ) -> Result<(), CoreError> {
+        let look = appearance.map(GivenSecond::checked).transpose()?;
+        let scan = scan.map(|second| Arc::clone(&second.scan));
+        py.detach(|| self.lock().show_second(scan.zip(look)));
         Ok(())
     }
 
@@ -325,6 +359,29 @@ impl PyRenderer {
     fn lock(&self) -> MutexGuard<'_, Renderer> {
         // whatever a panic left is made anew with the next picture
         self.renderer.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl PySecondScan {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        volume: &PyVolume,
+        second_from_first: PyReadonlyArray2<'_, f64>,
+    ) -> Result<Self, CoreError> {
+        let place = affine(&second_from_first)?;
+        let voxels = Voxels::new(volume.grid, volume.intensities.clone())?;
+        let scan = Arc::new(parallel(py, || SecondScan::new(voxels, place))?);
+        Ok(Self { scan })
+    }
+
+    /// The same scan elsewhere; reads nothing again.
+    fn moved(&self, second_from_first: PyReadonlyArray2<'_, f64>) -> Result<Self, CoreError> {
+        let scan = self.scan.moved(affine(&second_from_first)?);
+        Ok(Self {
+            scan: Arc::new(scan),
+        })
     }
 }
 
@@ -467,6 +524,35 @@ impl GivenAppearance {
         };
         appearance.check()?;
         Ok(appearance)
+    }
+}
+
+impl GivenSecond {
+    fn checked(self) -> Result<SecondAppearance, CoreError> {
+        let appearance = SecondAppearance {
+            density: self.density,
+            transfer: self.transfer.into_iter().map(control_point).collect(),
+            edge_gradient: self.edge_gradient,
+            window: self.window,
+            iso_value: self.iso_value,
+            iso_colour: self.iso_colour.into(),
+            tissue_from: self.tissue_from,
+            tint: tint(&self.tint)?,
+            opacity: self.opacity,
+        };
+        appearance.check()?;
+        Ok(appearance)
+    }
+}
+
+fn tint(name: &str) -> Result<Tint, CoreError> {
+    match name {
+        "warm" => Ok(Tint::Warm),
+        "cool" => Ok(Tint::Cool),
+        "grey" => Ok(Tint::Grey),
+        _ => Err(CoreError::value(format!(
+            "tint {name} given; allowed: warm, cool, grey"
+        ))),
     }
 }
 

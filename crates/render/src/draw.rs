@@ -19,6 +19,7 @@ use crate::part::Part;
 use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::Scene;
+use crate::second::SecondShading;
 use crate::shading::{FAR_AWAY, Shading};
 use crate::stop::Stop;
 use crate::surfaces::{BandFragments, DrawnSurface, OnScreen};
@@ -59,7 +60,15 @@ pub fn draw(
     stop: Stop<'_>,
 ) -> Option<Picture> {
     let fan = RayFan::new(&request.camera, scene.grid(), request.size);
-    let shading = shading_of(scene, prepared, light, request, &fan);
+    let alone = shading_of(scene, prepared, light, request, &fan);
+    let second = scene.second.as_deref().map(|second| SecondShading {
+        second,
+        shading: second.shading(&alone),
+    });
+    let shading = Shading {
+        second: second.as_ref(),
+        ..alone
+    };
     let on_screen = surfaces_on_screen(scene, prepared, request);
     let part = request.part.unwrap_or(Part::whole(request.size));
     assert!(part.is_of(request.size), "a part of no such picture");
@@ -213,11 +222,18 @@ fn rows<L: Gather>(job: Job<'_>, mut band: Band<'_>) {
             let layers = job
                 .fragments
                 .and_then(|it| Layers::new(it, job.shading, &pixels, packet.stretch));
-            let is_missed = layers.is_none() && !packet.enter.less(packet.leave).any();
-            if !is_missed {
+            let mut reaches = packet.enter.less(packet.leave);
+            let mut beside = packet.beside(job.fan, job.shading);
+            if let Some(beside) = &beside {
+                reaches = reaches | beside.rays.enter.less(beside.rays.leave);
+            }
+            if layers.is_some() || reaches.any() {
                 let layers = layers.unwrap_or_else(Layers::none);
                 packet.leave = packet.leave.min(layers.end);
-                let seen = seen_along(job.shading, &packet, layers);
+                if let Some(beside) = &mut beside {
+                    beside.rays.leave = beside.rays.leave.min(layers.end);
+                }
+                let seen = seen_along(job.shading, &packet, beside.as_ref(), layers);
                 band.put(&job, (column, row), &packet, &seen);
             }
             column += PACKET.0;
@@ -311,6 +327,7 @@ fn shading_of<'a>(
         blend: appearance.blend,
         field: &scene.field,
         displaced: scene.displaced.as_ref(),
+        second: None,
         segments: &prepared.segments,
         transfer: &prepared.transfer,
         empty: &prepared.empty,

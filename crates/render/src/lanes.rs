@@ -96,8 +96,20 @@ pub(crate) trait Masks:
     }
 }
 
+/// Work that is compiled as a function of its own; see [`Gather::apart`].
+pub(crate) trait Work<L: Gather> {
+    type Done;
+
+    /// Does it. To be inlined.
+    fn done(self) -> Self::Done;
+}
+
 /// Look-ups in memory, one for each lane.
 pub(crate) trait Gather: Lanes {
+    /// Does work in a function of its own, compiled for the instruction set: what is done seldom and from several
+    /// places, so that it is compiled once.
+    fn apart<W: Work<Self>>(work: W) -> W::Done;
+
     /// Two neighbouring values from each place, an offset further: the first in the low half, sign and all, the
     /// second in the high one.
     ///

@@ -22,6 +22,7 @@ pub mod picture;
 pub mod prepared;
 pub mod renderer;
 pub mod scene;
+pub mod second;
 mod segments;
 mod shading;
 pub mod stop;

@@ -12,7 +12,7 @@ use crate::lanes::{Floats, Gather, Ints, Vector};
 use crate::shading::Shading;
 
 pub(crate) use layers::Layers;
-pub(crate) use ray::{PACKET, Packet, Pixels};
+pub(crate) use ray::{Beside, PACKET, Packet, Pixels};
 
 /// Share of light below which nothing behind is seen.
 pub(crate) const CLEAR_ENOUGH: f32 = 0.012;
@@ -43,21 +43,22 @@ impl<L: Gather> Seen<L> {
     }
 }
 
-/// Follows a packet of rays, past the surfaces in their way.
+/// Follows a packet of rays, also through a second scan, past the surfaces in their way.
 #[inline(always)]
 pub(crate) fn seen_along<L: Gather>(
     shading: &Shading<'_>,
     packet: &Packet<L>,
+    beside: Option<&Beside<'_, L>>,
     layers: Layers<'_, L>,
 ) -> Seen<L> {
     let (mut seen, layers) = match shading.blend {
         Blend::Shaded | Blend::Composite | Blend::Absorption | Blend::Emission => {
-            tissue::seen_along(shading, packet, layers)
+            tissue::seen_along(shading, packet, beside, layers)
         }
         Blend::Mip | Blend::MinIp | Blend::Average => {
-            (projection::seen_along(shading, packet), layers)
+            (projection::seen_along(shading, packet, beside), layers)
         }
-        Blend::Iso => iso::seen_along(shading, packet, layers),
+        Blend::Iso => iso::seen_along(shading, packet, beside, layers),
     };
     layers.end(shading, packet, &mut seen);
     seen

@@ -1,13 +1,14 @@
 //! A scene, how it looks and its light, kept ready for one picture after another.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
-use crate::appearance::{Appearance, Lighting};
+use crate::appearance::{Appearance, Blend, Lighting};
 use crate::camera::{Camera, RayFan};
 use crate::displaced::Displacements;
 use crate::draw::{Request, draw_averaged};
@@ -16,6 +17,7 @@ use crate::part::Part;
 use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::{Scene, SceneError};
+use crate::second::{SecondAppearance, SecondScan};
 use crate::stop::Stop;
 use crate::surfaces::SegmentSurface;
 
@@ -36,6 +38,9 @@ pub struct Renderer {
     changed: VoxelBox,
     /// Of the last edits: the one before each, and the voxels that it changed.
     edits: VecDeque<(u64, VoxelBox)>,
+    second: Option<(Arc<SecondScan>, SecondAppearance)>,
+    /// The mode for which the second scan was made ready; none where it is not.
+    second_in: Option<Blend>,
     light: Option<LightVolume>,
     stale: Stale,
     /// Toward the lamp for which the light was worked out, patient frame.
@@ -67,6 +72,8 @@ impl Renderer {
             prepared: None,
             changed: VoxelBox::EMPTY,
             edits: VecDeque::new(),
+            second: None,
+            second_in: None,
             light: None,
             stale: Stale::Everything,
             lamp: DVec3::ZERO,
@@ -162,6 +169,18 @@ impl Renderer {
         self.appearance = Some(appearance);
     }
 
+    /// Shows a second scan through the first; none: the first alone.
+    pub fn show_second(&mut self, shown: Option<(Arc<SecondScan>, SecondAppearance)>) {
+        let is_same = match (&self.second, &shown) {
+            (Some(before), Some(now)) => Arc::ptr_eq(&before.0, &now.0) && before.1 == now.1,
+            (before, now) => before.is_none() && now.is_none(),
+        };
+        if !is_same {
+            self.second = shown;
+            self.second_in = None;
+        }
+    }
+
     /// Draws the mean of so many pictures; none where `stop` said so meanwhile. A picture in haste, and a part of one,
     /// are lit by the light of the one before.
     ///
@@ -174,6 +193,11 @@ impl Renderer {
         stop: Stop<'_>,
     ) -> Result<Option<Picture>, NoAppearance> {
         let appearance = self.appearance.clone().ok_or(NoAppearance)?;
+        if self.second_in != Some(appearance.blend) {
+            let shown = self.second.clone();
+            self.scene.show_second(shown, appearance.blend);
+            self.second_in = Some(appearance.blend);
+        }
         self.prepare(appearance);
         Ok(self.draw_prepared(request, samples, stop))
     }

@@ -10,9 +10,11 @@ use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
+use crate::appearance::Blend;
 use crate::bricks::BrickRanges;
 use crate::displaced::{Displaced, Displacements};
 use crate::field::Field;
+use crate::second::{Second, SecondAppearance, SecondScan};
 use crate::surfaces::SegmentSurface;
 
 /// A scan that cannot be drawn.
@@ -39,6 +41,7 @@ pub struct Scene {
     pub(crate) ranges: BrickRanges,
     pub(crate) displaced: Option<Displaced>,
     pub(crate) surfaces: Vec<SegmentSurface>,
+    pub(crate) second: Option<Box<Second>>,
 }
 
 impl Scene {
@@ -65,6 +68,7 @@ impl Scene {
             ranges,
             displaced: None,
             surfaces: Vec::new(),
+            second: None,
         })
     }
 
@@ -106,6 +110,16 @@ impl Scene {
     /// Takes the surfaces of segments as they are now.
     pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
         self.surfaces = surfaces;
+    }
+
+    /// Shows a second scan through this one, in a mode; none: this one alone.
+    pub fn show_second(
+        &mut self,
+        shown: Option<(Arc<SecondScan>, SecondAppearance)>,
+        blend: Blend,
+    ) {
+        let grid = self.grid();
+        self.second = shown.map(|(scan, look)| Box::new(Second::new(scan, &look, grid, blend)));
     }
 
     /// Where the voxels stand.

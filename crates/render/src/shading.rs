@@ -9,6 +9,7 @@ use crate::field::Field;
 use crate::lanes::{Floats, Gather, Masks, Vector, smoothstep};
 use crate::light_volume::LightLookup;
 use crate::lighting::Light;
+use crate::second::SecondShading;
 use crate::segments::Segments;
 use crate::transfer::Transfer;
 
@@ -22,6 +23,7 @@ pub(crate) struct Shading<'a> {
     pub field: &'a Field,
     /// Tissue beside its voxels.
     pub displaced: Option<&'a Displaced>,
+    pub second: Option<&'a SecondShading<'a>>,
     pub segments: &'a Segments,
     pub transfer: &'a Transfer,
     pub empty: &'a EmptySpace,
@@ -106,6 +108,18 @@ impl Shading<'_> {
     #[inline(always)]
     pub fn boundary<L: Gather>(&self, gradient: L::Float) -> (L::Float, L::Float) {
         boundary::<L>((self.edge_gradient, self.flat_share), gradient)
+    }
+
+    #[inline(always)]
+    pub fn is_in_scan<L: Gather>(&self, grid: Vector<L>) -> L::Mask {
+        let zero = L::Float::splat(0.0);
+        let end = self.end();
+        zero.less(grid.x)
+            & zero.less(grid.y)
+            & zero.less(grid.z)
+            & grid.x.less(Floats::splat(end.x))
+            & grid.y.less(Floats::splat(end.y))
+            & grid.z.less(Floats::splat(end.z))
     }
 
     /// The scan's last corner [grid].

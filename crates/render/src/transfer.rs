@@ -66,13 +66,39 @@ impl Transfer {
     /// Extinction [1/mm] at a stored value.
     #[inline(always)]
     pub fn extinction_at<L: Gather>(&self, stored: L::Float) -> L::Float {
+        let (first, share) = self.row_at::<L>(stored);
+        // SAFETY: as in `integral_to`
+        let [low, high] = unsafe { L::neighbours(&self.extinctions, first) };
+        low + (high - low) * share
+    }
+
+    /// Linear colour, and extinction [1/mm], at a stored value.
+    #[inline(always)]
+    pub fn tissue_at<L: Gather>(&self, stored: L::Float) -> (Vector<L>, L::Float) {
+        let (first, share) = self.row_at::<L>(stored);
+        // SAFETY: as in `integral_to`
+        let (low, high) = unsafe {
+            (
+                L::rows(&self.rows, first),
+                L::rows(&self.rows, first + Ints::splat(1)),
+            )
+        };
+        let mut tissue = low;
+        for i in 0..4 {
+            tissue[i] = low[i] + (high[i] - low[i]) * share;
+        }
+        let [red, green, blue, extinction] = tissue;
+        (Vector::new(red, green, blue), extinction)
+    }
+
+    /// The row before a stored value, and how far it lies toward the next.
+    #[inline(always)]
+    fn row_at<L: Gather>(&self, stored: L::Float) -> (L::Int, L::Float) {
         let place = stored * Floats::splat(self.scale.0) + Floats::splat(self.scale.1);
         let row = place.max(Floats::splat(0.0)).min(Floats::splat(1.0))
             * Floats::splat((SIZE - 1) as f32);
         let first = row.truncated().min(Ints::splat(SIZE as i32 - 2));
-        // SAFETY: as in `integral_to`
-        let [low, high] = unsafe { L::neighbours(&self.extinctions, first) };
-        low + (high - low) * (row - first.to_float())
+        (first, row - first.to_float())
     }
 
     /// Where the mean over all stored values between two has no extinction, at least where all are beyond what is seen.

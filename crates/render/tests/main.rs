@@ -15,6 +15,7 @@ mod light;
 mod modes;
 mod parts;
 mod same_picture;
+mod second;
 mod segments;
 mod surfaces;
 mod tissue;

@@ -9,11 +9,21 @@ from typing import Literal
 
 import msgspec
 
-__all__ = ["Appearance", "Lighting", "Mode", "Shown", "ShownSegment", "ShownSurface"]
+__all__ = [
+    "Appearance",
+    "Lighting",
+    "Mode",
+    "SecondAppearance",
+    "Shown",
+    "ShownSegment",
+    "ShownSurface",
+    "Tint",
+]
 
 Colour = tuple[float, float, float]
 Mode = Literal["shaded", "composite", "absorption", "emission", "mip", "minip", "average", "iso"]
 Shown = Literal["solid", "tinted", "hidden"]
+Tint = Literal["warm", "cool", "grey"]
 
 
 class Lighting(msgspec.Struct, frozen=True, kw_only=True):
@@ -58,6 +68,22 @@ class ShownSurface(msgspec.Struct, frozen=True, kw_only=True):
     specular: float = 1.0
 
 
+class SecondAppearance(msgspec.Struct, frozen=True, kw_only=True):
+    """How a second scan is drawn through the first, in its own unit."""
+
+    density: float = 1.0
+    transfer: tuple[tuple[float, Colour, float], ...]
+    edge_gradient: float
+    window: tuple[float, float]
+    iso_value: float
+    iso_colour: Colour
+    tissue_from: float
+    tint: Tint = "warm"
+    """Its colours from black to white in modes of grey."""
+    opacity: float = 0.5
+    """Of its colours in modes of grey, and of its iso-surface, 0 to 1."""
+
+
 class Appearance(msgspec.Struct, frozen=True, kw_only=True):
     """Everything but the camera that decides how a scan is drawn."""
 
@@ -83,3 +109,5 @@ class Appearance(msgspec.Struct, frozen=True, kw_only=True):
     """Of segments that the renderer has surfaces of."""
     clip: tuple[tuple[Colour, float], ...] = ()
     """Planes: unit normal toward what is cut away, ``normal · point`` of its points [mm]; LPS."""
+    second: SecondAppearance | None = None
+    """A second scan, where there is one."""

@@ -13,6 +13,7 @@ from palpate import _core
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.session.session import Session
+from palpate.volumes.second_scan import SecondScan
 
 __all__ = ["DrawnArrays", "Fineness", "SessionPictures"]
 
@@ -63,6 +64,7 @@ class SessionPictures:
         self._turn = Lock()
         self._numbers = count(1)
         self._renderer: _core.Renderer | None = None
+        self._second: tuple[SecondScan, _core.SecondScan] | None = None
 
     def next_number(self) -> int:
         """Returns the number of the next picture."""
@@ -78,6 +80,7 @@ class SessionPictures:
         """Frees what is prepared; the next picture prepares it again."""
         with self._turn:
             self._renderer = None
+            self._second = None
 
     def draw(
         self,
@@ -97,8 +100,7 @@ class SessionPictures:
             RuntimeError: The session has ended.
         """
         with self._turn:
-            renderer = self._following()
-            renderer.set_appearance(appearance)
+            renderer = self._ready(appearance)
             return _drawn(renderer, camera, size, fineness=fineness, number=number)
 
     def draw_edited(
@@ -120,12 +122,31 @@ class SessionPictures:
             RuntimeError: The session has ended.
         """
         with self._turn:
-            renderer = self._following()
-            renderer.set_appearance(appearance)
+            renderer = self._ready(appearance)
             part = renderer.part_edited_since(since, camera, size)
             if part is None or part[2] * part[3] > MOST_OF_PICTURE * size[0] * size[1]:
                 return None
             return _drawn(renderer, camera, size, fineness=fineness, part=part)
+
+    def _ready(self, appearance: Appearance) -> _core.Renderer:
+        """Returns the renderer with the voxels and the second scan as they are now, in a look."""
+        renderer = self._following()
+        renderer.set_appearance(appearance)
+        renderer.show_second(self._second_scan(), appearance.second)
+        return renderer
+
+    def _second_scan(self) -> _core.SecondScan | None:
+        """Returns the session's second scan as the renderer reads it."""
+        shown = self._session.scene.second
+        if shown is None:
+            self._second = None
+            return None
+        if self._second is None or self._second[0].volume is not shown.volume:
+            volume = shown.volume._internal  # noqa: SLF001  # the renderer reads the voxels itself
+            self._second = shown, _core.SecondScan(volume, shown.second_from_first)
+        elif self._second[0] is not shown:
+            self._second = shown, self._second[1].moved(shown.second_from_first)
+        return self._second[1]
 
     def _following(self) -> _core.Renderer:
         """Returns the renderer with the voxels as they are now."""

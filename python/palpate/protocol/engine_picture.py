@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from palpate.pictures.appearance import Mode, Shown
+from palpate.pictures.appearance import Mode, Shown, Tint
 from palpate.protocol.types import (
     Coordinate,
     LinearColour,
@@ -25,6 +25,7 @@ __all__ = [
     "DrawPicture",
     "DrawnPicture",
     "LookLight",
+    "LookSecond",
     "LookSegment",
     "LookSurface",
     "PictureFailed",
@@ -37,6 +38,10 @@ __all__ = [
 
 Length = Annotated[float, msgspec.Meta(gt=0.0, le=1e6)]
 Factor = Annotated[float, msgspec.Meta(ge=0.0, le=1e6)]
+Points = Annotated[
+    list[tuple[Value, LinearColour, Factor]], msgspec.Meta(min_length=2, max_length=4096)
+]
+Gradient = Annotated[float, msgspec.Meta(gt=0.0, le=1e9)]
 PixelCount = Annotated[int, msgspec.Meta(ge=1, le=8192)]
 
 
@@ -92,20 +97,35 @@ class LookSurface(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     specular: Factor
 
 
+class LookSecond(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """How the second scan is drawn through the first, as ``PictureLook`` has it of that.
+
+    ``tint`` are its colours in modes of grey, ``opacity`` theirs and that of its iso-surface.
+    """
+
+    density: Factor
+    transfer: Points
+    edge_gradient: Gradient
+    window: tuple[Value, Value]
+    iso_value: Value
+    iso_colour: LinearColour
+    tissue_from: Value
+    tint: Tint
+    opacity: Share
+
+
 class PictureLook(Message, frozen=True, tag="picture_look"):
     """Sets how the engine's pictures for this page look from now on: all but the camera.
 
     ``transfer`` has value, colour and extinction [1/mm] of each point; ``window`` width and middle;
     ``slab`` is in mm; ``clip`` has planes, a unit normal toward what is cut away, and
-    ``normal · point`` of their points [mm].
+    ``normal · point`` of their points [mm]. ``second`` is null where the second scan is not shown.
     """
 
     mode: Mode
     density: Factor
-    transfer: Annotated[
-        list[tuple[Value, LinearColour, Factor]], msgspec.Meta(min_length=2, max_length=4096)
-    ]
-    edge_gradient: Annotated[float, msgspec.Meta(gt=0.0, le=1e9)]
+    transfer: Points
+    edge_gradient: Gradient
     window: tuple[Value, Value]
     iso_value: Value
     iso_colour: LinearColour
@@ -115,6 +135,7 @@ class PictureLook(Message, frozen=True, tag="picture_look"):
     segments: Annotated[list[LookSegment], msgspec.Meta(max_length=255)]
     surfaces: Annotated[list[LookSurface], msgspec.Meta(max_length=255)]
     clip: Annotated[list[tuple[Vector, Coordinate]], msgspec.Meta(max_length=16)]
+    second: LookSecond | None
 
 
 class PictureOver(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -915,11 +915,28 @@ export interface LookSurface {
 }
 
 /**
+ * How the second scan is drawn through the first, as `PictureLook` has it of that.
+ *
+ * `tint` are its colours in modes of grey, `opacity` theirs and that of its iso-surface.
+ */
+export interface LookSecond {
+  readonly density: number;
+  readonly transfer: readonly (readonly [Value, LinearColour, number])[];
+  readonly edge_gradient: number;
+  readonly window: readonly [Value, Value];
+  readonly iso_value: Value;
+  readonly iso_colour: LinearColour;
+  readonly tissue_from: Value;
+  readonly tint: "warm" | "cool" | "grey";
+  readonly opacity: Share;
+}
+
+/**
  * Sets how the engine's pictures for this page look from now on: all but the camera.
  *
  * `transfer` has value, colour and extinction [1/mm] of each point; `window` width and middle;
  * `slab` is in mm; `clip` has planes, a unit normal toward what is cut away, and
- * `normal · point` of their points [mm].
+ * `normal · point` of their points [mm]. `second` is null where the second scan is not shown.
  */
 export interface PictureLook {
   readonly type: "picture_look";
@@ -936,6 +953,7 @@ export interface PictureLook {
   readonly segments: readonly LookSegment[];
   readonly surfaces: readonly LookSurface[];
   readonly clip: readonly (readonly [Vector, Coordinate])[];
+  readonly second: LookSecond | null;
 }
 
 /** A camera; see `palpate.pictures.camera` and `camera.ts`. */

@@ -4,7 +4,7 @@ use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
 use wide::{f32x8, i32x8};
 
-use super::{Floats, Gather, Ints, LANES, Lanes, Masks};
+use super::{Floats, Gather, Ints, LANES, Lanes, Masks, Work};
 
 /// What every machine has.
 #[derive(Clone, Copy)]
@@ -215,6 +215,10 @@ impl Masks for Mask {
 }
 
 impl Gather for Plain {
+    #[inline(never)]
+    fn apart<W: Work<Self>>(work: W) -> W::Done {
+        work.done()
+    }
     #[inline(always)]
     unsafe fn pairs(values: &[i16], places: &[i32; LANES], offset: i32) -> Int {
         Ints::load(&places.map(|place| {

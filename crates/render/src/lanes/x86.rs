@@ -3,7 +3,7 @@
 use std::arch::x86_64 as arch;
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
-use super::{Floats, Gather, Ints, LANES, Lanes, Masks};
+use super::{Floats, Gather, Ints, LANES, Lanes, Masks, Work};
 
 /// Registers of 256 bits. Values of its types are made only in functions that were entered after the
 /// machine had been asked for AVX2, so that every intrinsic here finds what it needs.
@@ -245,7 +245,17 @@ impl Masks for Mask {
     }
 }
 
+#[inline(never)]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+fn done_apart<W: Work<Avx2>>(work: W) -> W::Done {
+    work.done()
+}
+
 impl Gather for Avx2 {
+    #[inline(always)]
+    fn apart<W: Work<Self>>(work: W) -> W::Done {
+        intrinsic!(done_apart(work))
+    }
     #[inline(always)]
     unsafe fn pairs(values: &[i16], places: &[i32; LANES], offset: i32) -> Int {
         let values = values.as_ptr().wrapping_offset(offset as isize);

@@ -1,11 +1,12 @@
 //! One value of all along a ray, as grey by window and level: the largest (MIP), the least (MinIP) or the mean. The
-//! last two count from the first to the last tissue on the ray: air around the body would hide all of it.
+//! last two count from the first to the last tissue on the ray: air around the body would hide all of it. A second scan
+//! has a value of its own, by its own window, in its colour over that.
 //!
 //! Source: Wallis et al., "Three-dimensional display in nuclear medicine", IEEE TMI 8 (1989) for MIP.
 
 use crate::appearance::Blend;
-use crate::lanes::{Floats, Gather, Ints, Masks, Vector, power};
-use crate::march::{MOST_SAMPLES, Packet, Seen};
+use crate::lanes::{Floats, Gather, Ints, Masks, Vector, Work, power};
+use crate::march::{Beside, MOST_SAMPLES, Packet, Seen};
 use crate::shading::Shading;
 
 /// No fraction of a window.
@@ -28,69 +29,119 @@ struct Counted<L: Gather> {
     last: L::Float,
 }
 
-/// The grey of rays.
+/// The grey of rays, and over it the colour of a second scan.
 #[inline(always)]
-pub(super) fn seen_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -> Seen<L> {
-    let share = share_along(shading, packet);
+pub(super) fn seen_along<L: Gather>(
+    shading: &Shading<'_>,
+    packet: &Packet<L>,
+    beside: Option<&Beside<'_, L>>,
+) -> Seen<L> {
     let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
+    let share = L::apart(ShareAlong { shading, packet });
     let grey = share.max(zero).min(one);
-    let light = linear_from_screen::<L>(grey);
+    let Some(beside) = beside else {
+        let light = linear_from_screen::<L>(grey);
+        return seen_as(Vector::new(light, light, light), grey);
+    };
+    let colour = under_second(beside, Vector::new(grey, grey, grey));
+    let Vector { x, y, z } = colour;
+    let light = Vector::new(
+        linear_from_screen::<L>(x),
+        linear_from_screen::<L>(y),
+        linear_from_screen::<L>(z),
+    );
+    seen_as(light, x.max(y).max(z))
+}
+
+/// Black is as clear as air: the ground shows through.
+#[inline(always)]
+fn seen_as<L: Gather>(light: Vector<L>, brightest: L::Float) -> Seen<L> {
     Seen {
-        light: Vector::new(light, light, light),
-        // black is as clear as air: the ground shows through
-        clarity: one - grey,
+        light,
+        clarity: L::Float::splat(1.0) - brightest,
         depth: Floats::splat(-1.0),
         segment: Ints::splat(0),
     }
 }
 
-/// Fraction of the window; less than 0 where nothing counts.
+/// A colour of the first scan on the screen, under that of a second one.
 #[inline(always)]
-fn share_along<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>) -> L::Float {
-    let none = L::Float::splat(if shading.blend == Blend::Mip {
-        -NONE
-    } else {
-        NONE
+fn under_second<L: Gather>(beside: &Beside<'_, L>, first: Vector<L>) -> Vector<L> {
+    let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
+    let shading = &beside.second.shading;
+    let share = L::apart(ShareAlong {
+        shading,
+        packet: &beside.rays,
     });
-    let zero = L::Float::splat(0.0);
-    let mut counted = Counted::<L> {
-        extreme: none,
-        place: zero,
-        waiting: none,
-        waiting_place: zero,
-        sum: zero,
-        count: zero,
-        waiting_sum: zero,
-        waiting_count: zero,
-        first: zero,
-        last: zero,
+    // black may have been leapt over
+    let least = if shading.blend == Blend::Mip {
+        0.0
+    } else {
+        -NONE
     };
-    let mut next = packet.enter + packet.start * Floats::splat(shading.step);
-    for _ in 0..MOST_SAMPLES {
-        let mut under_way = next.less(packet.leave);
-        if shading.blend == Blend::Mip {
-            under_way = under_way & counted.extreme.less(Floats::splat(1.0));
+    let shows = L::Float::splat(least).less(share);
+    let inside = share.max(zero).min(one);
+    let colour = beside.second.second.blended(first, inside);
+    colour.or_else(shows, first)
+}
+
+/// Fraction of the window along rays; less than 0 where nothing counts.
+struct ShareAlong<'a, L: Gather> {
+    shading: &'a Shading<'a>,
+    packet: &'a Packet<L>,
+}
+
+impl<L: Gather> Work<L> for ShareAlong<'_, L> {
+    type Done = L::Float;
+
+    #[inline(always)]
+    fn done(self) -> L::Float {
+        let Self { shading, packet } = self;
+        let none = L::Float::splat(if shading.blend == Blend::Mip {
+            -NONE
+        } else {
+            NONE
+        });
+        let zero = L::Float::splat(0.0);
+        let mut counted = Counted::<L> {
+            extreme: none,
+            place: zero,
+            waiting: none,
+            waiting_place: zero,
+            sum: zero,
+            count: zero,
+            waiting_sum: zero,
+            waiting_count: zero,
+            first: zero,
+            last: zero,
+        };
+        let mut next = packet.enter + packet.start * Floats::splat(shading.step);
+        for _ in 0..MOST_SAMPLES {
+            let mut under_way = next.less(packet.leave);
+            if shading.blend == Blend::Mip {
+                under_way = under_way & counted.extreme.less(Floats::splat(1.0));
+            }
+            if !under_way.any() {
+                break;
+            }
+            let grid = packet.at(next);
+            let leap = packet.steps_over_empty(shading, grid);
+            let leaps = zero.less(leap);
+            let looks = under_way & !leaps;
+            if looks.any() {
+                let (share, counts) = share_at(shading, grid);
+                counted.take(shading, share, next, looks & counts);
+            }
+            let stride = leap.or_else(leaps, Floats::splat(shading.step));
+            next = (next + stride).or_else(under_way, next);
         }
-        if !under_way.any() {
-            break;
+        if shading.blend == Blend::Average {
+            let mean = counted.sum.div(counted.count.max(Floats::splat(1.0)));
+            return mean.or_else(zero.less(counted.count), Floats::splat(-NONE));
         }
-        let grid = packet.at(next);
-        let leap = packet.steps_over_empty(shading, grid);
-        let leaps = zero.less(leap);
-        let looks = under_way & !leaps;
-        if looks.any() {
-            let (share, counts) = share_at(shading, grid);
-            counted.take(shading, share, next, looks & counts);
-        }
-        let stride = leap.or_else(leaps, Floats::splat(shading.step));
-        next = (next + stride).or_else(under_way, next);
+        let found = refined(shading, packet, &counted);
+        found.or_else(found.abs().less(Floats::splat(NONE)), Floats::splat(-NONE))
     }
-    if shading.blend == Blend::Average {
-        let mean = counted.sum.div(counted.count.max(Floats::splat(1.0)));
-        return mean.or_else(zero.less(counted.count), Floats::splat(-NONE));
-    }
-    let found = refined(shading, packet, &counted);
-    found.or_else(found.abs().less(Floats::splat(NONE)), Floats::splat(-NONE))
 }
 
 /// Fraction of the window at a place, and whether it counts: what is hidden does not.

@@ -1,9 +1,12 @@
 //! Rays through the scan: where they go, which part of them is looked at, and how far they leap over what is
 //! empty. Positions run in grid coordinates, lengths along a ray in mm.
 
+use glam::Vec3;
+
 use crate::camera::RayFan;
 use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Vector};
-use crate::shading::Shading;
+use crate::second::SecondShading;
+use crate::shading::{FAR_AWAY, Shading};
 
 /// Eight pixels, four beside one another in two rows.
 #[derive(Clone, Copy)]
@@ -42,12 +45,20 @@ pub(crate) struct Packet<L: Gather> {
     is_forward: [L::Mask; 3],
 }
 
+/// The same rays in the grid of a second scan.
+pub(crate) struct Beside<'a, L: Gather> {
+    pub second: &'a SecondShading<'a>,
+    pub rays: Packet<L>,
+    /// Where they are in it, whatever is cut away.
+    enter: L::Float,
+    leave: L::Float,
+}
+
 impl<L: Gather> Packet<L> {
     #[inline(always)]
     pub fn new(fan: &RayFan, pixels: Pixels, shading: &Shading<'_>) -> Self {
         let (column, row) = pixels.of_lanes::<L>();
-        let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
-        let half = L::Float::splat(0.5);
+        let (one, half) = (L::Float::splat(1.0), L::Float::splat(0.5));
         let x = (column + half + Floats::splat(pixels.shift.0))
             * Floats::splat(2.0 / fan.size.0 as f32)
             - one;
@@ -64,7 +75,29 @@ impl<L: Gather> Packet<L> {
         };
         let stretch = to_pixel.length();
         let direction = to_pixel.scaled(one.div(stretch));
+        let rays = Rays {
+            direction,
+            stretch,
+            start: pixels.starts::<L>(column, row),
+        };
         let in_grid = direction.times(per_mm);
+        let (mut packet, inverse) = Self::through(rays, origin, in_grid, shading.end());
+        if let Some(displaced) = shading.displaced {
+            packet.margin = displaced.margin(origin, inverse);
+        }
+        packet.keep(fan, shading, (origin, in_grid));
+        packet
+    }
+
+    /// Rays through a scan that ends here, and mm for each of its voxels along each axis.
+    #[inline(always)]
+    fn through(
+        rays: Rays<L>,
+        origin: Vector<L>,
+        in_grid: Vector<L>,
+        end: Vec3,
+    ) -> (Self, Vector<L>) {
+        let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
         let speed = Vector::<L>::new(
             not_zero::<L>(in_grid.x),
             not_zero::<L>(in_grid.y),
@@ -78,17 +111,14 @@ impl<L: Gather> Packet<L> {
         ];
         let mut packet = Self {
             origin,
-            direction,
+            direction: rays.direction,
             in_grid,
-            stretch,
+            stretch: rays.stretch,
             enter: zero,
             leave: zero,
-            face: direction.scaled(Floats::splat(-1.0)),
-            start: pixels.starts::<L>(column, row),
-            margin: match shading.displaced {
-                None => zero,
-                Some(displaced) => displaced.margin(origin, inverse),
-            },
+            face: rays.direction.scaled(Floats::splat(-1.0)),
+            start: rays.start,
+            margin: zero,
             inverse: Vector::new(
                 L::Float::splat(8.0) * inverse.x.abs(),
                 L::Float::splat(8.0) * inverse.y.abs(),
@@ -96,9 +126,36 @@ impl<L: Gather> Packet<L> {
             ),
             is_forward,
         };
-        packet.through_box(inverse, Vector::splat(shading.end()));
-        packet.keep(fan, shading);
-        packet
+        packet.through_box(inverse, Vector::splat(end));
+        (packet, inverse)
+    }
+
+    /// The same rays through a second scan, which reaches beyond this one; none where there is none.
+    #[inline(always)]
+    pub fn beside<'a>(&self, fan: &RayFan, shading: &Shading<'a>) -> Option<Beside<'a, L>> {
+        let second = shading.second?;
+        let rays = Rays {
+            direction: self.direction,
+            stretch: self.stretch,
+            start: self.start,
+        };
+        let grid = second.second.place(self.origin);
+        let in_grid = second.second.turned(self.in_grid);
+        let (mut packet, _) = Self::through(rays, grid, in_grid, second.shading.end());
+        let (enter, leave) = (packet.enter, packet.leave);
+        let normal = second.second.normal_in_first(packet.face);
+        let face = normal
+            .times(Vector::splat(fan.spacing.recip()))
+            .normalized();
+        let begins = L::Float::splat(0.0).less(enter);
+        packet.face = face.or_else(begins, self.to_eye());
+        packet.keep(fan, shading, (self.origin, self.in_grid));
+        Some(Beside {
+            second,
+            rays: packet,
+            enter,
+            leave,
+        })
     }
 
     /// Where the rays are inside the scan.
@@ -121,9 +178,15 @@ impl<L: Gather> Packet<L> {
         self.face = face.or_else(zero.less(enter), self.face);
     }
 
-    /// Leaves what is looked at and what no plane cuts away: what is kept is convex.
+    /// Leaves what is looked at and what no plane cuts away: what is kept is convex. Planes are those of the grid in
+    /// which the rays begin at `origin` and run along `in_grid`.
     #[inline(always)]
-    fn keep(&mut self, fan: &RayFan, shading: &Shading<'_>) {
+    fn keep(
+        &mut self,
+        fan: &RayFan,
+        shading: &Shading<'_>,
+        (origin, in_grid): (Vector<L>, Vector<L>),
+    ) {
         let zero = L::Float::splat(0.0);
         let (near, far) = shading.slab;
         let near = self.stretch * Floats::splat(near);
@@ -134,8 +197,8 @@ impl<L: Gather> Packet<L> {
         self.leave = self.leave.min(self.stretch * Floats::splat(far));
         for plane in shading.planes {
             let normal = Vector::splat(plane.truncate());
-            let before = self.origin.dot(normal) + Floats::splat(plane.w);
-            let rise = self.in_grid.dot(normal);
+            let before = origin.dot(normal) + Floats::splat(plane.w);
+            let rise = in_grid.dot(normal);
             let level = rise.abs().less(Floats::splat(1e-7));
             let place = (zero - before).div(rise);
             let leaves = zero.less(rise) & !level;
@@ -174,6 +237,33 @@ impl<L: Gather> Packet<L> {
     #[inline(always)]
     pub fn to_eye(&self) -> Vector<L> {
         self.direction.scaled(Floats::splat(-1.0))
+    }
+}
+
+/// Rays wherever they run.
+#[derive(Clone, Copy)]
+struct Rays<L: Gather> {
+    direction: Vector<L>,
+    stretch: L::Float,
+    start: L::Float,
+}
+
+impl<L: Gather> Beside<'_, L> {
+    /// Length of whole steps at a length of each ray over what is empty of the second scan, and where it is not; 0
+    /// where something of it is drawn.
+    #[inline(always)]
+    pub fn steps_over_empty(&self, length: L::Float) -> L::Float {
+        let shading = &self.second.shading;
+        let (zero, far) = (L::Float::splat(0.0), L::Float::splat(FAR_AWAY));
+        let within = self.rays.steps_over_empty(shading, self.rays.at(length));
+        let before = length.less(self.enter);
+        let missed = self.leave.at_most(length) | self.leave.at_most(self.enter);
+        let steps = ((self.enter - length) * Floats::splat(1.0 / shading.step))
+            .ceil()
+            .max(Floats::splat(1.0))
+            * Floats::splat(shading.step);
+        let within = within.max(zero);
+        far.or_else(missed, steps.or_else(before, within))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::lanes::{Floats, Gather, Ints, Masks, Vector};
+use crate::lanes::{Floats, Gather, Ints, Masks, Vector, Work};
 use crate::lighting::OwnFactors;
 use crate::march::Packet;
 use crate::shading::Shading;
@@ -62,24 +62,55 @@ pub(super) fn light_of_body<L: Gather>(
     code: L::Int,
     cut: L::Mask,
 ) -> Vector<L> {
-    let grid = packet.at(length);
-    let to_eye = packet.to_eye();
-    let is_iso = code.equal(Ints::splat(ISO));
-    let normal = shading.normal_at(grid, code).facing(to_eye);
-    let normal = packet.face.or_else(cut, normal);
-    let near = if shading.is_in_haste {
-        Floats::splat(1.0)
-    } else {
-        let with_iso = is_iso.any();
-        openness(shading, grid, normal, &Body { code, with_iso })
-    };
-    let colour =
-        Vector::splat(shading.iso_colour).or_else(is_iso, shading.segments.colour::<L>(code));
-    let own: OwnFactors<L> = shading.segments.factors::<L>(code);
-    let reaching = shading.lookup.at(grid, normal);
-    shading
-        .light
-        .on_surface(colour, normal, to_eye, near, reaching, own)
+    L::apart(LightOfBody {
+        shading,
+        packet,
+        length,
+        code,
+        cut,
+    })
+}
+
+/// What [`light_of_body`] is given.
+struct LightOfBody<'a, L: Gather> {
+    shading: &'a Shading<'a>,
+    packet: &'a Packet<L>,
+    length: L::Float,
+    code: L::Int,
+    cut: L::Mask,
+}
+
+impl<L: Gather> Work<L> for LightOfBody<'_, L> {
+    type Done = Vector<L>;
+
+    #[inline(always)]
+    fn done(self) -> Vector<L> {
+        let Self {
+            shading,
+            packet,
+            length,
+            code,
+            cut,
+        } = self;
+        let grid = packet.at(length);
+        let to_eye = packet.to_eye();
+        let is_iso = code.equal(Ints::splat(ISO));
+        let normal = shading.normal_at(grid, code).facing(to_eye);
+        let normal = packet.face.or_else(cut, normal);
+        let near = if shading.is_in_haste {
+            Floats::splat(1.0)
+        } else {
+            let with_iso = is_iso.any();
+            openness(shading, grid, normal, &Body { code, with_iso })
+        };
+        let colour =
+            Vector::splat(shading.iso_colour).or_else(is_iso, shading.segments.colour::<L>(code));
+        let own: OwnFactors<L> = shading.segments.factors::<L>(code);
+        let reaching = shading.lookup.at(grid, normal);
+        shading
+            .light
+            .on_surface(colour, normal, to_eye, near, reaching, own)
+    }
 }
 
 /// Which places belong to what has a surface.
@@ -127,7 +158,7 @@ pub(super) fn openness<L: Gather>(
         let mut away = 2.2;
         for step in 0..4 {
             let place = grid.along(direction, Floats::splat(away));
-            let inside = is_in_scan(shading, place);
+            let inside = shading.is_in_scan(place);
             if inside.any() {
                 let same = own.at(shading, place) & inside;
                 // what is far away covers less
@@ -139,18 +170,6 @@ pub(super) fn openness<L: Gather>(
         covered = covered + hit;
     }
     L::Float::splat(1.0) - L::Float::splat(0.17) * covered
-}
-
-#[inline(always)]
-fn is_in_scan<L: Gather>(shading: &Shading<'_>, grid: Vector<L>) -> L::Mask {
-    let zero = L::Float::splat(0.0);
-    let end = shading.end();
-    zero.less(grid.x)
-        & zero.less(grid.y)
-        & zero.less(grid.z)
-        & grid.x.less(Floats::splat(end.x))
-        & grid.y.less(Floats::splat(end.y))
-        & grid.z.less(Floats::splat(end.z))
 }
 
 /// A unit vector across another.

@@ -6,10 +6,10 @@
 //! Graphics" (2006), ch. 4; Levoy, "Display of surfaces from volume data", IEEE CG&A 8 (1988).
 
 use crate::appearance::Blend;
-use crate::lanes::{Floats, Gather, Ints, Masks, Vector, exp_of_negative};
+use crate::lanes::{Floats, Gather, Ints, Masks, Vector, Work, exp_of_negative};
 use crate::march::solid::{light_of_body, refined_entry};
-use crate::march::{CLEAR_ENOUGH, Layers, MOST_SAMPLES, Packet, Seen};
-use crate::shading::Shading;
+use crate::march::{Beside, CLEAR_ENOUGH, Layers, MOST_SAMPLES, Packet, Seen};
+use crate::shading::{FAR_AWAY, Shading};
 
 /// Opacity of a whole step from which on it is quartered.
 const OPAQUE_STEP: f32 = 0.12;
@@ -36,6 +36,8 @@ struct March<'a, L: Gather> {
     cut: L::Mask,
     /// Surfaces of triangles that rays have not come to.
     layers: Layers<'a, L>,
+    /// Here is a second scan alone.
+    is_beside: bool,
     seen: Seen<L>,
 }
 
@@ -48,25 +50,69 @@ struct Interval<L: Gather> {
     segment: L::Int,
 }
 
-/// Follows rays through tissue to the first solid segment, or to their end.
+/// Follows rays through tissue to the first solid segment, or to their end; through a second scan before the first,
+/// with it, and behind it.
 #[inline(always)]
 pub(super) fn seen_along<'a, L: Gather>(
     shading: &Shading<'_>,
     packet: &Packet<L>,
+    beside: Option<&Beside<'_, L>>,
     layers: Layers<'a, L>,
 ) -> (Seen<L>, Layers<'a, L>) {
-    let mut march = March::new(shading, packet, layers);
-    for _ in 0..MOST_SAMPLES {
-        let under_way = march.are_under_way();
-        if !under_way.any() {
-            break;
-        }
-        march.look(shading, packet, under_way);
+    if let Some(beside) = beside {
+        // a function of its own: most pictures show no second scan, and are not to wait for it
+        return L::apart(Through {
+            shading,
+            packet,
+            beside,
+            layers,
+        });
     }
+    let mut march = March::new(shading, packet, layers);
+    march.follow(shading, packet, None);
     if shading.blend.draws_solids() {
         march.end_at_bodies(shading, packet);
     }
     (march.seen, march.layers)
+}
+
+/// Goes through two scans.
+struct Through<'a, 'b, L: Gather> {
+    shading: &'a Shading<'a>,
+    packet: &'a Packet<L>,
+    beside: &'a Beside<'a, L>,
+    layers: Layers<'b, L>,
+}
+
+impl<'b, L: Gather> Work<L> for Through<'_, 'b, L> {
+    type Done = (Seen<L>, Layers<'b, L>);
+
+    #[inline(always)]
+    fn done(self) -> Self::Done {
+        let Self {
+            shading,
+            packet,
+            beside,
+            layers,
+        } = self;
+        let mut march = March::new(shading, packet, layers);
+        for stretch in [Stretch::Before, Stretch::Within, Stretch::Behind] {
+            march.begin(shading, packet, beside, stretch);
+            march.follow(shading, packet, Some(beside));
+            if stretch == Stretch::Within && shading.blend.draws_solids() {
+                march.end_at_bodies(shading, packet);
+            }
+        }
+        (march.seen, march.layers)
+    }
+}
+
+/// Where rays are, told by the first scan.
+#[derive(Clone, Copy, PartialEq)]
+enum Stretch {
+    Before,
+    Within,
+    Behind,
 }
 
 impl<'a, L: Gather> March<'a, L> {
@@ -82,12 +128,53 @@ impl<'a, L: Gather> March<'a, L> {
             solid: Ints::splat(0),
             cut: Masks::splat(false),
             layers,
+            is_beside: false,
             seen: Seen {
                 light: Vector::new(zero, zero, zero),
                 clarity: Floats::splat(1.0),
                 depth: Floats::splat(-1.0),
                 segment: Ints::splat(0),
             },
+        }
+    }
+
+    /// Begins another stretch of rays that go through two scans.
+    #[inline(always)]
+    fn begin(
+        &mut self,
+        shading: &Shading<'_>,
+        packet: &Packet<L>,
+        beside: &Beside<'_, L>,
+        stretch: Stretch,
+    ) {
+        let far = L::Float::splat(FAR_AWAY);
+        let meets = packet.enter.less(packet.leave);
+        let (enter, leave) = (beside.rays.enter, beside.rays.leave);
+        (self.last, self.end) = match stretch {
+            Stretch::Before => (enter, leave.min(packet.enter.or_else(meets, far))),
+            Stretch::Within => (packet.enter, packet.leave),
+            Stretch::Behind => (enter.max(packet.leave.or_else(meets, far)), leave),
+        };
+        self.front = Floats::splat(UNKNOWN);
+        self.next = self.last + packet.start * Floats::splat(shading.step);
+        self.fine = Ints::splat(0);
+        self.is_beside = stretch != Stretch::Within;
+    }
+
+    /// Goes on to the end of all rays.
+    #[inline(always)]
+    fn follow(
+        &mut self,
+        shading: &Shading<'_>,
+        packet: &Packet<L>,
+        beside: Option<&Beside<'_, L>>,
+    ) {
+        for _ in 0..MOST_SAMPLES {
+            let under_way = self.are_under_way();
+            if !under_way.any() {
+                break;
+            }
+            self.look(shading, packet, beside, under_way);
         }
     }
 
@@ -98,10 +185,16 @@ impl<'a, L: Gather> March<'a, L> {
 
     /// Looks at the rays' next samples, or leaps over empty bricks.
     #[inline(always)]
-    fn look(&mut self, shading: &Shading<'_>, packet: &Packet<L>, under_way: L::Mask) {
+    fn look(
+        &mut self,
+        shading: &Shading<'_>,
+        packet: &Packet<L>,
+        beside: Option<&Beside<'_, L>>,
+        under_way: L::Mask,
+    ) {
         self.next = self.next.min(self.end).or_else(under_way, self.next);
         let grid = packet.at(self.next);
-        let leap = packet.steps_over_empty(shading, grid);
+        let leap = self.leap(shading, packet, beside);
         let in_empty = L::Float::splat(0.0).less(leap);
         let unknown = self.front.less(Floats::splat(0.5 * UNKNOWN));
         let leaps = under_way & in_empty & unknown;
@@ -115,14 +208,18 @@ impl<'a, L: Gather> March<'a, L> {
         if !looks.any() {
             return;
         }
-        if (looks & unknown).any() {
+        if (looks & unknown).any() & !self.is_beside {
             let front = shading.value_at(packet.at(self.last));
             self.front = front.or_else(looks & unknown, self.front);
         }
-        let (value, code) = shading.at(grid);
         let zero = L::Float::splat(0.0);
+        let (value, code) = if self.is_beside {
+            (zero, Ints::splat(0))
+        } else {
+            shading.at(grid)
+        };
         let clear = shading.transfer.are_clear_between::<L>(self.front, value);
-        let (colour, extinction) = if (looks & !clear).any() {
+        let (colour, extinction) = if (looks & !clear).any() & !self.is_beside {
             shading.transfer.between::<L>(self.front, value)
         } else {
             (Vector::new(zero, zero, zero), zero)
@@ -137,7 +234,11 @@ impl<'a, L: Gather> March<'a, L> {
                 self.meet(shading, packet, code, meets);
             }
         }
-        let tissue = looks & !meets & !hidden & zero.less(extinction);
+        let seen = looks & !meets & !hidden;
+        let tissue = match beside {
+            None => seen & zero.less(extinction),
+            Some(_) => seen,
+        };
         if tissue.any() {
             let inside = code.greater(Ints::splat(0)) & !solid;
             let interval = Interval {
@@ -145,7 +246,7 @@ impl<'a, L: Gather> March<'a, L> {
                 extinction,
                 segment: code.or_else(inside, Ints::splat(0)),
             };
-            let divided = self.add(shading, packet, interval, tissue);
+            let divided = self.add(shading, packet, beside, interval, tissue);
             let quarter = self.last + Floats::splat(0.25 * shading.step);
             self.fine = L::Int::splat(QUARTERS).or_else(divided, self.fine);
             self.next = quarter.or_else(divided, self.next);
@@ -156,6 +257,25 @@ impl<'a, L: Gather> March<'a, L> {
             self.fine = L::Int::splat(0).or_else(passes, self.fine);
             self.go_on(shading, value, in_empty, passes);
         }
+    }
+
+    /// Length of whole steps over what is empty of all scans from the next sample on; 0 where it is not.
+    #[inline(always)]
+    fn leap(
+        &self,
+        shading: &Shading<'_>,
+        packet: &Packet<L>,
+        beside: Option<&Beside<'_, L>>,
+    ) -> L::Float {
+        let other = match beside {
+            None => Floats::splat(FAR_AWAY),
+            Some(beside) => beside.steps_over_empty(self.next),
+        };
+        if self.is_beside {
+            return other;
+        }
+        let leap = packet.steps_over_empty(shading, packet.at(self.next));
+        leap.min(other)
     }
 
     /// Goes on to the next sample.
@@ -198,6 +318,7 @@ impl<'a, L: Gather> March<'a, L> {
         &mut self,
         shading: &Shading<'_>,
         packet: &Packet<L>,
+        beside: Option<&Beside<'_, L>>,
         interval: Interval<L>,
         lanes: L::Mask,
     ) -> L::Mask {
@@ -206,30 +327,44 @@ impl<'a, L: Gather> March<'a, L> {
         let mut extinction = interval.extinction * Floats::splat(shading.density);
         let mut colour = interval.colour;
         let mut divided = L::Mask::splat(false);
+        let middle = L::Float::splat(0.5) * (self.last + self.next);
+        let (grid, to_eye) = (packet.at(middle), packet.to_eye());
+        let mut other = None;
+        if let Some(beside) = beside {
+            other = Some(beside.second.lit(shading, grid, to_eye));
+        }
         if shading.blend.draws_solids() {
-            let middle = packet.at(L::Float::splat(0.5) * (self.last + self.next));
-            let gradient = shading.gradient_at(middle);
+            let gradient = if self.is_beside {
+                Vector::new(zero, zero, zero)
+            } else {
+                shading.gradient_at(grid)
+            };
             let (kept, boundary) = shading.boundary::<L>(gradient.length());
             extinction = extinction * kept;
             let dividable =
                 self.fine.equal(Ints::splat(0)) & L::Float::splat(0.3 * shading.step).less(size);
-            let opaque = L::Float::splat(OPAQUE_STEP / shading.step).less(extinction);
+            let whole = match &other {
+                None => extinction,
+                Some(other) => extinction + other.extinction,
+            };
+            let opaque = L::Float::splat(OPAQUE_STEP / shading.step).less(whole);
             divided = lanes & dividable & opaque;
             if divided.bits() == lanes.bits() {
                 return divided;
             }
-            if shading.blend == Blend::Shaded {
-                let to_eye = packet.to_eye();
+            if shading.blend == Blend::Shaded && !self.is_beside {
                 let normal = gradient.facing(to_eye);
-                let reaching = shading.lookup.at(middle, normal.scaled(boundary));
+                let reaching = shading.lookup.at(grid, normal.scaled(boundary));
                 let own = shading.segments.factors::<L>(interval.segment);
                 colour = shading
                     .light
                     .on_tissue(colour, normal, to_eye, boundary, reaching, own);
             }
         }
+        if let Some(other) = other {
+            (colour, extinction) = other.mixed_with(colour, extinction);
+        }
         let adds = lanes & !divided;
-        let middle = L::Float::splat(0.5) * (self.last + self.next);
         self.layers
             .pass(shading, packet, middle, adds, &mut self.seen);
         let clarity = self.seen.clarity;

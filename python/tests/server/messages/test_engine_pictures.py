@@ -18,6 +18,7 @@ from palpate.server.messages.engine_pictures import MOST_RENDERERS, EnginePictur
 from palpate.server.messages.outbox import Outbox
 from palpate.server.messages.picture_pace import COARSEST, FINEST, FIRST_DIVISOR, PicturePace
 from palpate.session.session import Session
+from palpate.volumes.second_scan import SecondScan
 from picture_texels import colours_of, depths_of
 
 Told = dict[str, Any]
@@ -46,6 +47,7 @@ def look(**changes: Any) -> protocol.PictureLook:
         segments=[protocol.LookSegment(1, None, False, "solid", (1.0, 1.0, 1.0), 1.0, 1.0)],  # noqa: FBT003
         surfaces=[],
         clip=[],
+        second=None,
     )
     return msgspec.structs.replace(usual, **changes)
 
@@ -344,6 +346,43 @@ def test_a_surface_is_seen_where_its_segment_was_moved(session: Session) -> None
 def depth_of(picture: Told) -> float:
     """Returns the depth in the middle of the picture [mm]."""
     return float(depths_of(picture)[24, 30])
+
+
+def test_a_second_scan_is_seen_where_it_lies_and_moves(session: Session) -> None:
+    first = session.scene.volume
+    # nothing is seen of the first
+    clear = look(segments=[])
+    second = protocol.LookSecond(
+        density=1.0,
+        transfer=[(0.0, (1.0, 1.0, 1.0), 0.0), (100.0, (1.0, 1.0, 1.0), 5.0)],
+        edge_gradient=1.0,
+        window=(400.0, 40.0),
+        iso_value=250.0,
+        iso_colour=(1.0, 1.0, 1.0),
+        tissue_from=-300.0,
+        tint="warm",
+        opacity=1.0,
+    )
+
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        last = []
+        for number, (shown, right) in enumerate([(None, 0.0), (second, 0.0), (second, 15.0)]):
+            # points of the first to its own: it stands to the other side
+            place = np.eye(4)
+            place[0, 3] = -right
+            session.scene.second = SecondScan(first, place)
+            pictures.look(msgspec.structs.replace(clear, second=shown), page)
+            pictures.draw(request(session, number, moving=False), page)
+            last.append((await until_number(page, number))[-1])
+        return last
+
+    none, there, moved = (colours_of(each)[..., 3] for each in told(session, ask))
+    assert none.max() == 0.0
+    assert there[24, 30] > 0.9
+    middles = [np.average(np.arange(60), weights=each.sum(axis=0)) for each in (there, moved)]
+    # 48 rows show 400 mm times the angle of view at the ball
+    pixels = 15.0 / (2 * 400.0 * np.tan(0.15) / 48)
+    assert middles[1] - middles[0] == pytest.approx(pixels, abs=0.3)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,8 @@
  * How the scan is drawn as the engine is told it: appearance, segments and clip planes in one message.
  */
 import { linearFromSrgb } from "../base/colour";
-import type { LookSegment, LookSurface, PictureLook, Segment } from "../protocol";
+import type { LookSecond, LookSegment, LookSurface, PictureLook, Segment } from "../protocol";
+import type { SecondAppearance } from "../second/second_scan";
 import {
   drawnAsSurface,
   drawnFromVoxels,
@@ -12,7 +13,8 @@ import {
 } from "../segments/shown_segments";
 import type { Plane } from "../view/clip";
 import type { Appearance } from "./appearance";
-import { sample } from "./transfer_function";
+import { isGrey, type Blend } from "./optics";
+import { sample, type TransferFunction } from "./transfer_function";
 
 /** The engine divides by spans of values, which are none where all tissue of a scan has one value [value]. */
 const leastSpan = 1e-6;
@@ -23,14 +25,20 @@ export interface LookedSegments {
   readonly modes: InsideModes;
 }
 
-export function engineLook(appearance: Appearance, shown: LookedSegments, clip: readonly Plane[]): PictureLook {
+/** @param second how a second scan is shown; null where there is none. */
+export function engineLook(
+  appearance: Appearance,
+  shown: LookedSegments,
+  clip: readonly Plane[],
+  second: SecondAppearance | null = null,
+): PictureLook {
   const { edgeGradient, lighting, optics, ranges, transferFunction } = appearance;
   const { ambient, diffuse, specular, shininess, edges, occlusion, shadow } = lighting;
   return {
     type: "picture_look",
     mode: optics.blend,
     density: optics.density,
-    transfer: transferFunction.points.map(({ value, colour, extinction }) => [value, colour, extinction]),
+    transfer: pointsOf(transferFunction),
     edge_gradient: Math.max(edgeGradient, leastSpan),
     window: [Math.max(optics.window.window, leastSpan), optics.window.level],
     iso_value: optics.isoValue,
@@ -41,6 +49,27 @@ export function engineLook(appearance: Appearance, shown: LookedSegments, clip: 
     segments: [...byValue(ranges, shown.segments), ...byLabel(shown)],
     surfaces: shown.segments.filter(drawnAsSurface).map(surfaceOf),
     clip: clip.map(({ normal, offset }) => [normal, offset]),
+    second: second?.inView === true ? secondLook(second, optics.blend) : null,
+  };
+}
+
+function pointsOf({ points }: TransferFunction): PictureLook["transfer"] {
+  return points.map(({ value, colour, extinction }) => [value, colour, extinction]);
+}
+
+function secondLook(second: SecondAppearance, blend: Blend): LookSecond {
+  const { density, edgeGradient, isoValue, opacity, tissueFrom, tint, transferFunction, windows } = second;
+  const { window, level } = isGrey(blend) ? windows[blend] : windows.mip;
+  return {
+    density,
+    transfer: pointsOf(transferFunction),
+    edge_gradient: Math.max(edgeGradient, leastSpan),
+    window: [Math.max(window, leastSpan), level],
+    iso_value: isoValue,
+    iso_colour: sample(transferFunction.points, isoValue).colour,
+    tissue_from: tissueFrom,
+    tint,
+    opacity,
   };
 }
 

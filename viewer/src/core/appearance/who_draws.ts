@@ -4,6 +4,7 @@
  */
 import type { Segment } from "../protocol";
 import { drawnAsSurface } from "../segments/shown_segments";
+import type { Fusion } from "../second/second_scan";
 import type { Stereo } from "../view/stereo";
 import type { Drawer } from "./quicker_drawer";
 
@@ -29,7 +30,8 @@ export interface ShownThings {
   /** Why the engine's pictures do not come; null where they do. */
   readonly failure: string | null;
   readonly stereo: Stereo["mode"];
-  readonly second: boolean;
+  /** How the view shows a second scan; null where it shows none. */
+  readonly second: Fusion | null;
   readonly deforming: boolean;
   readonly segments: readonly Segment[];
 }
@@ -46,8 +48,8 @@ export function engineObstacle(shown: ShownThings): string | null {
   if (stereo !== "off") {
     return "stereo is shown";
   }
-  if (second) {
-    return "a second scan is shown";
+  if (second !== null && second !== "blend") {
+    return "two scans are shown by turns";
   }
   if (deforming && segments.some(drawnAsSurface)) {
     return "a surface is shown while soft tissue is deformed";

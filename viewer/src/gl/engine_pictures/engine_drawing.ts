@@ -6,6 +6,7 @@ import type * as THREE from "three";
 import type { Appearance } from "../../core/appearance/appearance";
 import { engineLook, type LookedSegments } from "../../core/appearance/engine_look";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
+import type { SecondAppearance } from "../../core/second/second_scan";
 import type { Plane } from "../../core/view/clip";
 import { everywhere, type Region } from "../../core/view/region";
 import type { PictureTarget } from "../base/picture_target";
@@ -23,6 +24,7 @@ export class EngineDrawing {
   private appearance: Appearance | null = null;
   private segments: LookedSegments = { segments: [], modes: {} };
   private clip: readonly Plane[] = [];
+  private second: SecondAppearance | null = null;
   /** The picture on display, and the size of the target that it was drawn into. */
   private last: ArrivedPicture | null = null;
   private drawnSize: readonly [number, number] = [0, 0];
@@ -56,9 +58,14 @@ export class EngineDrawing {
     this.tell();
   }
 
+  setSecond(second: SecondAppearance | null): void {
+    this.second = second;
+    this.tell();
+  }
+
   /** How pictures look now; null before there is anything to see. */
   get look(): PictureLook | null {
-    return this.appearance && engineLook(this.appearance, this.segments, this.clip);
+    return this.appearance && engineLook(this.appearance, this.segments, this.clip, this.second);
   }
 
   take(answer: DrawnPicture | PictureFailed): void {

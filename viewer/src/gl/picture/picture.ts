@@ -320,6 +320,7 @@ export class Picture {
   /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
   setSecond(shown: ShownSecond | null): void {
     this.marcher.setSecond(shown);
+    this.engine.setSecond(shown?.appearance ?? null);
     this.slices.follow(this.scan.frame);
     if (!sameInView(shown, this.second)) {
       this.refiner.restart();
@@ -485,6 +486,10 @@ export class Picture {
     const { engine, view } = this;
     if (this.scan.frame === null || !this.composes || view === null || this.suspended || this.snapping) {
       return;
+    }
+    if (this.marcher.second.isAwaited && this.marcher.uploadSecond(this.renderer)) {
+      // slices are drawn here
+      this.slices.follow(this.scan.frame);
     }
     const drawn = engine.advance({
       changed: this.refiner.takeChange(),

@@ -89,7 +89,12 @@ export class PictureHost {
   /** How fine the picture on display is; null before there is one. */
   get shown(): Picture["shown"] | null {
     const { sync, picture } = this;
-    return picture && { ...picture.shown, finished: picture.shown.finished && sync.isWhole };
+    if (picture === null) {
+      return null;
+    }
+    // who draws changes with a frame, not with the choice
+    const isByChosen = picture.engineDraws === this.sources.drawer.engineDraws;
+    return { ...picture.shown, finished: picture.shown.finished && sync.isWhole && isByChosen };
   }
 
   setAppearance(appearance: Appearance | null): void {
@@ -244,7 +249,7 @@ export class PictureHost {
       connected: session.greetings === 0 || session.connection.kind === "open",
       failure: picture.engineFailure,
       stereo: stereo.choice.mode,
-      second: second.shown !== null,
+      second: second.shown?.appearance.inView === true ? second.shown.appearance.viewFusion : null,
       deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,
       segments: scene.segments,
     });

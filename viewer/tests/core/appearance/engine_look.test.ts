@@ -3,6 +3,7 @@ import { firstLighting, type Appearance } from "../../../src/core/appearance/app
 import { engineLook } from "../../../src/core/appearance/engine_look";
 import { shadedOptics } from "../../../src/core/appearance/optics";
 import type { Segment } from "../../../src/core/protocol";
+import type { SecondAppearance } from "../../../src/core/second/second_scan";
 import { rangesInside, shownRanges, type InsideModes } from "../../../src/core/segments/shown_segments";
 import { segment } from "../../support/volumes";
 
@@ -16,6 +17,7 @@ function lookOf(
   segments: readonly Segment[],
   modes: InsideModes = {},
   part: Partial<Appearance> = {},
+  second: SecondAppearance | null = null,
 ): ReturnType<typeof engineLook> {
   const appearance: Appearance = {
     transferFunction: { points },
@@ -25,7 +27,7 @@ function lookOf(
     optics: { ...shadedOptics, isoValue: 50 },
     ...part,
   };
-  return engineLook(appearance, { segments, modes }, [{ normal: [1, 0, 0], offset: 5 }]);
+  return engineLook(appearance, { segments, modes }, [{ normal: [1, 0, 0], offset: 5 }], second);
 }
 
 const bone: Segment = { ...segment, id: 1, visible: true, shown_as: "volume", range: [100, 300] };
@@ -42,6 +44,41 @@ test("values, light and planes go out in physical units", () => {
     slab: null,
     clip: [[[1, 0, 0], 5]],
     segments: [],
+  });
+});
+
+test("a second scan goes out in its own units, by the window of the mode, where the view shows it", () => {
+  const windows = { mip: { window: 300, level: 20 }, minip: { window: 1, level: 2 }, average: { window: 3, level: 4 } };
+  const second: SecondAppearance = {
+    inView: true,
+    inSlices: true,
+    viewFusion: "blend",
+    transferFunction: { points },
+    density: 2,
+    edgeGradient: 12,
+    isoValue: 50,
+    tissueFrom: -100,
+    windows,
+    window: { window: 9, level: 9 },
+    fusion: "blend",
+    tint: "cool",
+    opacity: 0.4,
+    square: 10,
+    lines: [],
+    turn: "second",
+  };
+  expect(lookOf([]).second).toBeNull();
+  expect(lookOf([], {}, {}, { ...second, inView: false }).second).toBeNull();
+  expect(lookOf([], {}, {}, second).second).toEqual({
+    density: 2,
+    transfer: [[0, [0, 0, 0], 0], [100, [1, 0.5, 0], 2]],
+    edge_gradient: 12,
+    window: [300, 20],
+    iso_value: 50,
+    iso_colour: [0.5, 0.25, 0],
+    tissue_from: -100,
+    tint: "cool",
+    opacity: 0.4,
   });
 });
 

@@ -6,7 +6,7 @@ const alone: ShownThings = {
   connected: true,
   failure: null,
   stereo: "off",
-  second: false,
+  second: null,
   deforming: false,
   segments: [],
 };
@@ -30,11 +30,16 @@ test.each<[string, Partial<ShownThings>]>([
   ["the engine is not connected", { connected: false }],
   ["not enough memory; the engine is tried again every 30 s", { failure: "not enough memory" }],
   ["stereo is shown", { stereo: "anaglyph" }],
-  ["a second scan is shown", { second: true }],
+  ["two scans are shown by turns", { second: "checkerboard" }],
+  ["two scans are shown by turns", { second: "flicker" }],
   [
     "a surface is shown while soft tissue is deformed",
     { deforming: true, segments: [{ ...segment, visible: true, shown_as: "surface" }] },
   ],
 ])("the browser draws where %s", (obstacle, part) => {
   expect(engineObstacle({ ...alone, ...part })).toBe(obstacle);
+});
+
+test("a second scan through the first is no obstacle", () => {
+  expect(engineObstacle({ ...alone, second: "blend" })).toBeNull();
 });
