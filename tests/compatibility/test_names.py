@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from palpate import Scene, Session
@@ -88,7 +88,8 @@ def test_looks_of_a_page_have_the_same_names() -> None:
     volume = kept.open_scan(FILES)
     with Session(Scene(volume, [bone(volume)]), options=kept.STANDING) as session:
         (again,) = kept.looks_again(session, kept.LOOKS[:1])
-    added = again["look"].keys() - kept.LOOKS[0]["look"].keys()
+    look, before = (cast("dict[str, object]", each["look"]) for each in (again, kept.LOOKS[0]))
+    added = look.keys() - before.keys()
     assert added == ADDED_LOOKS
-    again["look"] = {name: some for name, some in again["look"].items() if name not in added}
+    again["look"] = {name: some for name, some in look.items() if name not in added}
     assert again == kept.LOOKS[0]
