@@ -99,10 +99,10 @@ def _local(values: NDArray[np.float32], where: Mask) -> NDArray[np.float32]:
         )
         return found
 
-    overall = float(values[where].mean()) if where.any() else float(values.mean())
+    overall = values[where].mean() if where.any() else values.mean()
     weight = blurred(where.astype(np.float32))
     total = blurred(np.where(where, values - overall, 0.0).astype(np.float32))
-    return overall + total / np.maximum(weight, 1e-3)
+    return overall + total / np.maximum(weight, np.float32(1e-3))
 
 
 def _noise(raw: NDArray[np.float32], calm: Mask) -> float:

@@ -14,7 +14,7 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.growing_border import at_voxels
-from palpate.segmentation.growing_cells import Box, Cells, cells_around
+from palpate.segmentation.growing_cells import Box, cells_around
 from palpate.segmentation.growing_choice import Region, regions
 from palpate.segmentation.mask_shape import Mask
 from palpate.volumes.volume import Volume
@@ -37,7 +37,11 @@ LEAST_SIDE = 0.7
 """Share of the region that the seed's side of its necks has."""
 GOOD = 0.93
 """Score by the best one of a region that is nearly as good."""
-ALIKE = 1.5
+VOTES = 6
+"""Power of a region's score that it counts with."""
+LEAST_SHARE = 0.5
+"""Of all regions, so weighted, that are like the chosen one."""
+ALIKE = 1.4
 """Volume by that of the best region of one that is about as large."""
 MANY = 20_000
 """Of larger regions every second cell is enough to see necks."""
@@ -63,29 +67,30 @@ def grown_by_choice(
         progress("trying ranges of values and passages", None)
         cells = cells_around(volume, places, side=side, reach=REACH * side)
         found = regions(cells, most=int(most_ml * 1000.0 / side**3) + 1)
-        best = max(found, key=lambda one: (round(one.score, 3), one.count), default=None)
+        chosen = _best(found)
         finest = side <= FINEST * min(volume.spacing)
-        if finest or (best is not None and best.count >= FEW):
+        if finest or (chosen is not None and chosen[0].count >= FEW):
             break
         side = max(FINER * side, FINEST * min(volume.spacing))
-    if best is None:
+    if chosen is None:
         raise OptionError(
             f"the region becomes larger than {most_ml:g} ml; allowed: another place, a smaller "
             "spread, wider passages that are not entered, or a larger volume"
         )
-    _check(best, found, cells)
+    best, share = chosen
+    _check(best, share, found=found, seed=cells.seeds[0])
     progress("finding the border", None)
     return at_voxels(volume, cells, best, seeds=places, fill=fill)
 
 
-def _check(best: Region, found: list[Region], cells: Cells) -> None:
+def _check(best: Region, share: float, *, found: list[Region], seed: tuple[int, ...]) -> None:
     """Refuses what would leak."""
     why = None
     if best.edge < LEAST_EDGE:
         why = "no edge of values holds it"
-    elif not _agreed(best, found) or _goes_on(best, found):
+    elif share < LEAST_SHARE or _goes_on(best, found):
         why = "nearly the same range of values gives a region of another size"
-    elif _has_neck(best, cells.seeds[0]):
+    elif _has_neck(best, seed):
         why = "it goes on through a neck"
     if why is not None:
         raise OptionError(
@@ -94,13 +99,34 @@ def _check(best: Region, found: list[Region], cells: Cells) -> None:
         )
 
 
-def _agreed(best: Region, found: list[Region]) -> bool:
-    """Returns whether most regions that are nearly as good are about as large."""
-    good = [other for other in found if other.score > GOOD * best.score]
+def _best(found: list[Region]) -> tuple[Region, float] | None:
+    """Returns the region that most of the good ones are like, and their share of all."""
+    if not found:
+        return None
+    weights = [one.score**VOTES for one in found]
+    shares = [
+        sum(weight for other, weight in zip(found, weights, strict=True) if _alike(one, other))
+        for one in found
+    ]
+
+    def rank(number: int) -> tuple[float, int]:
+        return round(shares[number] * found[number].score, 3), found[number].count
+
+    best = max(range(len(found)), key=rank)
+    return found[best], shares[best] / sum(weights)
+
+
+def _alike(one: Region, other: Region) -> bool:
+    """Returns whether two regions are about as large, and in about the same place."""
     # the border of a small body is a large part of it
-    most = max(ALIKE, (1.0 + 1.0 / best.depth) ** 3)
-    alike = [other for other in good if 1.0 / most < other.count / best.count < most]
-    return 2 * len(alike) > len(good)
+    most = max(ALIKE, (1.0 + 1.0 / one.depth) ** 3)
+    if not 1.0 / most < other.count / one.count < most:
+        return False
+    both, either = 1, 1
+    for own, its in zip(one.box, other.box, strict=True):
+        both *= max(0, min(own.stop, its.stop) - max(own.start, its.start))
+        either *= max(own.stop, its.stop) - min(own.start, its.start)
+    return both * most * most > either
 
 
 def _goes_on(best: Region, found: list[Region]) -> bool:
@@ -138,4 +164,4 @@ def _has_neck(region: Region, seed: tuple[int, ...]) -> bool:
         sitk.MorphologicalWatershed(sitk.GetImageFromArray(heights), -np.log(NECK), False, False)  # noqa: FBT003
     )
     own = (basins == basins[tuple(place // every + 1 for place in begin)]) & mask
-    return np.count_nonzero(own) < LEAST_SIDE * np.count_nonzero(mask)
+    return bool(np.count_nonzero(own) < LEAST_SIDE * np.count_nonzero(mask))

@@ -10,6 +10,7 @@ Arrays are [z, y, x] of cells.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -66,7 +67,7 @@ class Region:
     @property
     def score(self) -> float:
         """How good it is, 0 to 1."""
-        return self.edge * self.ragged**-0.5
+        return self.edge / self.ragged
 
 
 def seed_value(cells: Cells) -> float:
@@ -161,7 +162,7 @@ def _noise(values: NDArray[np.float32]) -> float:
     """Returns the standard deviation of the noise, from differences of cells beside each other."""
     if len(values) < 2:
         return 0.0
-    return 1.4826 * float(np.median(np.abs(np.diff(values, axis=0)))) / 2.0**0.5
+    return 1.4826 * float(np.median(np.abs(np.diff(values, axis=0)))) / math.sqrt(2.0)
 
 
 def _slopes(values: NDArray[np.float32]) -> NDArray[np.float32]:
