@@ -41,6 +41,10 @@ VOTES = 6
 """Power of a region's score that it counts with."""
 LEAST_SHARE = 0.5
 """Of all regions, so weighted, that are like the chosen one."""
+UNANIMOUS = 0.95
+"""Share of votes from which edges within, such as that of a core, are less of a doubt."""
+LEAST_AGREED_EDGE = 0.6
+"""Share of a border at an edge, of a region that is unanimous."""
 ALIKE = 1.4
 """Volume by that of the best region of one that is about as large."""
 MANY = 20_000
@@ -86,7 +90,7 @@ def grown_by_choice(
 def _check(best: Region, share: float, *, found: list[Region], seed: tuple[int, ...]) -> None:
     """Refuses what would leak."""
     why = None
-    if best.edge < LEAST_EDGE:
+    if best.edge < (LEAST_EDGE if share < UNANIMOUS else LEAST_AGREED_EDGE):
         why = "no edge of values holds it"
     elif share < LEAST_SHARE or _goes_on(best, found):
         why = "nearly the same range of values gives a region of another size"

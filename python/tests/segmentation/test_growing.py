@@ -107,3 +107,14 @@ def test_a_spread_or_a_passage_that_is_given_counts() -> None:
     assert both[22, 22, 68]
     one = grown(volume, [seed], growing=Growing(spread=8.0, passage=20.0)).mask() != 0
     assert not one[22, 22, 68]
+
+
+def test_a_body_with_a_bright_core_is_found_from_around_the_core() -> None:
+    volume, ball = crisp_ball(14.0, (1.0, 1.0, 1.0))
+    _, core = crisp_ball(5.0, (1.0, 1.0, 1.0))
+    values = 3 * volume.array
+    values[tuple(slice(9, -9) for _ in range(3))][core] = 900
+    x, y, z = middle_of(volume)
+    both = Volume(values, spacing=volume.spacing)
+    found = grown(both, [(x + 9.0, y, z)]).voxel_count
+    assert found == pytest.approx(np.count_nonzero(ball), rel=0.05)
