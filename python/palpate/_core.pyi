@@ -288,6 +288,12 @@ class Session:
     def fill_box(self, segment_id: int, low: _Voxel, high: _Voxel, solid: bool) -> None:
         """Makes the voxels from ``low`` up to, but without, ``high`` solid or free."""
 
+    def remove_matter(self, mask: Segment, stored: int) -> None:
+        """Gives voxels of a mask one stored value, and takes them out of all segments."""
+
+    def as_edited(self, made: Segment, low: float, high: float) -> Segment:
+        """A threshold of the scan with edited voxels as their values are now."""
+
     def show_surface(
         self, segment_id: int, *, smoothing: int, step: int = 1, of_bits: bool = False
     ) -> None:
@@ -563,11 +569,25 @@ class Renderer:
     def supersede(self, number: int) -> None:
         """Gives up pictures of lower numbers that are being drawn or still wait."""
 
+    @property
+    def edit_number(self) -> int:
+        """The edit whose voxels are drawn."""
+
+    def part_edited_since(
+        self, edit_number: int, camera: Camera, size: tuple[int, int]
+    ) -> tuple[int, int, int, int] | None:
+        """First column and row, columns and rows of the part that shows what was edited since.
+
+        None where all of the picture may look different: the edit is not remembered, tissue is
+        displaced, or surfaces are drawn, which come after the edit.
+        """
+
     def draw(
         self,
         camera: Camera,
         size: tuple[int, int],
         *,
+        part: tuple[int, int, int, int] | None = None,
         steps_per_voxel: float = 1.0,
         samples: int = 1,
         jitter: bool = False,
@@ -576,12 +596,13 @@ class Renderer:
     ) -> Picture | None:
         """Draws a picture of so many columns and rows; None where it was given up.
 
-        ``samples`` pictures are averaged, with rays through other places of each pixel; ``jitter``
+        Of a ``part``, first column and row, columns and rows, it is those alone, lit by the light
+        of the picture before; it begins at a multiple of 4 columns and 8 rows. ``samples`` pictures are averaged, with rays through other places of each pixel; ``jitter``
         starts rays at different shares of a step; ``haste`` leaves out the occlusion by the nearest
         voxels.
 
         Raises:
-            ValueError: Camera, size or steps are not allowed, or there is no appearance yet.
+            ValueError: Camera, size, part or steps are not allowed, or there is no appearance yet.
         """
 
 class Picture:

@@ -15,6 +15,7 @@ use palpate_render::appearance::{
 use palpate_render::camera::Camera;
 use palpate_render::displaced::Displacements;
 use palpate_render::draw::Request;
+use palpate_render::part::Part;
 use palpate_render::picture::{Ground, Picture};
 use palpate_render::renderer::Renderer;
 use palpate_render::scene::SceneError;
@@ -54,6 +55,9 @@ pub struct PyPicture {
 
 /// A colour as Python has it.
 type Colour = (f32, f32, f32);
+
+/// Some pixels of a picture as Python has them: first column and row, columns and rows.
+type GivenPart = (u32, u32, u32, u32);
 
 /// A camera as Python has it, see `palpate.pictures.camera`.
 #[derive(FromPyObject)]
@@ -210,8 +214,28 @@ impl PyRenderer {
         self.newest.fetch_max(number, Relaxed);
     }
 
+    /// The edit whose voxels are drawn.
+    #[getter]
+    fn edit_number(&self) -> u64 {
+        self.lock().edit_number()
+    }
+
+    /// First column and row, columns and rows of the part of a picture that shows what was edited since an edit; None
+    /// where all of it may look different.
+    fn part_edited_since(
+        &self,
+        edit_number: u64,
+        camera: GivenCamera,
+        size: (u32, u32),
+    ) -> Result<Option<GivenPart>, CoreError> {
+        check_size(size)?;
+        let camera = camera.checked()?;
+        let part = self.lock().part_edited_since(edit_number, &camera, size);
+        Ok(part.map(|Part { first, size }| (first.x, first.y, size.x, size.y)))
+    }
+
     /// Draws a picture; None where it was given up.
-    #[pyo3(signature = (camera, size, *, steps_per_voxel = 1.0, samples = 1, jitter = false, haste = false, number = u64::MAX))]
+    #[pyo3(signature = (camera, size, *, part = None, steps_per_voxel = 1.0, samples = 1, jitter = false, haste = false, number = u64::MAX))]
     #[expect(
         clippy::too_many_arguments,
         reason = "they are keywords in Python and options of one struct in the engine"
@@ -221,6 +245,7 @@ impl PyRenderer {
         py: Python<'_>,
         camera: GivenCamera,
         size: (u32, u32),
+        part: Option<GivenPart>,
         steps_per_voxel: f32,
         samples: u32,
         jitter: bool,
@@ -237,6 +262,7 @@ impl PyRenderer {
         let request = Request {
             camera,
             size,
+            part: part.map(|part| checked_part(part, size)).transpose()?,
             steps_per_voxel,
             shift: (0.0, 0.0),
             noise: jitter.then_some(0),
@@ -382,6 +408,22 @@ fn check_size(size: (u32, u32)) -> Result<(), CoreError> {
     Err(CoreError::value(format!(
         "picture of {} × {} pixels given; allowed: 1 to {MOST_PIXELS} along each edge",
         size.0, size.1
+    )))
+}
+
+fn checked_part(
+    (column, row, columns, rows): GivenPart,
+    size: (u32, u32),
+) -> Result<Part, CoreError> {
+    let part = Part {
+        first: (column, row).into(),
+        size: (columns, rows).into(),
+    };
+    if part.is_of(size) {
+        return Ok(part);
+    }
+    Err(CoreError::value(format!(
+        "part of {columns} × {rows} pixels from column {column} and row {row} on given; allowed: one within the picture that begins at a multiple of 4 columns and 8 rows"
     )))
 }
 

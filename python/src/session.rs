@@ -318,6 +318,29 @@ impl PySession {
         Ok(py.detach(|| self.session.threshold(id, (low, high)))?.0)
     }
 
+    /// Takes matter away: voxels of a mask get one stored value, and are in no segment any more.
+    fn remove_matter(
+        &self,
+        py: Python<'_>,
+        mask: &PySegment,
+        stored: i16,
+    ) -> Result<(), CoreError> {
+        let mask = mask.segment.clone();
+        Ok(py.detach(|| self.session.remove_matter(mask, stored))?)
+    }
+
+    /// The voxels that a range of values makes of the scan, as edits have left it.
+    fn as_edited(
+        &self,
+        py: Python<'_>,
+        made: &PySegment,
+        low: f64,
+        high: f64,
+    ) -> Result<PySegment, CoreError> {
+        let segment = py.detach(|| self.session.as_edited(&made.segment, (low, high)))?;
+        Ok(PySegment { segment })
+    }
+
     /// Makes the voxels from `low` up to, but without, `high` solid or free in one segment.
     fn fill_box(
         &self,

@@ -15,6 +15,7 @@ use crate::lanes::{Floats, Gather, Ints, LANES, Masks, Plain};
 use crate::light_volume::{LightLookup, LightVolume};
 use crate::lighting::Light;
 use crate::march::{CLEAR_ENOUGH, Layers, PACKET, Packet, Pixels, Seen, seen_along};
+use crate::part::Part;
 use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::Scene;
@@ -32,6 +33,8 @@ pub struct Request {
     pub camera: Camera,
     /// Pixels across and down.
     pub size: (u32, u32),
+    /// The pixels that are drawn; none: all.
+    pub part: Option<Part>,
     /// Steps for each smallest voxel edge.
     pub steps_per_voxel: f32,
     /// Shift within the pixel, −½ to ½ to the right and down, for averaging several pictures.
@@ -44,7 +47,10 @@ pub struct Request {
     pub level: SimdLevel,
 }
 
-/// Draws a picture; none where `stop` said so meanwhile.
+/// Draws a picture, or the part that was asked for; none where `stop` said so meanwhile.
+///
+/// # Panics
+/// Where the picture has no such part.
 pub fn draw(
     scene: &Scene,
     prepared: &Prepared,
@@ -55,8 +61,10 @@ pub fn draw(
     let fan = RayFan::new(&request.camera, scene.grid(), request.size);
     let shading = shading_of(scene, prepared, light, request, &fan);
     let on_screen = surfaces_on_screen(scene, prepared, request);
-    let mut picture = Picture::clear(request.size);
-    let band = BAND * request.size.0 as usize;
+    let part = request.part.unwrap_or(Part::whole(request.size));
+    assert!(part.is_of(request.size), "a part of no such picture");
+    let mut picture = Picture::clear(part.size.into());
+    let band = BAND * part.size.x as usize;
     let colours = picture.colours.par_chunks_mut(band);
     let depths = picture.depths.par_chunks_mut(band);
     let segments = picture.segments.par_chunks_mut(band);
@@ -65,7 +73,10 @@ pub fn draw(
             if stop() {
                 return Err(());
             }
+            // parts begin with a band
+            let number = part.first.y as usize / BAND + number;
             let band = Band {
+                columns: part.first.x..part.first.x + part.size.x,
                 first: (number * BAND) as u32,
                 colours,
                 depths,
@@ -75,12 +86,7 @@ pub fn draw(
                 .as_ref()
                 .filter(|it| it.has_any(number))
                 .map(|it| {
-                    BandFragments::new(
-                        it,
-                        &shading,
-                        (&fan, request.shift),
-                        (number, band.rows(&fan)),
-                    )
+                    BandFragments::new(it, &shading, (&fan, request.shift), (number, band.rows()))
                 });
             let job = Job {
                 shading: &shading,
@@ -148,7 +154,9 @@ fn halton(index: u32, base: u32) -> f32 {
 
 /// Some rows of a picture.
 struct Band<'a> {
-    /// The first row.
+    /// In the whole picture.
+    columns: Range<u32>,
+    /// The first row, in the whole picture.
     first: u32,
     colours: &'a mut [[f32; 4]],
     depths: &'a mut [f32],
@@ -189,14 +197,14 @@ fn rows_plain(job: Job<'_>, band: Band<'_>, _: SimdLevel) {
 
 #[inline(always)]
 fn rows<L: Gather>(job: Job<'_>, mut band: Band<'_>) {
-    let columns = job.fan.size.0;
-    let rows = band.rows(job.fan).len() as u32;
+    let columns = band.columns.len() as u32;
+    let rows = band.rows().len() as u32;
     let mut row = 0;
     while row < rows {
         let mut column = 0;
         while column < columns {
             let pixels = Pixels {
-                column,
+                column: band.columns.start + column,
                 row: band.first + row,
                 shift: job.shift,
                 noise: job.noise,
@@ -220,8 +228,8 @@ fn rows<L: Gather>(job: Job<'_>, mut band: Band<'_>) {
 
 impl Band<'_> {
     /// Its rows in the picture.
-    fn rows(&self, fan: &RayFan) -> Range<u32> {
-        let count = self.colours.len() / fan.size.0 as usize;
+    fn rows(&self) -> Range<u32> {
+        let count = self.colours.len() / self.columns.len();
         self.first..self.first + count as u32
     }
 
@@ -234,7 +242,7 @@ impl Band<'_> {
         packet: &Packet<L>,
         seen: &Seen<L>,
     ) {
-        let columns = job.fan.size.0;
+        let columns = self.columns.len() as u32;
         let opacity = opacity_of(job.shading.blend, seen);
         let light = weighted(job.shading.blend, seen, opacity);
         let (red, green, blue) = (light.x.store(), light.y.store(), light.z.store());

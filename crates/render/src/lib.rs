@@ -17,6 +17,7 @@ mod lanes;
 pub mod light_volume;
 mod lighting;
 mod march;
+pub mod part;
 pub mod picture;
 pub mod prepared;
 pub mod renderer;

@@ -1,14 +1,18 @@
 //! A scene, how it looks and its light, kept ready for one picture after another.
 
+use std::collections::VecDeque;
+
 use glam::{DVec3, Vec3};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
 use crate::appearance::{Appearance, Lighting};
+use crate::camera::{Camera, RayFan};
 use crate::displaced::Displacements;
 use crate::draw::{Request, draw_averaged};
 use crate::light_volume::LightVolume;
+use crate::part::Part;
 use crate::picture::Picture;
 use crate::prepared::Prepared;
 use crate::scene::{Scene, SceneError};
@@ -17,6 +21,9 @@ use crate::surfaces::SegmentSurface;
 
 /// Cells along the scan's longest edge in which light is worked out.
 const LIGHT_CELLS: u32 = 128;
+
+/// Edits whose voxels are remembered: those of some seconds of drilling.
+const REMEMBERED: usize = 256;
 
 /// Draws pictures of a scan that is edited meanwhile.
 #[derive(Debug)]
@@ -27,6 +34,8 @@ pub struct Renderer {
     prepared: Option<Prepared>,
     /// Voxels that were changed since.
     changed: VoxelBox,
+    /// Of the last edits: the one before each, and the voxels that it changed.
+    edits: VecDeque<(u64, VoxelBox)>,
     light: Option<LightVolume>,
     stale: Stale,
     /// Toward the lamp for which the light was worked out, patient frame.
@@ -57,6 +66,7 @@ impl Renderer {
             appearance: None,
             prepared: None,
             changed: VoxelBox::EMPTY,
+            edits: VecDeque::new(),
             light: None,
             stale: Stale::Everything,
             lamp: DVec3::ZERO,
@@ -74,7 +84,9 @@ impl Renderer {
         if voxels.edit_number() == self.edit_number() {
             return false;
         }
+        let before = self.edit_number();
         let changed = self.scene.follow(voxels);
+        self.remember(before, changed);
         self.stale = match self.stale {
             Stale::Nothing => Stale::Around(changed),
             Stale::Around(before) => Stale::Around(before.union(&changed)),
@@ -89,7 +101,50 @@ impl Renderer {
     /// # Panics
     /// Where there is no node, or not one displacement for each.
     pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
+        // no edit tells what looks different then
+        self.edits.clear();
         self.scene.displace(displacements);
+    }
+
+    /// The part of a picture that shows what was edited since this edit; none where that is not known, or where more
+    /// than edited voxels may look different: displaced tissue, and surfaces, which come after the edit.
+    #[must_use]
+    pub fn part_edited_since(
+        &self,
+        edit_number: u64,
+        camera: &Camera,
+        size: (u32, u32),
+    ) -> Option<Part> {
+        let has_surfaces = |look: &Appearance| !look.surfaces.is_empty();
+        if self.scene.displaced.is_some() || self.appearance.as_ref().is_some_and(has_surfaces) {
+            return None;
+        }
+        let voxels = self.edited_since(edit_number)?;
+        let grid = self.scene.grid();
+        Some(Part::showing(
+            &voxels,
+            &RayFan::new(camera, grid, size),
+            grid,
+        ))
+    }
+
+    fn edited_since(&self, edit_number: u64) -> Option<VoxelBox> {
+        if edit_number == self.edit_number() {
+            return Some(VoxelBox::EMPTY);
+        }
+        let since = self
+            .edits
+            .iter()
+            .position(|&(before, _)| before == edit_number)?;
+        let edits = self.edits.range(since..);
+        Some(edits.fold(VoxelBox::EMPTY, |all, (_, changed)| all.union(changed)))
+    }
+
+    fn remember(&mut self, before: u64, changed: VoxelBox) {
+        self.edits.push_back((before, changed));
+        if self.edits.len() > REMEMBERED {
+            self.edits.pop_front();
+        }
     }
 
     /// Takes the surfaces of segments as they are now.
@@ -107,8 +162,8 @@ impl Renderer {
         self.appearance = Some(appearance);
     }
 
-    /// Draws the mean of so many pictures; none where `stop` said so meanwhile. A picture in haste is lit by the
-    /// light of the one before.
+    /// Draws the mean of so many pictures; none where `stop` said so meanwhile. A picture in haste, and a part of one,
+    /// are lit by the light of the one before.
     ///
     /// # Errors
     /// Where nobody has said how the scan looks.
@@ -144,7 +199,7 @@ impl Renderer {
         samples: u32,
         stop: Stop<'_>,
     ) -> Option<Picture> {
-        if !request.is_in_haste {
+        if !request.is_in_haste && request.part.is_none() {
             self.bring_light(request.camera.lamp(), stop)?;
         }
         let prepared = self.prepared.as_ref()?;

@@ -81,15 +81,16 @@ impl Scene {
         );
         let changed = changed_bricks(&self.voxels, &voxels);
         let segments = changed_segments(&self.voxels, &voxels);
+        let before = std::mem::replace(&mut self.field, field_of(&voxels));
         self.voxels = voxels;
-        self.field = field_of(&self.voxels);
         for voxels in &changed {
             self.ranges.renew(&self.field, voxels.min, voxels.max - 1);
         }
         let whole = self.voxels.grid().bounds();
         changed
             .iter()
-            .fold(segments, |all, voxels| all.union(voxels))
+            .map(|brick| other_values(&before, &self.field, &brick.intersect(&whole)))
+            .fold(segments, |all, voxels| all.union(&voxels))
             .intersect(&whole)
     }
 
@@ -135,6 +136,16 @@ fn changed_bricks(before: &Voxels, now: &Voxels) -> Vec<VoxelBox> {
         })
         .map(|index| now.box_of(index))
         .collect()
+}
+
+/// A box that holds all voxels of a box whose value is another.
+fn other_values(before: &Field, now: &Field, voxels: &VoxelBox) -> VoxelBox {
+    let others = voxels
+        .voxels()
+        .filter(|&voxel| before.stored(voxel) != now.stored(voxel));
+    others.fold(VoxelBox::EMPTY, |all, voxel| {
+        all.union(&VoxelBox::new(voxel, voxel + 1))
+    })
 }
 
 /// A box that holds all voxels of the scan whose segment is another.

@@ -13,6 +13,7 @@ mod edits;
 mod grids;
 mod light;
 mod modes;
+mod parts;
 mod same_picture;
 mod segments;
 mod surfaces;

@@ -10,6 +10,7 @@ use glam::{IVec3, UVec3};
 use thiserror::Error;
 
 use crate::bit_brick::BitBrick;
+use crate::bits::Bits;
 use crate::brick_grid::BrickSwap;
 use crate::edit::{Edit, SegmentId};
 use crate::edit_builder;
@@ -18,7 +19,8 @@ use crate::intensities::Intensities;
 use crate::intensity_brick::IntensityBrick;
 use crate::overlay::Overlay;
 use crate::segment::Segment;
-use crate::threshold::threshold;
+use crate::segment_set::SegmentSet;
+use crate::threshold::{stored_range, threshold};
 use crate::voxel_box::VoxelBox;
 use crate::voxel_state::VoxelState;
 
@@ -286,6 +288,51 @@ impl Voxels {
     ) -> Edit {
         let region = region.intersect(&self.grid.bounds());
         edit_builder::voxel_edit(self, &region, change)
+    }
+
+    /// Builds a change by which the voxels of a mask have one stored value and are in no segment that stands on the
+    /// scan's grid. Nothing changes before [`Self::apply`].
+    ///
+    /// # Errors
+    /// Where the mask is of another grid.
+    pub fn removal(&self, mask: &Segment, stored: i16) -> Result<Edit, VoxelsError> {
+        check_dimensions(mask.dimensions(), self.grid.dimensions())?;
+        let region = mask.bounding_box().unwrap_or(VoxelBox::EMPTY);
+        Ok(self.voxel_edit(&region, |voxel, was| {
+            if mask.contains(voxel) {
+                VoxelState {
+                    stored,
+                    segments: SegmentSet::EMPTY,
+                }
+            } else {
+                was
+            }
+        }))
+    }
+
+    /// The voxels that a range of values makes of the scan, but those of another value by now where that is from `low` to
+    /// `high` in physical units.
+    ///
+    /// # Errors
+    /// Where they are of another grid.
+    pub fn as_edited(&self, made: &Segment, low: f64, high: f64) -> Result<Segment, VoxelsError> {
+        check_dimensions(made.dimensions(), self.grid.dimensions())?;
+        let range = stored_range(&self.intensities, low, high);
+        let is_in_range = |stored| range.as_ref().is_some_and(|range| range.contains(&stored));
+        let occupancy = Bits::from_bricks(self.grid.dimensions(), |voxels| {
+            let bits = made.occupancy().bricks().at(voxels.min);
+            let mut bits = bits.map_or(BitBrick::EMPTY, BitBrick::clone);
+            if let Some(edited) = self.overlay.bricks().at(voxels.min) {
+                for voxel in voxels.voxels() {
+                    let stored = edited.stored(voxel);
+                    if self.intensities.stored(voxel) != Some(stored) {
+                        bits.set(voxel, is_in_range(stored));
+                    }
+                }
+            }
+            bits
+        });
+        Ok(Segment::from_bits(occupancy))
     }
 
     /// Applies an edit and returns its inverse, which is to be applied to the state that

@@ -341,6 +341,63 @@ fn a_threshold_sees_what_edits_made_of_the_scan() {
 }
 
 #[test]
+fn a_removal_leaves_air_in_its_mask_and_nothing_else_changes() {
+    let mut random = Random::new(131);
+    for _ in 0..10 {
+        let mut voxels = voxels(&mut random);
+        let (before, mask) = (
+            Dense::of(&voxels),
+            Segment::from_mask(DIMENSIONS, &random.mask(DIMENSIONS)).expect("a mask"),
+        );
+        let undo = voxels
+            .apply(voxels.removal(&mask, AIR).expect("one grid"))
+            .expect("it fits");
+        let after = Dense::of(&voxels);
+        for voxel in grid().bounds().voxels() {
+            let place = grid().index(voxel);
+            let is_gone = mask.contains(voxel);
+            let stored = if is_gone { AIR } else { before.stored[place] };
+            assert_eq!(after.stored[place], stored, "{voxel}");
+            for (id, was) in &before.masks {
+                let is_in = was[place] != 0 && !is_gone;
+                assert_eq!(after.masks[id][place] != 0, is_in, "{voxel}");
+            }
+        }
+        voxels.apply(undo).expect("it fits");
+        assert_eq!(Dense::of(&voxels), before);
+    }
+    let other = Segment::empty(UVec3::splat(4));
+    assert!(matches!(
+        voxels(&mut random).removal(&other, AIR),
+        Err(VoxelsError::Dimensions { .. })
+    ));
+}
+
+#[test]
+fn a_threshold_of_the_scan_is_brought_to_what_edits_made_of_it() {
+    let mut random = Random::new(132);
+    let mut voxels = voxels(&mut random);
+    let scan = voxels.intensities().clone();
+    let [one, other] = [650, 750].map(|stored| scan.physical(stored));
+    let (low, high) = (one.min(other), one.max(other));
+    let of_scan = voxels.threshold(low, high);
+    let hole = VoxelBox::new(IVec3::splat(3), IVec3::splat(14));
+    let edit = voxels.voxel_edit(&hole, |voxel, was| VoxelState {
+        stored: if voxel.x % 2 == 0 { AIR } else { 700 },
+        ..was
+    });
+    voxels.apply(edit).expect("it fits");
+    let now = voxels.as_edited(&of_scan, low, high).expect("one grid");
+    assert_eq!(now.mask(), voxels.threshold(low, high).mask());
+    assert_ne!(now.mask(), of_scan.mask());
+    // what is not edited stays as it was made
+    let empty = Segment::empty(DIMENSIONS);
+    let only = voxels.as_edited(&empty, low, high).expect("one grid");
+    assert!(only.count() > 0);
+    assert!(only.bounding_box().expect("some").min.cmpge(hole.min).all());
+}
+
+#[test]
 fn segments_take_the_lowest_free_number_and_every_change_is_numbered() {
     let mut random = Random::new(129);
     let mut voxels = voxels(&mut random);

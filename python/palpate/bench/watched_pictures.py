@@ -1,10 +1,10 @@
 """What a person at a page sees, noted in the page from its opening on.
 
 A script, put into the page before its own, looks at it with every frame: when a picture stands on
-the screen, by what its resolution is divided, and which request it answers. Pointer events, keys
-and edits are noted with the number of the last request before them: the first picture with a higher
-one shows what they changed. Times are from the opening of the page [ms]; a picture counts from the
-frame after the one in which it was drawn.
+the screen, by what its resolution is divided, and which request it answers. Pointer events and
+edits are noted with the number of the last request before the frame after them, in which the page
+takes them: the first picture with a higher one shows what they changed. Times are from the opening
+of the page [ms]; a picture counts from the frame after the one in which it was drawn.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class NotedPicture(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class NotedMove(msgspec.Struct, frozen=True, kw_only=True):
-    """A pointer event; ``requested`` is the number of the last request before it."""
+    """A pointer event; ``requested`` is the number of the last request before the next frame."""
 
     at: float
     requested: int | None
@@ -138,8 +138,11 @@ def press_until(page: Page, seconds: float, until: str) -> None:
 
 NOTING = """(() => {
   const pictures = [], moves = [], edits = [], keys = [];
-  let drawn = null, requestedBefore = null, lastEdit = 0;
+  let drawn = null, lastEdit = 0, lastMove = 0;
   const note = () => {
+    const requested = window.palpate?.bench.numbers?.requested ?? null;
+    // what they change is requested in this frame at the earliest
+    for (; lastMove < moves.length; lastMove += 1) moves[lastMove].requested = requested;
     const { palpate } = window, shown = palpate?.shown ?? null;
     if (shown !== null && palpate.firstPicture !== null && shown.divisor > 0) {
       const { divisor, finished } = shown, { numbers, pieces } = palpate.bench;
@@ -149,18 +152,15 @@ NOTING = """(() => {
         pictures.push({ at: performance.now(), pieces, divisor, finished, answers });
       }
       for (const { applied, edit } of palpate.editTimes.filter(({ edit }) => edit > lastEdit)) {
-        // what was requested before this frame was requested before the edit came
-        edits.push({ at: applied - performance.timeOrigin, requested: requestedBefore });
+        edits.push({ at: applied - performance.timeOrigin, requested });
         lastEdit = edit;
       }
-      requestedBefore = numbers?.requested ?? null;
     }
     requestAnimationFrame(note);
   };
   requestAnimationFrame(note);
   addEventListener("pointermove", ({ timeStamp }) => {
-    const requested = window.palpate?.bench.numbers?.requested ?? null;
-    moves.push({ at: timeStamp, requested });
+    moves.push({ at: timeStamp, requested: null });
   }, true);
   addEventListener("keydown", ({ timeStamp }) => {
     keys.push({ at: timeStamp, delay: performance.now() - timeStamp });

@@ -18,6 +18,8 @@ __all__ = ["DrawnArrays", "Fineness", "SessionPictures"]
 
 NEVER_GIVEN_UP = 2**64 - 1
 """Number of a picture that is newer than all others."""
+MOST_OF_PICTURE = 0.3
+"""Share of a picture from which on a part is not drawn sooner than all of it."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,10 @@ class DrawnArrays:
     depths: NDArray[np.float32]
     """From the eye along the direction of view [mm], infinite where nothing is;
     shape [rows, columns]."""
+    edit: int = 0
+    """Number of the edit whose voxels it shows."""
+    part: tuple[int, int] | None = None
+    """Column and row in the whole picture where it begins; None where it is all of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,16 +99,33 @@ class SessionPictures:
         with self._turn:
             renderer = self._following()
             renderer.set_appearance(appearance)
-            picture = renderer.draw(
-                camera,
-                size,
-                steps_per_voxel=fineness.steps_per_voxel,
-                samples=fineness.samples,
-                jitter=fineness.jitter,
-                haste=fineness.haste,
-                number=NEVER_GIVEN_UP if number is None else number,
-            )
-        return None if picture is None else DrawnArrays(picture.colours(), picture.depths())
+            return _drawn(renderer, camera, size, fineness=fineness, number=number)
+
+    def draw_edited(
+        self,
+        appearance: Appearance,
+        camera: Camera,
+        size: tuple[int, int],
+        *,
+        since: int,
+        fineness: Fineness,
+    ) -> DrawnArrays | None:
+        """Draws the part that shows what was edited since an edit, to its end.
+
+        It is lit by the light of the picture before. Returns None where more than a part of a
+        picture of so many columns and rows may look different.
+
+        Raises:
+            ValueError: Appearance, camera or size are not allowed.
+            RuntimeError: The session has ended.
+        """
+        with self._turn:
+            renderer = self._following()
+            renderer.set_appearance(appearance)
+            part = renderer.part_edited_since(since, camera, size)
+            if part is None or part[2] * part[3] > MOST_OF_PICTURE * size[0] * size[1]:
+                return None
+            return _drawn(renderer, camera, size, fineness=fineness, part=part)
 
     def _following(self) -> _core.Renderer:
         """Returns the renderer with the voxels as they are now."""
@@ -112,3 +135,33 @@ class SessionPictures:
         elif self.follows_edits:
             self._renderer.follow(engine)
         return self._renderer
+
+
+def _drawn(
+    renderer: _core.Renderer,
+    camera: Camera,
+    size: tuple[int, int],
+    *,
+    fineness: Fineness,
+    part: tuple[int, int, int, int] | None = None,
+    number: int | None = None,
+) -> DrawnArrays | None:
+    """Returns a picture, or a part of it; None where it was given up."""
+    picture = renderer.draw(
+        camera,
+        size,
+        part=part,
+        steps_per_voxel=fineness.steps_per_voxel,
+        samples=fineness.samples,
+        jitter=fineness.jitter,
+        haste=fineness.haste,
+        number=NEVER_GIVEN_UP if number is None else number,
+    )
+    if picture is None:
+        return None
+    return DrawnArrays(
+        picture.colours(),
+        picture.depths(),
+        edit=renderer.edit_number,
+        part=None if part is None else part[:2],
+    )

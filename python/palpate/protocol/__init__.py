@@ -18,6 +18,7 @@ from palpate.protocol.engine_picture import (
     LookSurface,
     PictureFailed,
     PictureLook,
+    PictureOver,
     PicturePart,
     PictureTaken,
     SeenFrom,
@@ -46,11 +47,13 @@ from palpate.protocol.registration import (
 )
 from palpate.protocol.segments import (
     ChangeShape,
+    CropScan,
     CutAlong,
     CutPreview,
     CutSegment,
     EndPaint,
     Feel,
+    FindTable,
     Gap,
     Grab,
     GrowSeeds,
@@ -60,6 +63,7 @@ from palpate.protocol.segments import (
     NewSegment,
     Otsu,
     Paint,
+    RemoveFromScan,
     RemoveSegment,
     Segment,
     SegmentFeel,
@@ -67,6 +71,7 @@ from palpate.protocol.segments import (
     Segments,
     SegmentWork,
     StopSegmentWork,
+    TableFound,
     Threshold,
     TurnGrabbed,
     WatchGap,
@@ -174,6 +179,7 @@ __all__ = [
     "Colour",
     "Constants",
     "Coordinate",
+    "CropScan",
     "CutAlong",
     "CutPreview",
     "CutSegment",
@@ -187,6 +193,7 @@ __all__ = [
     "Feel",
     "Fence",
     "FillOutline",
+    "FindTable",
     "FollowEdits",
     "ForceSource",
     "FoundRegistration",
@@ -231,6 +238,7 @@ __all__ = [
     "Passed",
     "PictureFailed",
     "PictureLook",
+    "PictureOver",
     "PicturePart",
     "PictureTaken",
     "Place",
@@ -251,6 +259,7 @@ __all__ = [
     "RegistrationLevel",
     "RegistrationMetric",
     "RegistrationStart",
+    "RemoveFromScan",
     "RemoveSegment",
     "Safety",
     "Scan",
@@ -284,6 +293,7 @@ __all__ = [
     "Stroke",
     "SurfacePatch",
     "SurfaceSource",
+    "TableFound",
     "Threshold",
     "ThresholdPreset",
     "TissueName",
@@ -325,6 +335,7 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | TableFound
     | SecondScan
     | Registration
     | Passed
@@ -344,6 +355,9 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | StopSegmentWork
+    | FindTable
+    | RemoveFromScan
+    | CropScan
     | Register
     | StopRegistration
     | ShowRegistration

@@ -29,6 +29,7 @@ __all__ = [
     "LookSurface",
     "PictureFailed",
     "PictureLook",
+    "PictureOver",
     "PicturePart",
     "PictureTaken",
     "SeenFrom",
@@ -116,19 +117,28 @@ class PictureLook(Message, frozen=True, tag="picture_look"):
     clip: Annotated[list[tuple[Vector, Coordinate]], msgspec.Meta(max_length=16)]
 
 
+class PictureOver(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The picture that a page shows in the same view, size and look; see ``DrawnPicture``."""
+
+    edit: Annotated[int, msgspec.Meta(ge=0)]
+    divisor: Annotated[float, msgspec.Meta(ge=1.0, le=64.0)]
+
+
 class DrawPicture(Message, frozen=True, tag="draw_picture"):
     """Requests pictures of the 3-D view in the last ``PictureLook``; see ``DrawnPicture``.
 
     One at once; where the view does not move (``moving``) finer ones follow, until another is
     requested. ``size`` has columns and rows [pixels]. The last picture is the mean of ``samples``,
     of ``steps_per_voxel`` steps for each smallest voxel edge. With ``jitter`` rays start at
-    different fractions of a step.
+    different fractions of a step. Where the page shows this view already (``over``) and a part of
+    it was edited since, that part comes first.
     """
 
     number: Annotated[int, msgspec.Meta(ge=0)]
     camera: SeenFrom
     size: tuple[PixelCount, PixelCount]
     moving: bool
+    over: PictureOver | None
     steps_per_voxel: Annotated[float, msgspec.Meta(ge=0.1, le=16.0)]
     samples: Annotated[int, msgspec.Meta(ge=1, le=64)]
     jitter: bool
@@ -141,8 +151,10 @@ class PictureTaken(Message, frozen=True, tag="picture_taken"):
 class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
     """A picture for the ``DrawPicture`` with this number; ``finished``: it is the last one.
 
-    ``size`` has columns and rows: those requested, divided by ``divisor``, rounded up. Rows from
-    the upper edge, little-endian. ``milliseconds`` is how long it was drawn.
+    ``size`` has columns and rows: those requested, divided by ``divisor``, rounded up. Where it is
+    a ``part`` of such a picture, it has its first column and row there, and is to be put over one
+    of the same view that shows edit ``over`` or a later one. ``edit`` is the last edit that it
+    shows. Rows from the upper edge, little-endian. ``milliseconds`` is how long it was drawn.
 
     ``coding`` "raw": ``colours`` are linear RGB multiplied by opacity, and opacity, as float16,
     shape [rows, columns, 4]; ``depths`` distances from the eye along the direction of view as
@@ -157,6 +169,9 @@ class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
 
     number: int
     size: tuple[int, int]
+    part: tuple[int, int] | None
+    over: int | None
+    edit: int
     divisor: float
     samples: int
     finished: bool

@@ -23,11 +23,13 @@ from palpate.volumes.appearance import SegmentAppearance
 
 __all__ = [
     "ChangeShape",
+    "CropScan",
     "CutAlong",
     "CutPreview",
     "CutSegment",
     "EndPaint",
     "Feel",
+    "FindTable",
     "Gap",
     "Grab",
     "GrowSeeds",
@@ -37,6 +39,7 @@ __all__ = [
     "NewSegment",
     "Otsu",
     "Paint",
+    "RemoveFromScan",
     "RemoveSegment",
     "Segment",
     "SegmentFeel",
@@ -44,6 +47,7 @@ __all__ = [
     "SegmentWork",
     "Segments",
     "StopSegmentWork",
+    "TableFound",
     "Threshold",
     "TurnGrabbed",
     "WatchGap",
@@ -174,6 +178,33 @@ class GrowSeeds(Message, frozen=True, tag="grow_seeds"):
 
     ids: Annotated[list[SegmentId], msgspec.Meta(min_length=2, max_length=50)]
     smoothing: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)]
+
+
+class FindTable(Message, frozen=True, tag="find_table"):
+    """Makes a segment of what lies outside of the body and does not touch it: ``TableFound``."""
+
+
+class TableFound(Message, frozen=True, tag="table_found"):
+    """Tells which segment a table has become, for a person to decide on."""
+
+    id: SegmentId
+
+
+class RemoveFromScan(Message, frozen=True, tag="remove_from_scan"):
+    """Takes the voxels of a segment out of the scan, and removes the segment: one step of undo."""
+
+    id: SegmentId
+
+
+class CropScan(Message, frozen=True, tag="crop_scan"):
+    """Takes what lies outside of a box out of the scan; undo brings it back.
+
+    ``low`` and ``high`` are how much goes from the low and high faces of the scan, along its own
+    axes [mm]; voxels whose centre lies in the box stay.
+    """
+
+    low: Vector
+    high: Vector
 
 
 class ChangeShape(Message, frozen=True, tag="change_shape"):

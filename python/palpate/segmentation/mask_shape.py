@@ -28,6 +28,7 @@ __all__ = [
     "drop_small",
     "filled",
     "hollow",
+    "islands",
     "keep_largest",
     "margin",
     "median",
@@ -195,6 +196,18 @@ def drop_small(mask: Mask, voxels: int) -> Mask:
 def touches_border(mask: Mask) -> bool:
     """Returns whether a mask has voxels at the border of its grid."""
     return any(bool(mask.take(end, axis).any()) for axis in range(3) for end in (0, -1))
+
+
+def islands(mask: Mask) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Numbers parts that hang together over faces of voxels, the largest first, from 1 on.
+
+    Returns:
+        The number of each voxel, 0 outside of the mask, and how many voxels each number has.
+    """
+    sitk = simpleitk()
+    labels = sitk.ConnectedComponent(_image(mask), False)  # noqa: FBT003  # over faces
+    numbers = _array(sitk.RelabelComponent(labels)).astype(np.int64)
+    return numbers, np.bincount(numbers.ravel())
 
 
 def _islands(mask: Mask, least: int) -> tuple[NDArray[np.uint32], Mask]:

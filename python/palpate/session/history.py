@@ -38,13 +38,13 @@ class SessionHistory:
         with self._regions.restored():
             return self._groups.redo(self._engine.redo)
 
-    def group_steps(self, segment_id: int, counts: Sequence[int]) -> None:
+    def group_steps(self, segment_id: int, counts: Sequence[int | None]) -> None:
         """Makes the last edits of a segment one step of ``undo`` and ``redo``.
 
         Args:
             segment_id: Number of the segment.
-            counts: Its number of voxels before the first of these edits and after each of them.
-                Each edit must only add voxels, or only remove some.
+            counts: Its number of voxels before the first of these edits and after each of them,
+                None where it was removed. Each edit must only add voxels, or only remove some.
         """
         self._groups.add(StepGroup(segment_id, tuple(counts)))
 

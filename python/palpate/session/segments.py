@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.session.air import air_of
 from palpate.session.engine import Engine, Point, option_errors, triple
 from palpate.session.gap import Gap
 from palpate.session.painted_cut import PaintedCut
@@ -76,6 +77,36 @@ class SessionSegments:
         """
         with option_errors():
             self._engine.remove_segment(segment_id)
+
+    def remove_from_scan(self, part: Segment) -> None:
+        """Takes voxels out of the scan: they become air, in the picture and for touch.
+
+        All segments lose them but those that were moved or have a grid of their own; ``undo``
+        brings everything back. The files of the scan stay as they are.
+
+        Args:
+            part: The voxels, on the grid of the scan.
+
+        Raises:
+            OptionError: They are on another grid, or a locked segment has some of them.
+        """
+        stored = (air_of(self._volume) - self._volume.intercept) / self._volume.slope
+        ends = np.iinfo(np.int16)
+        with option_errors():
+            voxels = part._internal  # noqa: SLF001
+            self._engine.remove_matter(voxels, int(np.clip(round(stored), ends.min, ends.max)))
+
+    def threshold(self, low: float, high: float, *, name: str = "bone") -> Segment:
+        """Returns a threshold as ``Volume.threshold``, but of the scan as edits have left it.
+
+        Raises:
+            OptionError: The values are no finite numbers, or not in order.
+            EmptySegmentError: No voxel of the scan had such a value.
+        """
+        made = self._volume.threshold(low, high, name=name)
+        with option_errors():
+            now = self._engine.as_edited(made._internal, low, high)  # noqa: SLF001
+        return Segment(now, name=made.name, volume=self._volume, range=made.range)
 
     def set_touchable(self, segment_id: int, *, touchable: bool) -> None:
         """Sets whether the probe collides with a segment.

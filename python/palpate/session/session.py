@@ -175,6 +175,8 @@ class Session:
 
     replace_segment = PartMethod("_segments", SessionSegments.replace_segment)
     remove_segment = PartMethod("_segments", SessionSegments.remove_segment)
+    remove_from_scan = PartMethod("_segments", SessionSegments.remove_from_scan)
+    threshold = PartMethod("_segments", SessionSegments.threshold)
     segment = PartMethod("_segments", SessionSegments.segment)
     segments = PartMethod("_segments", SessionSegments.segments)
     scene_now = PartMethod("_segments", SessionSegments.scene_now)

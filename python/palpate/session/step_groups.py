@@ -22,8 +22,8 @@ class StepGroup:
     """Successive steps on one segment."""
 
     segment_id: int
-    counts: tuple[int, ...]
-    """Voxels of the segment before the first step and after each step."""
+    counts: tuple[int | None, ...]
+    """Voxels of the segment before the first step and after each step; None where there is none."""
 
 
 class StepGroups:

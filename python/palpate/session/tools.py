@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import astuple
 from typing import Literal
 
+from palpate.session.air import air_of
 from palpate.session.engine import Engine, option_errors
 from palpate.session.needle import NeedleEvent, Tissue
 from palpate.volumes.volume import Volume
 
 __all__ = ["SessionTools"]
 
-AIR = -1000.0
-"""Value of drilled voxels in a scan in HU."""
 
 CORTICAL_ENERGY = 1300.0
 """Work of the drill per volume of cortical bone [mJ/mm³] (docs/understand/tools.md)."""
@@ -67,7 +66,7 @@ class SessionTools:
                 kind,
                 radius=radius,
                 segment_ids=list(segment_ids),
-                air=AIR if is_density else self._volume.range[0],
+                air=air_of(self._volume),
                 energy=None if is_density else CORTICAL_ENERGY,
                 tissues=[astuple(tissue) for tissue in tissues],
                 paint=(depth, overlaps),

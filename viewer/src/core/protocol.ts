@@ -686,8 +686,10 @@ export interface Outline {
 /**
  * A picture for the `DrawPicture` with this number; `finished`: it is the last one.
  *
- * `size` has columns and rows: those requested, divided by `divisor`, rounded up. Rows from
- * the upper edge, little-endian. `milliseconds` is how long it was drawn.
+ * `size` has columns and rows: those requested, divided by `divisor`, rounded up. Where it is
+ * a `part` of such a picture, it has its first column and row there, and is to be put over one
+ * of the same view that shows edit `over` or a later one. `edit` is the last edit that it
+ * shows. Rows from the upper edge, little-endian. `milliseconds` is how long it was drawn.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
  * shape [rows, columns, 4]; `depths` distances from the eye along the direction of view as
@@ -703,6 +705,9 @@ export interface DrawnPicture {
   readonly type: "drawn_picture";
   readonly number: number;
   readonly size: readonly [number, number];
+  readonly part: readonly [number, number] | null;
+  readonly over: number | null;
+  readonly edit: number;
   readonly divisor: number;
   readonly samples: number;
   readonly finished: boolean;
@@ -771,6 +776,12 @@ export interface NeedleEvents {
 export interface SegmentWork {
   readonly type: "segment_work";
   readonly what: string | null;
+}
+
+/** Tells which segment a table has become, for a person to decide on. */
+export interface TableFound {
+  readonly type: "table_found";
+  readonly id: SegmentId;
 }
 
 /**
@@ -936,13 +947,20 @@ export interface SeenFrom {
   readonly aside: number;
 }
 
+/** The picture that a page shows in the same view, size and look; see `DrawnPicture`. */
+export interface PictureOver {
+  readonly edit: number;
+  readonly divisor: number;
+}
+
 /**
  * Requests pictures of the 3-D view in the last `PictureLook`; see `DrawnPicture`.
  *
  * One at once; where the view does not move (`moving`) finer ones follow, until another is
  * requested. `size` has columns and rows [pixels]. The last picture is the mean of `samples`,
  * of `steps_per_voxel` steps for each smallest voxel edge. With `jitter` rays start at
- * different fractions of a step.
+ * different fractions of a step. Where the page shows this view already (`over`) and a part of
+ * it was edited since, that part comes first.
  */
 export interface DrawPicture {
   readonly type: "draw_picture";
@@ -950,6 +968,7 @@ export interface DrawPicture {
   readonly camera: SeenFrom;
   readonly size: readonly [number, number];
   readonly moving: boolean;
+  readonly over: PictureOver | null;
   readonly steps_per_voxel: number;
   readonly samples: number;
   readonly jitter: boolean;
@@ -1024,6 +1043,29 @@ export interface ChangeShape {
 /** Stops what `SegmentWork` reports and drops what is queued. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
+}
+
+/** Makes a segment of what lies outside of the body and does not touch it; see `TableFound`. */
+export interface FindTable {
+  readonly type: "find_table";
+}
+
+/** Takes the voxels of a segment out of the scan, and removes the segment: one step of undo. */
+export interface RemoveFromScan {
+  readonly type: "remove_from_scan";
+  readonly id: SegmentId;
+}
+
+/**
+ * Takes what lies outside of a box out of the scan; undo brings it back.
+ *
+ * `low` and `high` are how much goes from the low and high faces of the scan, along its own
+ * axes [mm]; voxels whose centre lies in the box stay.
+ */
+export interface CropScan {
+  readonly type: "crop_scan";
+  readonly low: Vector;
+  readonly high: Vector;
 }
 
 /**
@@ -1345,6 +1387,7 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | TableFound
   | SecondScan
   | Registration
   | Passed;
@@ -1364,6 +1407,9 @@ export type FromPage =
   | GrowSeeds
   | ChangeShape
   | StopSegmentWork
+  | FindTable
+  | RemoveFromScan
+  | CropScan
   | Register
   | StopRegistration
   | ShowRegistration
@@ -1963,6 +2009,9 @@ const isDrawnPicture = record({
   type: oneOf("drawn_picture"),
   number: whole(),
   size: tuple(whole(), whole()),
+  part: nullable(tuple(whole(), whole())),
+  over: nullable(whole()),
+  edit: whole(),
   divisor: real(),
   samples: whole(),
   finished: flag,
@@ -2012,6 +2061,11 @@ const isNeedleEvents = record({
 const isSegmentWork = record({
   type: oneOf("segment_work"),
   what: nullable(text()),
+});
+
+const isTableFound = record({
+  type: oneOf("table_found"),
+  id: isSegmentId,
 });
 
 const isSecondScan = record({
@@ -2074,6 +2128,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["table_found", isTableFound],
   ["second_scan", isSecondScan],
   ["registration", isRegistration],
   ["passed", isPassed],

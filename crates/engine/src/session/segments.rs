@@ -142,6 +142,28 @@ impl Session {
         self.build_and_commit(build, Simulation::apply)
     }
 
+    /// Takes matter away: the voxels of a mask get one stored value, and are in no segment any more that stands where the
+    /// scan has it.
+    ///
+    /// # Errors
+    /// Where the mask is of another grid, a locked segment is in it, or the session has ended.
+    pub fn remove_matter(&self, mask: Segment, stored: i16) -> Result<(), SessionError> {
+        let build = move |voxels: &Voxels| Ok(voxels.removal(&mask, stored)?);
+        self.build_and_commit(build, Simulation::remove_matter)
+    }
+
+    /// The voxels that a range of values makes of the scan, as edits have left it; see [`Voxels::as_edited`].
+    ///
+    /// # Errors
+    /// Where they are of another grid, or the session has ended.
+    pub fn as_edited(
+        &self,
+        made: &Segment,
+        range: ThresholdRange,
+    ) -> Result<Segment, SessionError> {
+        Ok(self.voxels()?.as_edited(made, range.0, range.1)?)
+    }
+
     /// Takes the newest change back; false where there is none.
     ///
     /// # Errors

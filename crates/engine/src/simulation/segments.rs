@@ -183,7 +183,16 @@ impl Simulation {
         self.apply(edit)
     }
 
-    /// Applies a label edit that was built from the present voxels.
+    /// Applies an edit that takes matter away from the scan; segments that were moved keep theirs.
+    ///
+    /// # Errors
+    /// Where it does not fit, or changes a locked segment.
+    pub fn remove_matter(&mut self, mut edit: Edit) -> Result<(), SessionError> {
+        edit.segments.retain(|(id, _)| !self.scene.is_moved(*id));
+        self.apply(edit)
+    }
+
+    /// Applies an edit that was built from the present voxels.
     ///
     /// # Errors
     /// Where it does not fit, or changes a locked segment.

@@ -109,6 +109,7 @@ pub fn request(camera: Camera, size: u32) -> Request {
     Request {
         camera,
         size: (size, size),
+        part: None,
         steps_per_voxel: 1.0,
         shift: (0.0, 0.0),
         noise: None,

@@ -37,9 +37,10 @@ def encoded_picture(
     samples: int,
     finished: bool,
     seconds: float,
+    over: int | None = None,
     packing: Packing = NOT_PACKED,
 ) -> protocol.DrawnPicture:
-    """Returns the message with a picture that took so many seconds."""
+    """Returns the message with a picture that took so many seconds, to be put over an edit's."""
     rows, columns = picture.depths.shape
     halves = picture.colours.astype("<f2")
     depths, nearest, farthest = _encoded_depths(picture.depths, packing)
@@ -47,6 +48,9 @@ def encoded_picture(
     return protocol.DrawnPicture(
         number=number,
         size=(columns, rows),
+        part=picture.part,
+        over=over,
+        edit=picture.edit,
         divisor=divisor,
         samples=samples,
         finished=finished,

@@ -160,9 +160,31 @@ class PagePainter:
     def _answer(self, request: protocol.DrawPicture, look: Appearance | None) -> None:
         if look is None:
             raise OptionError("picture requested before its look; allowed: picture_look first")
+        if self._draw_edited(request, look) and self._superseded():
+            return
         for stage in self._stages(request, look):
             if not self._draw(look, request, stage):
                 return
+
+    def _draw_edited(self, request: protocol.DrawPicture, look: Appearance) -> bool:
+        """Draws and sends the part that was edited under what the page shows, if it is but one."""
+        over = request.over
+        if over is None or over.divisor > COARSE:
+            return False
+        began = time.perf_counter()
+        stage = Stage(over.divisor)
+        picture = self._own.draw_edited(
+            look,
+            msgspec.convert(request.camera, Camera, from_attributes=True),
+            self._size(request, stage),
+            since=over.edit,
+            fineness=self._fineness(request, stage),
+        )
+        if picture is None:
+            return False
+        self._send(picture, request, stage, seconds=time.perf_counter() - began, over=over.edit)
+        self._moved = (self._key(request, look), stage.divisor)
+        return True
 
     def _draw(self, look: Appearance, request: protocol.DrawPicture, stage: Stage) -> bool:
         """Draws and sends one picture; False where a newer request waits."""
@@ -196,19 +218,26 @@ class PagePainter:
         *,
         number: int | None,
     ) -> DrawnArrays | None:
+        return self._own.draw(
+            look,
+            msgspec.convert(request.camera, Camera, from_attributes=True),
+            self._size(request, stage),
+            fineness=self._fineness(request, stage),
+            number=number,
+        )
+
+    @staticmethod
+    def _size(request: protocol.DrawPicture, stage: Stage) -> tuple[int, int]:
         columns, rows = (math.ceil(edge / stage.divisor) for edge in request.size)
-        fineness = Fineness(
+        return columns, rows
+
+    @staticmethod
+    def _fineness(request: protocol.DrawPicture, stage: Stage) -> Fineness:
+        return Fineness(
             steps_per_voxel=HASTE_STEPS if stage.haste else request.steps_per_voxel,
             samples=stage.samples,
             jitter=request.jitter,
             haste=stage.haste,
-        )
-        return self._own.draw(
-            look,
-            msgspec.convert(request.camera, Camera, from_attributes=True),
-            (columns, rows),
-            fineness=fineness,
-            number=number,
         )
 
     def _stages(self, request: protocol.DrawPicture, look: Appearance) -> Iterator[Stage]:
@@ -218,7 +247,7 @@ class PagePainter:
         if request.moving:
             yield Stage(max(finest, self._pace.divisor), haste=True, to_end=True)
             return
-        # what changes under a view at rest may be an edit, so that this holds once
+        # what changes under a view at rest may be an edit beyond a part of it, so this holds once
         (known, divisor), self._moved = self._moved or (None, math.inf), None
         is_seen = known == self._key(request, look)
         if not is_seen or divisor > max(finest, COARSE):
@@ -237,7 +266,13 @@ class PagePainter:
             return self._ended or self._waiting is not None
 
     def _send(
-        self, picture: DrawnArrays, request: protocol.DrawPicture, stage: Stage, *, seconds: float
+        self,
+        picture: DrawnArrays,
+        request: protocol.DrawPicture,
+        stage: Stage,
+        *,
+        seconds: float,
+        over: int | None = None,
     ) -> int:
         """Sends a picture; returns its bytes."""
         pixels, rate = picture.depths.size, self._page.picture_rate
@@ -249,6 +284,7 @@ class PagePainter:
             samples=stage.samples,
             finished=stage.last,
             seconds=seconds,
+            over=over,
             packing=packing,
         )
         packed = protocol.encode_to_page(message)

@@ -87,7 +87,7 @@ class SegmentList:
         Raises:
             PalpateError: The range selects nothing.
         """
-        segment = self._session.scene.volume.threshold(wanted.low, wanted.high, name=wanted.name)
+        segment = self._session.threshold(wanted.low, wanted.high, name=wanted.name)
         if wanted.id is None:
             self.add(segment)
             return
@@ -107,6 +107,14 @@ class SegmentList:
         new = new_appearance(segment.name, colour or own)
         self._set_appearance(segment_id, with_colour_chosen(new, chosen=chosen))
         self.keep()
+
+    def add_preview(self, segment: Segment, *, colour: Colour) -> int:
+        """Adds a segment that is not touched, for a person to look at; returns its number."""
+        segment_id = self._session.add_segment(segment, touchable=False)
+        look = with_colour_chosen(new_appearance(segment.name, colour), chosen=True)
+        self._set_appearance(segment_id, look)
+        self.keep()
+        return segment_id
 
     def add_empty(self, name: str) -> None:
         """Adds a segment without voxels, to be painted."""

@@ -1,4 +1,4 @@
-"""Messages on segments whose work takes its time: thresholds, growing, changes of shape.
+"""Messages on segments whose work takes its time: thresholds, growing, shapes, removal.
 
 It is done beside the event loop. Of thresholds that are dragged the latest goes first: while one is
 computed, newer ones for the same segment replace each other; so a drag of any speed costs at most
@@ -11,11 +11,13 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from palpate import protocol
 from palpate.base.errors import OptionError, PalpateError
+from palpate.segmentation.crop import outside
 from palpate.segmentation.operations import (
     Growing,
     changed_shape,
@@ -24,15 +26,32 @@ from palpate.segmentation.operations import (
     otsu,
     smoothed_together,
 )
+from palpate.segmentation.table import skin_value, table
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.server.page_words import page_words
+from palpate.session.appearance import UNMOVED
 from palpate.session.session import Session
+from palpate.volumes.appearance import Colour
 from palpate.volumes.segment import Segment
 
 __all__ = ["SegmentWork", "ThresholdJobs", "Wanted"]
 
-Wanted = protocol.Otsu | protocol.GrowSegment | protocol.GrowSeeds | protocol.ChangeShape
+Wanted = (
+    protocol.Otsu
+    | protocol.GrowSegment
+    | protocol.GrowSeeds
+    | protocol.ChangeShape
+    | protocol.FindTable
+    | protocol.RemoveFromScan
+    | protocol.CropScan
+)
+
+Told = Callable[[str, float | None], None]
+"""Takes what is done, and its share if that is known."""
+
+TABLE_COLOUR: Colour = (1.0, 0.62, 0.18)
+"""Of a table, until it is removed."""
 
 
 class ThresholdJobs:
@@ -85,14 +104,21 @@ class SegmentWork:
         self._waiting: deque[Wanted] = deque()
         self._filled = asyncio.Event()
         self._stops = 0
+        self._kinds: dict[type[Wanted], Callable[[Any, Told], None]] = {
+            protocol.Otsu: self._otsu,
+            protocol.GrowSegment: self._grow,
+            protocol.GrowSeeds: self._grow_seeds,
+            protocol.ChangeShape: self._change,
+            protocol.FindTable: self._find_table,
+            protocol.RemoveFromScan: self._remove_from_scan,
+            protocol.CropScan: self._crop,
+        }
 
-    def add_to(self, table: MessageTable) -> None:
+    def add_to(self, rows: MessageTable) -> None:
         """Adds the rows of the work."""
-        table.add(protocol.Otsu, lambda message, _: self.ask(message), runs=Runs.BESIDE)
-        table.add(protocol.GrowSegment, lambda message, _: self.ask(message), runs=Runs.BESIDE)
-        table.add(protocol.GrowSeeds, lambda message, _: self.ask(message), runs=Runs.BESIDE)
-        table.add(protocol.ChangeShape, lambda message, _: self.ask(message), runs=Runs.BESIDE)
-        table.add(protocol.StopSegmentWork, lambda _message, _: self.stop(), runs=Runs.ON_LOOP)
+        for kind in self._kinds:
+            rows.add(kind, lambda message, _: self.ask(message), runs=Runs.BESIDE)
+        rows.add(protocol.StopSegmentWork, lambda _message, _: self.stop(), runs=Runs.ON_LOOP)
 
     def ask(self, wanted: Wanted) -> None:
         """Adds a piece of work; it is done after those that wait."""
@@ -122,19 +148,7 @@ class SegmentWork:
             self._publish(protocol.SegmentWork(text[:1].upper() + text[1:]))
 
         try:
-            match wanted:
-                case protocol.Otsu(classes):
-                    progress("parting values", None)
-                    made = otsu(self._session.scene.volume, classes=classes)
-                    progress("adding segments", None)
-                    for segment in made:
-                        self._segments.add(segment)
-                case protocol.GrowSegment():
-                    self._grow(wanted, progress)
-                case protocol.GrowSeeds():
-                    self._grow_seeds(wanted, progress)
-                case protocol.ChangeShape():
-                    self._change(wanted, progress)
+            self._kinds[type(wanted)](wanted, progress)
         except StoppedError:
             self._publish(protocol.Notice(level="info", text="Stopped: nothing was changed."))
         except (PalpateError, RuntimeError, MemoryError) as error:
@@ -144,9 +158,40 @@ class SegmentWork:
         finally:
             self._publish(protocol.SegmentWork(None))
 
-    def _grow(
-        self, wanted: protocol.GrowSegment, progress: Callable[[str, float | None], None]
-    ) -> None:
+    def _otsu(self, wanted: protocol.Otsu, progress: Told) -> None:
+        progress("parting values", None)
+        made = otsu(self._session.scene.volume, classes=wanted.classes)
+        progress("adding segments", None)
+        for segment in made:
+            self._segments.add(segment)
+
+    def _find_table(self, _: protocol.FindTable, progress: Told) -> None:
+        volume = self._session.scene.volume
+        found = table(volume, progress=progress)
+        left = self._session.threshold(skin_value(volume), volume.range[1])
+        if not np.any(found.mask() & left.mask()):
+            raise OptionError("the table is not in the scan any more")
+        progress("adding the segment", None)
+        number = self._segments.add_preview(found, colour=TABLE_COLOUR)
+        self._publish(protocol.TableFound(number))
+
+    def _remove_from_scan(self, wanted: protocol.RemoveFromScan, progress: Told) -> None:
+        part = self._now(wanted.id)
+        pose = next(each["pose"] for each in self._session.segments() if each["id"] == wanted.id)
+        if pose is not None and pose != UNMOVED:
+            raise OptionError(f"{part.name} was moved; allowed: one that stands as in the scan")
+        progress(f"removing {part.name} from the scan", None)
+        self._session.remove_from_scan(part)
+        left = self._session.segment(wanted.id).voxel_count
+        self._session.remove_segment(wanted.id)
+        self._session.group_steps(wanted.id, [part.voxel_count, left, None])
+
+    def _crop(self, wanted: protocol.CropScan, progress: Told) -> None:
+        progress("cropping the scan", None)
+        volume = self._session.scene.volume
+        self._session.remove_from_scan(outside(volume, wanted.low, wanted.high))
+
+    def _grow(self, wanted: protocol.GrowSegment, progress: Told) -> None:
         growing = Growing(spread=wanted.spread, passage=wanted.passage, most_ml=wanted.most_ml)
         number = 1 + sum(1 for state in self._session.segments())
         segment = grown(
@@ -159,9 +204,7 @@ class SegmentWork:
         progress("adding the segment", None)
         self._segments.add(segment)
 
-    def _grow_seeds(
-        self, wanted: protocol.GrowSeeds, progress: Callable[[str, float | None], None]
-    ) -> None:
+    def _grow_seeds(self, wanted: protocol.GrowSeeds, progress: Told) -> None:
         first = wanted.ids[0]
         for other in wanted.ids[1:]:
             self._check_unmoved(first, other)
@@ -173,9 +216,7 @@ class SegmentWork:
         for segment in made:
             self._segments.add(segment)
 
-    def _change(
-        self, wanted: protocol.ChangeShape, progress: Callable[[str, float | None], None]
-    ) -> None:
+    def _change(self, wanted: protocol.ChangeShape, progress: Told) -> None:
         before = self._now(wanted.id)
         progress(f"changing the shape of {before.name}", None)
         if wanted.kind == "joint":
@@ -200,9 +241,7 @@ class SegmentWork:
         else:
             self._session.replace_segment(wanted.id, after)
 
-    def _smooth_together(
-        self, wanted: protocol.ChangeShape, progress: Callable[[str, float | None], None]
-    ) -> None:
+    def _smooth_together(self, wanted: protocol.ChangeShape, progress: Told) -> None:
         """Smooths a segment together with all that are shown and stand with it."""
         ids = [wanted.id, *self._shown_beside(wanted.id)]
         locked = {state["id"] for state in self._session.segments() if state["locked"]}

@@ -58,7 +58,7 @@ def request(session: Session, number: int, *, moving: bool, **changes: Any) -> p
     camera = protocol.SeenFrom(
         (x, y, z), 400.0, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), 0.3, None, 0.0
     )
-    usual = protocol.DrawPicture(number, camera, (60, 48), moving, 1.0, 2, jitter=False)
+    usual = protocol.DrawPicture(number, camera, (60, 48), moving, None, 1.0, 2, jitter=False)
     return msgspec.structs.replace(usual, **changes)
 
 
@@ -263,6 +263,55 @@ def test_an_edit_is_seen_by_the_next_picture(session: Session) -> None:
     before, after = told(session, ask)
     assert colours_of(before)[..., 3].max() > 0.9
     assert colours_of(after)[..., 3].max() == 0.0
+
+
+def notched(session: Session) -> None:
+    """Takes some voxels away from the ball, where it is seen."""
+    volume = session.scene.volume
+    mask = session.segment(1).mask().astype(np.uint8)
+    depth, height, width = volume.shape
+    mask[depth // 2 : depth // 2 + 3, : height // 2, width // 2 : width // 2 + 3] = 0
+    session.replace_segment(1, volume.segment(mask, name="ball"))
+
+
+def test_the_part_that_was_edited_comes_first_and_makes_the_picture_whole(session: Session) -> None:
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        pictures.look(look(), page)
+        pictures.draw(request(session, 1, moving=False, samples=1), page)
+        before = (await until_finished(page))[-1]
+        notched(session)
+        over = protocol.PictureOver(before["edit"], before["divisor"])
+        pictures.draw(request(session, 2, moving=False, samples=1, over=over), page)
+        return [before, *await until_number(page, 2)]
+
+    before, part, *_, after = told(session, ask)
+    column, row = part["part"]
+    columns, rows = part["size"]
+    assert columns * rows < 60 * 48 // 4
+    assert (part["over"], part["finished"], part["divisor"]) == (before["edit"], False, 1.0)
+    assert part["edit"] > before["edit"]
+    assert after["part"] is None
+    there = np.s_[row : row + rows, column : column + columns]
+    for read, off in ((colours_of, 1e-3), (depths_of, 0.05)):
+        joined = read(before).copy()
+        assert not np.allclose(joined, read(after), atol=off)
+        joined[there] = read(part)
+        np.testing.assert_allclose(joined, read(after), atol=off)
+
+
+@pytest.mark.parametrize("divisor", [1.0, 3.0])
+def test_over_another_picture_all_of_it_is_drawn(session: Session, divisor: float) -> None:
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        pictures.look(look(), page)
+        pictures.draw(request(session, 1, moving=False), page)
+        before = (await until_finished(page))[-1]
+        notched(session)
+        unknown = before["edit"] + (1000 if divisor == 1.0 else 0)
+        over = protocol.PictureOver(unknown, divisor)
+        pictures.draw(request(session, 2, moving=False, over=over), page)
+        return await until_number(page, 2)
+
+    assert all(each["part"] is None for each in told(session, ask))
 
 
 def test_a_surface_is_seen_where_its_segment_was_moved(session: Session) -> None:

@@ -74,6 +74,47 @@ def test_a_shape_changes_and_undo_brings_it_back(server: Any) -> None:
         np.testing.assert_array_equal(server.session.segment(1).mask(), before)
 
 
+def test_a_part_leaves_the_scan_with_its_segment_and_one_undo_brings_both_back(server: Any) -> None:
+    session = server.session
+    volume = session.scene.volume
+    ball = session.segment(1).mask()
+    half = ball.copy()
+    half[:, :, 20:] = 0
+    number = session.add_segment(volume.segment(half, name="half"))
+    with server.page() as page:
+        page.receive("segments", until=lambda m: len(m["segments"]) == 2)
+        page.send({"type": "remove_from_scan", "id": number})
+        left = int(ball.sum() - half.sum())
+        page.receive(
+            "segments",
+            until=lambda m: [each["voxels"] for each in m["segments"]] == [left],
+        )
+        # a threshold that is dragged afterwards leaves it out
+        low, high = volume.range[1] - 1.0, volume.range[1]
+        page.send({"type": "threshold", "id": None, "low": low, "high": high, "name": "rest"})
+        _, rest = page.receive("segments", until=lambda m: len(m["segments"]) == 2)["segments"]
+        assert not (session.segment(rest["id"]).mask() & half).any()
+        page.send({"type": "undo"})
+        page.send({"type": "undo"})
+        page.receive(
+            "segments",
+            until=lambda m: [each["voxels"] for each in m["segments"]] == [ball.sum(), half.sum()],
+        )
+
+
+def test_a_scan_is_cropped_to_a_box_and_undo_brings_it_back(server: Any) -> None:
+    before = server.session.segment(1).voxel_count
+    with server.page() as page:
+        page.send({"type": "crop_scan", "low": [20.0, 0.0, 0.0], "high": [0.0, 0.0, 0.0]})
+        page.receive("segments", until=lambda m: 0 < m["segments"][0]["voxels"] < before)
+        page.send({"type": "undo"})
+        page.receive("segments", until=lambda m: m["segments"][0]["voxels"] == before)
+        page.send({"type": "crop_scan", "low": [0.0, 0.0, 0.0], "high": [0.0, 0.0, 0.0]})
+        page.receive("notice", until=lambda m: "holds all of the scan" in m["text"])
+        page.send({"type": "find_table"})
+        page.receive("notice", until=lambda m: "no part of the body" in m["text"])
+
+
 def test_otsu_makes_segments_whose_range_can_be_changed(server: Any) -> None:
     with server.page() as page:
         page.send({"type": "otsu", "classes": 2})

@@ -4,6 +4,9 @@ import type { Rows } from "./middle_out";
 /** Left, lower, right and upper border, as shares of width and height from the lower left corner. */
 export type Region = readonly [number, number, number, number];
 
+/** All of a picture. */
+export const everywhere: Region = [0, 0, 1, 1];
+
 /** Around two regions. */
 export function joined(one: Region, other: Region): Region {
   return [

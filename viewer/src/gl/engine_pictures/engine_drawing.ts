@@ -7,6 +7,7 @@ import type { Appearance } from "../../core/appearance/appearance";
 import { engineLook, type LookedSegments } from "../../core/appearance/engine_look";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { Plane } from "../../core/view/clip";
+import { everywhere, type Region } from "../../core/view/region";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { EnginePass } from "./engine_pass";
@@ -17,6 +18,8 @@ export class EngineDrawing {
   /** With what the picture on display was drawn. */
   shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
   private readonly pass: EnginePass;
+  /** Of parts, so that the picture before is still there where the target gets another size. */
+  private readonly partPass: EnginePass;
   private appearance: Appearance | null = null;
   private segments: LookedSegments = { segments: [], modes: {} };
   private clip: readonly Plane[] = [];
@@ -30,11 +33,12 @@ export class EngineDrawing {
     send: (message: DrawPicture | PictureLook) => void,
   ) {
     this.pass = new EnginePass(marcher);
+    this.partPass = new EnginePass(marcher);
     this.pictures = new EnginePictures(send);
   }
 
   async prepare(): Promise<void> {
-    await this.pass.prepare(this.renderer);
+    await Promise.all([this.pass.prepare(this.renderer), this.partPass.prepare(this.renderer)]);
   }
 
   setAppearance(appearance: Appearance): void {
@@ -64,11 +68,12 @@ export class EngineDrawing {
   /** Another drew meanwhile: no picture of the engine is on display. */
   leave(): void {
     this.last = null;
+    this.pictures.cover();
   }
 
   /**
-   * Asks for what is due, and draws what has come; true where the cached picture has changed. In a target of another
-   * size the last picture stands in until one of that size has come.
+   * Asks for what is due, and draws what has come; returns where the cached picture has changed, null where nowhere. In
+   * a target of another size the last picture stands in until one of that size has come.
    *
    * @param changed the view or what is seen has changed since the last call.
    * @param aim turns markers to a view.
@@ -78,35 +83,57 @@ export class EngineDrawing {
     readonly view: EngineView;
     readonly target: PictureTarget;
     readonly aim: (view: EngineView) => void;
-  }): boolean {
+  }): Region | null {
     const size = [target.target.width, target.target.height] as const;
     this.pictures.ask(changed, view, size);
+    const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
+    if (isResized) {
+      this.pictures.cover();
+    }
     const next = this.pictures.next(size);
+    if (next?.picture.part) {
+      return this.drawPart(next, next.picture.part, target);
+    }
     if (next !== null) {
       this.pass.take(next);
       this.last = next;
     }
-    const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
     if (this.last === null || (next === null && !isResized)) {
-      return false;
+      return null;
     }
     this.drawnSize = size;
     this.draw(this.last, target, aim);
-    return true;
+    return everywhere;
   }
 
   dispose(): void {
     this.pass.dispose();
+    this.partPass.dispose();
   }
 
   private draw(last: ArrivedPicture, target: PictureTarget, aim: (view: EngineView) => void): void {
     const { divisor, samples } = last.picture;
     const { stepsPerVoxel } = this.pictures.resting;
     target.useLevel(divisor);
-    target.useRows(0, target.height);
     aim(last.view);
     this.pass.draw(this.renderer, target, last.size);
     this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
+  }
+
+  /** Draws what was edited over the rest of the picture on display, which is of the same view. */
+  private drawPart(part: ArrivedPicture, first: readonly [number, number], target: PictureTarget): Region {
+    this.partPass.take(part);
+    target.useLevel(part.picture.divisor);
+    this.partPass.drawPart(this.renderer, target, first);
+    const { width, height } = target;
+    const [columns, rows] = part.picture.size;
+    // pixels beside it are mixed with its own where it is enlarged
+    return [
+      (first[0] - 1) / width,
+      1 - (first[1] + rows + 1) / height,
+      (first[0] + columns + 1) / width,
+      1 - (first[1] - 1) / height,
+    ];
   }
 
   private tell(): void {

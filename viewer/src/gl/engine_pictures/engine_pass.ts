@@ -19,6 +19,8 @@ export class EnginePass {
       depthSpan: { value: new THREE.Vector2() },
       brightest: { value: 0 },
       engineSize: { value: new THREE.Vector2() },
+      partFirst: { value: new THREE.Vector2() },
+      partSize: { value: new THREE.Vector2() },
       used: { value: new THREE.Vector2() },
       fit: { value: new THREE.Vector2() },
       ...marcher.placeUniforms,
@@ -31,7 +33,7 @@ export class EnginePass {
     await this.pass.prepare(renderer);
   }
 
-  /** Takes a picture to the GPU. */
+  /** Takes a picture, or a part of one, to the GPU. */
   take({ picture, colours, depths, depthSize }: PictureTexels): void {
     const u = this.uniforms;
     const isRaw = colours instanceof Uint16Array;
@@ -40,21 +42,37 @@ export class EnginePass {
       : unpackedTexture(u.engineColour.value, colours);
     u.engineDepth.value = filled(u.engineDepth.value, depthSize, depthTexture, depths);
     u.brightest.value = isRaw ? 0 : picture.brightest;
-    u.engineSize.value.set(...picture.size);
+    u.partSize.value.set(...picture.size);
     u.depthSpan.value.set(picture.nearest, picture.farthest);
   }
 
   /**
-   * Draws it into the part in use.
+   * Draws it, all of a picture, into the part in use.
    *
    * @param size that was asked for; the target may be another by now, and shows less or more at its sides then.
    */
   draw(renderer: THREE.WebGLRenderer, target: PictureTarget, size?: readonly [number, number]): void {
     const [width, height] = size ?? [target.target.width, target.target.height];
     const u = this.uniforms;
+    u.engineSize.value.copy(u.partSize.value);
+    u.partFirst.value.set(0, 0);
     u.used.value.set(target.width, target.height);
     // the height of a view is the same in all sizes
     u.fit.value.set((target.target.width * height) / (target.target.height * width), 1);
+    target.useRows(0, target.height);
+    this.pass.draw(renderer, target.target);
+  }
+
+  /** Draws it over a picture of its size in the part in use; it begins at a column and row there. */
+  drawPart(renderer: THREE.WebGLRenderer, target: PictureTarget, first: readonly [number, number]): void {
+    const u = this.uniforms;
+    const { x: columns, y: rows } = u.partSize.value;
+    u.engineSize.value.set(target.width, target.height);
+    u.partFirst.value.set(...first);
+    u.used.value.set(target.width, target.height);
+    u.fit.value.set(1, 1);
+    const upper = target.height - first[1];
+    target.useRows(upper - rows, upper, first[0], first[0] + columns);
     this.pass.draw(renderer, target.target);
   }
 

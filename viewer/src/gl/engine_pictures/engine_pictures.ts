@@ -5,6 +5,7 @@
  * come, in the newest view. Once the camera rests, or where anything else has changed, the engine goes on to finer ones
  * by itself. A picture is shown with the camera that it was asked with, so that picture and markers always fit.
  */
+import { deepEqual } from "../../core/base/deep_equal";
 import type { Camera, Extent } from "../../core/geometry/camera";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { RestingPicture } from "../../core/view/quality";
@@ -43,6 +44,15 @@ interface Asked extends Wanted {
   readonly askedAt: number;
   /** A picture in this view is on display already: what moves need not wait for a finer one. */
   readonly seen: boolean;
+  readonly look: PictureLook;
+}
+
+/** All of a picture that is on display, and what of it was edited since. */
+interface OnDisplay {
+  readonly asked: Asked;
+  /** The last edit that it shows. */
+  readonly edit: number;
+  readonly divisor: number;
 }
 
 export class EnginePictures {
@@ -65,7 +75,8 @@ export class EnginePictures {
   private wanted: Wanted | null = null;
   /** The last request of which nothing has come. */
   private unanswered: Asked | null = null;
-  private arrived: ArrivedPicture | null = null;
+  private arrived: (ArrivedPicture & { readonly asked: Asked }) | null = null;
+  private onDisplay: OnDisplay | null = null;
   private number = 0;
   private received = 0;
   private shownReceived = 0;
@@ -83,7 +94,15 @@ export class EnginePictures {
 
   /** How pictures look that are asked for from now on. */
   setLook(look: PictureLook): void {
-    this.look = look;
+    // a list of segments is new with every edit, and looks the same most often
+    if (!deepEqual(look, this.look)) {
+      this.look = look;
+    }
+  }
+
+  /** What was on display is not any more: parts of it would come over something else. */
+  cover(): void {
+    this.onDisplay = null;
   }
 
   /** Another engine, or the same after the connection was lost, knows nothing of this page. */
@@ -94,11 +113,12 @@ export class EnginePictures {
     this.wanted = null;
     this.unanswered = null;
     this.lastSeen = null;
+    this.onDisplay = null;
   }
 
-  /** Number of the last request, or of the one that is due; 0 before the first. */
+  /** Number of the last request; 0 before the first. */
   get requested(): number {
-    return this.number + (this.wanted === null ? 0 : 1);
+    return this.number;
   }
 
   recount(): void {
@@ -167,18 +187,33 @@ export class EnginePictures {
     );
   }
 
-  /** The newest picture that has come; null where none has. */
+  /** The newest picture that has come, or the part of it to be put over what is on display; null where none has. */
   next(size: readonly [number, number]): ArrivedPicture | null {
     const { arrived } = this;
     this.arrived = null;
-    if (arrived !== null) {
-      const { picture } = arrived;
-      const fits = arrived.size[0] === size[0] && arrived.size[1] === size[1];
-      this.count += 1;
-      this.answered = picture.number;
-      this.finished = picture.finished && picture.number === this.number && this.wanted === null && fits;
+    if (arrived === null || !this.display(arrived.picture, arrived.asked)) {
+      return null;
     }
+    const { picture } = arrived;
+    this.count += 1;
+    this.answered = picture.number;
+    this.finished = picture.finished && picture.number === this.number && this.wanted === null &&
+      isSameSize(arrived.size, size);
     return arrived;
+  }
+
+  /** Notes what is on display from now on; false for a part of something else. */
+  private display({ part, over, edit, divisor }: DrawnPicture, asked: Asked): boolean {
+    if (part !== null) {
+      const { onDisplay } = this;
+      const fits = onDisplay !== null && looksAs(onDisplay.asked, asked) && onDisplay.divisor === divisor &&
+        over !== null && over <= onDisplay.edit;
+      if (!fits) {
+        return false;
+      }
+    }
+    this.onDisplay = { asked, edit, divisor };
+    return true;
   }
 
   /** Keeps a picture to be drawn, if it is newer than what came before, and asks for the next. */
@@ -190,7 +225,7 @@ export class EnginePictures {
     }
     this.shownReceived = received;
     this.asked = this.asked.filter((one) => one.number >= number);
-    this.arrived = { ...texels, view: asked.view, size: asked.size };
+    this.arrived = { ...texels, view: asked.view, size: asked.size, asked };
     this.lastSeen = asked;
     this.failure = null;
     if (this.unanswered?.number === number) {
@@ -218,15 +253,20 @@ export class EnginePictures {
   }
 
   private request(wanted: Wanted): void {
-    const isNewLook = this.look !== null && this.look !== this.toldLook;
-    if (this.look !== null && isNewLook) {
-      this.send(this.look);
-      this.toldLook = this.look;
+    const { look, onDisplay } = this;
+    if (look === null) {
+      return;
+    }
+    const isNewLook = look !== this.toldLook;
+    if (isNewLook) {
+      this.send(look);
+      this.toldLook = look;
     }
     const { view, size, moving } = wanted;
     const seen = !moving && !isNewLook && this.lastSeen?.view.camera === view.camera && this.lastSeen.moving;
     this.number += 1;
-    const asked = { ...wanted, number: this.number, askedAt: this.clock(), seen };
+    const asked = { ...wanted, number: this.number, askedAt: this.clock(), seen, look };
+    const isShown = !moving && onDisplay !== null && looksAs(onDisplay.asked, asked);
     this.asked = [...this.asked, asked];
     this.unanswered = asked;
     this.send({
@@ -235,6 +275,7 @@ export class EnginePictures {
       camera: seenFrom(view.camera),
       size,
       moving,
+      over: isShown ? { edit: onDisplay.edit, divisor: onDisplay.divisor } : null,
       steps_per_voxel: this.resting.stepsPerVoxel,
       samples: this.jitter ? Math.max(fewestSamples, this.resting.passes) : 1,
       jitter: this.jitter,
@@ -245,6 +286,21 @@ export class EnginePictures {
     this.failure = reason;
     this.forget();
   }
+}
+
+function isSameSize(one: readonly [number, number], other: readonly [number, number]): boolean {
+  return one[0] === other[0] && one[1] === other[1];
+}
+
+/** Whether two pictures differ by edits alone. */
+function looksAs(one: Asked, other: Asked): boolean {
+  return one.view.camera === other.view.camera && isSameSize(one.size, other.size) &&
+    (one.look === other.look || deepEqual(withoutEdited(one.look), withoutEdited(other.look)));
+}
+
+/** That a segment is edited changes nothing beside the edits. */
+function withoutEdited(look: PictureLook): PictureLook {
+  return { ...look, segments: look.segments.map((segment) => ({ ...segment, edited: false })) };
 }
 
 export function seenFrom(camera: Camera): DrawPicture["camera"] {

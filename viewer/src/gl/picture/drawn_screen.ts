@@ -6,6 +6,7 @@ import type * as THREE from "three";
 import type { Viewport } from "../../core/geometry/camera";
 import type { Rect } from "../../core/view/picture_layout";
 import type { Vec3 } from "../../core/geometry/vector";
+import { everywhere, type Region } from "../../core/view/region";
 import type { Slices } from "./slices";
 import type { ViewPane } from "./view_pane";
 
@@ -76,20 +77,20 @@ export class DrawnScreen {
   /**
    * Draws what has changed.
    *
-   * @param isNew the picture has changed.
+   * @param changed where the picture has changed; null where nowhere.
    * @param outline tells points around all that is drawn of the scan [scene, mm]; null where that may be anywhere.
    */
-  draw(isNew: boolean, outline: () => readonly Vec3[] | null): void {
+  draw(changed: Region | null, outline: () => readonly Vec3[] | null): void {
     const { keeps, pane, slices, stale } = this;
-    if (isNew || stale || (slices.isStale && !keeps)) {
+    if (changed === everywhere || stale || (slices.isStale && !keeps)) {
       this.drawSlices();
       pane.draw(stale || !keeps ? null : outline());
     } else {
       if (slices.isStale) {
         this.drawSlices();
       }
-      if (pane.stale) {
-        this.drawMarkers();
+      if (pane.stale || changed !== null) {
+        this.drawMarkers(changed);
       }
     }
     this.stale = false;
@@ -103,12 +104,12 @@ export class DrawnScreen {
     this.slices.draw(this.renderer, this.canvas.height, this.renderer.getPixelRatio(), this.stale || !this.keeps);
   }
 
-  /** Draws again where markers were and are. */
-  private drawMarkers(): void {
+  /** Draws again where markers were and are, and a region of the picture. */
+  private drawMarkers(region: Region | null): void {
     if (!this.keeps) {
       this.drawSlices();
     }
-    this.pane.drawMarkers(this.keeps);
+    this.pane.drawMarkers(this.keeps, region);
   }
 
   private clear(): void {

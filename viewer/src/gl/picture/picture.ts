@@ -11,6 +11,7 @@ import type { Appearance } from "../../core/appearance/appearance";
 import { isGrey } from "../../core/appearance/optics";
 import type { Rect } from "../../core/view/picture_layout";
 import { firstQuality, restingPictures, type QualityChoice } from "../../core/view/quality";
+import { everywhere, type Region } from "../../core/view/region";
 import type { DrawnPicture, DrawPicture, MovedPose, PictureFailed, PictureLook, Segment } from "../../core/protocol";
 import type { ScanVolume } from "../../core/scan/scan_volume";
 import { drawnFromVoxels, type InsideModes } from "../../core/segments/shown_segments";
@@ -462,7 +463,7 @@ export class Picture {
     if (!this.isPrepared) {
       if (this.begun) {
         // markers go on over the engine's last picture until the browser can draw
-        this.show(false);
+        this.show(null);
       }
       return;
     }
@@ -477,7 +478,7 @@ export class Picture {
       }
       return;
     }
-    this.show(this.refiner.advance(now));
+    this.show(this.refiner.advance(now) ? everywhere : null);
   }
 
   private advanceByEngine(): void {
@@ -495,18 +496,18 @@ export class Picture {
         this.pane.look(camera, extent);
       },
     });
-    if (drawn || !engine.pictures.isTurning) {
+    if (drawn !== null || !engine.pictures.isTurning) {
       this.show(drawn);
     }
   }
 
-  /** Brings what was drawn to the screen, and what else has changed there. */
-  private show(drawn: boolean): void {
+  /** Brings what was drawn to the screen, in a region of the picture, and what else has changed there. */
+  private show(drawn: Region | null): void {
     this.screen.fit();
     if (this.begun) {
       this.screen.draw(drawn, () => (this.surfaces.stray || this.byEngine ? null : this.marcher.outline));
     } else {
-      this.begin(drawn);
+      this.begin(drawn !== null);
     }
   }
 

@@ -122,13 +122,15 @@ export class ViewPane {
     this.bare = false;
   }
 
-  /** Draws again where markers were and are; all of it where the screen forgets. */
-  drawMarkers(keepsScreen: boolean): void {
+  /** Draws again where markers were and are, and a region of the picture; all of it where the screen forgets. */
+  drawMarkers(keepsScreen: boolean, region: Region | null): void {
     const before = this.marked;
     const now = this.boxAround(this.markers.outline, markerMargin);
-    this.drawPart(
-      keepsScreen && !this.marksStale && before !== null && now !== null ? now.clone().union(before) : null,
-    );
+    const box = before !== null && now !== null ? now.clone().union(before) : null;
+    if (region !== null) {
+      box?.union(this.boxOf(region));
+    }
+    this.drawPart(keepsScreen && !this.marksStale ? box : null);
     const over = this.boxAround([...this.markedPoints, ...this.markers.outline], markerMargin);
     this.filled = over === null ? null : (this.filled?.union(over) ?? null);
   }
@@ -203,6 +205,15 @@ export class ViewPane {
     renderer.setViewport(x, y, width, height);
     const ratio = renderer.getPixelRatio();
     return { corner: [x * ratio, y * ratio], size: [Math.floor(width * ratio), Math.floor(height * ratio)] };
+  }
+
+  /** A region of the picture as a box [CSS pixels from the upper left of the pane]. */
+  private boxOf([left, lower, right, upper]: Region): THREE.Box2 {
+    const { width, height } = this.rect;
+    return new THREE.Box2(
+      new THREE.Vector2(left * width, (1 - upper) * height),
+      new THREE.Vector2(right * width, (1 - lower) * height),
+    );
   }
 
   /** Box around points of the scene; null where it cannot be told, or where each is drawn twice. */

@@ -380,7 +380,7 @@ function marks({ session, stage }: ActionTargets): readonly Action[] {
   ];
 }
 
-function work({ session, undo, exporter, theme, page }: ActionTargets): readonly Action[] {
+function work({ session, stage, undo, exporter, theme, page }: ActionTargets): readonly Action[] {
   const group = "Work";
   return [
     { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },
@@ -394,6 +394,20 @@ function work({ session, undo, exporter, theme, page }: ActionTargets): readonly
       keys: [],
       ready: () => session.scan !== null,
       run: () => { session.addThreshold(); },
+    },
+    {
+      group,
+      name: "Remove the table",
+      keys: [],
+      ready: () => stage.removal.isLikely && stage.removal.table === null,
+      run: () => { stage.removal.findTable(); },
+    },
+    {
+      group,
+      name: "Crop the scan to the clip box",
+      keys: [],
+      ready: () => stage.clips.clip.box.on,
+      run: () => { stage.removal.crop(stage.clips.clip.box); },
     },
     ...formats.map(({ name, label }) => ({
       group,

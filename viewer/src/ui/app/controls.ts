@@ -6,6 +6,7 @@ import { AppearanceControl } from "../features/appearance/appearance_control.sve
 import { MarkControl } from "../features/marks/mark_control.svelte";
 import { Readout } from "../features/picking/readout.svelte";
 import { EditRateControl } from "../features/scan/edit_rate_control.svelte";
+import { RemovalControl } from "../features/scan/removal_control.svelte";
 import { mostValues } from "../features/scan/scan_loader.svelte";
 import { Player } from "../features/scenario/player.svelte";
 import { RegistrationControl } from "../features/second/registration_control.svelte";
@@ -62,6 +63,8 @@ interface ViewControls {
   readonly clips: ClipControl;
   /** How the scan is shown. */
   readonly appearance: AppearanceControl;
+  /** What is taken out of the scan. */
+  readonly removal: RemovalControl;
   /** How often the picture follows edits. */
   readonly editRate: EditRateControl;
   /** Points, distances and angles that a person has set. */
@@ -115,6 +118,7 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
     drawer: new DrawerControl(support.software),
     clips: new ClipControl(steps),
     appearance: new AppearanceControl(steps),
+    removal: new RemovalControl(session),
     editRate: new EditRateControl(session),
     marks: new MarkControl(steps),
     readout: new Readout(),

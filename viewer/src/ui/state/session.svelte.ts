@@ -83,6 +83,8 @@ export class Session {
   needleEvents = $state.raw<readonly NeedleEvent[]>([]);
   /** What is being done to segments beside all else; null where nothing is. */
   segmentWork = $state.raw<string | null>(null);
+  /** The segment of a table that was found, until a person has decided on it. */
+  tableFound = $state.raw<number | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** Changes that an earlier session left, as long as nobody has decided about them. */
   offer = $state.raw<Offer | null>(null);
@@ -331,6 +333,9 @@ export class Session {
       case "cut_preview":
         this.cutPreview = message;
         break;
+      case "table_found":
+        this.tableFound = message.id;
+        break;
       case "segment_work":
         this.segmentWork = message.what;
         break;
@@ -368,6 +373,7 @@ export class Session {
     this.history.clear();
     this.greetings += 1;
     this.segmentWork = null;
+    this.tableFound = null;
     // what was asked before is forgotten with the connection that it was asked on
     this.pass(this.fences, 0);
     this.recallSettings(hello);

@@ -1,9 +1,11 @@
-import { expect, test } from "vitest";
+import { describe, expect, test } from "vitest";
 import type { DrawnPicture, DrawPicture, PictureLook } from "../../../src/core/protocol";
 import { EnginePictures, type EngineView } from "../../../src/gl/engine_pictures/engine_pictures";
 
 const size = [300, 200] as const;
 const axes = { right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0] } as const;
+
+const anyLook = { type: "picture_look", segments: [] } as unknown as PictureLook;
 
 function viewAt(distance: number): EngineView {
   return {
@@ -15,7 +17,7 @@ function viewAt(distance: number): EngineView {
 function drawn(number: number, finished = false): DrawnPicture {
   const bytes = new Uint8Array();
   return {
-    type: "drawn_picture", number, size: [100, 67], divisor: 3, samples: 1, finished, milliseconds: 1, coding: "raw",
+    type: "drawn_picture", number, size: [100, 67], part: null, over: null, edit: 0, divisor: 3, samples: 1, finished, milliseconds: 1, coding: "raw",
     colours: bytes, brightest: 2, depths: bytes, depth_every: 1, nearest: 0, farthest: 1,
   };
 }
@@ -24,7 +26,7 @@ function started() {
   const sent: (DrawPicture | PictureLook)[] = [];
   let now = 0;
   const pictures = new EnginePictures((message) => sent.push(message), () => now);
-  pictures.setLook({ type: "picture_look" } as PictureLook);
+  pictures.setLook(anyLook);
   return {
     pictures,
     sent,
@@ -108,7 +110,7 @@ test("it is known which request the picture on display answers, also while the n
   const { pictures } = started();
   pictures.ask(true, viewAt(1), size);
   pictures.ask(true, viewAt(2), size);
-  expect([pictures.requested, pictures.answered]).toEqual([2, 0]);
+  expect([pictures.requested, pictures.answered]).toEqual([1, 0]);
   pictures.take(drawn(1));
   pictures.next(size);
   expect(pictures.answered).toBe(1);
@@ -166,4 +168,84 @@ test("it tells how long moving pictures took until they came", () => {
   at(70);
   pictures.take(drawn(1));
   expect(times).toEqual([70]);
+});
+
+describe("edits under a view at rest", () => {
+  const view = viewAt(500);
+
+  /** A picture of an edit is on display, and another edit has been asked for. */
+  function edited(edit = 7) {
+    const all = started();
+    all.pictures.ask(true, view, size);
+    all.pictures.take({ ...drawn(1), edit });
+    all.pictures.next(size);
+    all.pictures.ask(true, view, size);
+    return all;
+  }
+
+  test("tell what is on display, so that their part of it can come first", () => {
+    const { asked, pictures } = edited();
+    expect(asked().map(({ over }) => over)).toEqual([null, { edit: 7, divisor: 3 }]);
+    pictures.take({ ...drawn(2), part: [8, 16], over: 7, edit: 9 });
+    expect(pictures.next(size)?.picture.part).toEqual([8, 16]);
+    pictures.ask(true, view, size);
+    expect(asked().at(-1)?.over).toEqual({ edit: 9, divisor: 3 });
+  });
+
+  test.each<[string, (pictures: EnginePictures) => void]>([
+    ["another look", (pictures) => { pictures.setLook({ ...anyLook, mode: "mip" }); }],
+    ["another drew over it", (pictures) => { pictures.cover(); }],
+  ])("tell nothing after %s", (_, change) => {
+    const { asked, pictures } = edited();
+    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.next(size);
+    change(pictures);
+    pictures.ask(true, view, size);
+    expect(asked().at(-1)?.over).toBeNull();
+  });
+
+  test("tell nothing in another view or size", () => {
+    const { asked, pictures } = edited();
+    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.next(size);
+    pictures.ask(true, view, [301, 200]);
+    expect(asked().at(-1)?.over).toBeNull();
+    pictures.take({ ...drawn(3), edit: 9 });
+    pictures.next([301, 200]);
+    pictures.ask(true, viewAt(400), size);
+    expect(asked().at(-1)?.over).toBeNull();
+  });
+
+  test.each([
+    ["a later edit than is on display", { part: [0, 0], over: 8 }],
+    ["a picture of another resolution", { part: [0, 0], over: 7, divisor: 1 }],
+  ] satisfies [string, Partial<DrawnPicture>][])("a part over %s is not shown", (_, of) => {
+    const { pictures } = edited();
+    pictures.take({ ...drawn(2), ...of });
+    expect(pictures.next(size)).toBeNull();
+  });
+
+  test("that a segment is edited from now on is no other look", () => {
+    const { asked, pictures } = edited();
+    const look = (isEdited: boolean): PictureLook =>
+      ({ type: "picture_look", segments: [{ id: 1, edited: isEdited }] }) as unknown as PictureLook;
+    pictures.setLook(look(false));
+    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.ask(true, view, size);
+    pictures.take({ ...drawn(3), edit: 9 });
+    pictures.next(size);
+    pictures.setLook(look(true));
+    pictures.ask(true, view, size);
+    expect(asked().at(-1)?.over).toEqual({ edit: 9, divisor: 3 });
+  });
+
+  test("the same look told again is no other look", () => {
+    const { asked, pictures, sent } = edited();
+    pictures.setLook({ ...anyLook });
+    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.next(size);
+    pictures.ask(true, view, size);
+    expect(asked().at(-1)?.over).toEqual({ edit: 9, divisor: 3 });
+    expect(sent.filter(({ type }) => type === "picture_look")).toHaveLength(1);
+  });
 });

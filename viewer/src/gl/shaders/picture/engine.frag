@@ -5,8 +5,10 @@ layout(location = 0) out vec4 picture;
 // linear; or, where brightest is not 0, of twice as many rows: sRGB of shares of it, and below that opacity
 uniform sampler2D engineColour;
 uniform float brightest;
-// of the picture [pixels]
+// of the picture [pixels], and where what of it has come begins, from its upper left corner, and its size
 uniform vec2 engineSize;
+uniform vec2 partFirst;
+uniform vec2 partSize;
 // part of the target in use [pixels], and how much more of the view it shows than the picture, along each axis
 uniform vec2 used;
 uniform vec2 fit;
@@ -24,12 +26,12 @@ vec4 colourAt(ivec2 pixel) {
   if (brightest == 0.0) {
     return stored;
   }
-  float opacity = texelFetch(engineColour, pixel + ivec2(0, engineSize.y), 0).g;
+  float opacity = texelFetch(engineColour, pixel + ivec2(0, partSize.y), 0).g;
   // what packing leaves where nothing is does not shine
   return opacity < 0.5 / 255.0 ? vec4(0.0) : vec4(brightest * linearFromSrgb(stored.rgb), opacity);
 }
 
-// at a place in the picture, 0 to 1 from its upper left corner
+// at a place in what has come, 0 to 1 from its upper left corner
 float viewDepthAt(vec2 place) {
   uint stored = texelFetch(engineDepth, ivec2(place * vec2(textureSize(engineDepth, 0))), 0).r;
   return stored == 65535u ? farAway : mix(depthSpan.x, depthSpan.y, float(stored) / 65534.0);
@@ -38,8 +40,10 @@ float viewDepthAt(vec2 place) {
 void main() {
   // its rows begin at the upper edge
   vec2 place = 0.5 + fit * (gl_FragCoord.xy / used - 0.5) * vec2(1.0, -1.0);
+  vec2 pixel = place * engineSize - partFirst;
+  place = pixel / partSize;
   bool isInside = all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(1.0)));
-  picture = isInside ? colourAt(ivec2(place * engineSize)) : vec4(0.0);
+  picture = isInside ? colourAt(ivec2(pixel)) : vec4(0.0);
   float depth = isInside ? viewDepthAt(place) : farAway;
   gl_FragDepth = depth >= farAway ? 1.0 : windowDepth(depth);
 }
