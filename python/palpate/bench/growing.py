@@ -45,6 +45,9 @@ __all__ = [
 
 AMOS_LABELS = "amos_0336/labels_from_meshes.nii.gz"
 
+End = Literal["found", "told", "leaked", "short"]
+"""What came of a click: the organ, a refusal, or less than ``LEAST_DICE`` of it in silence."""
+
 SEEDS = 3
 """Clicks into each organ."""
 DRAW = 1
@@ -85,7 +88,7 @@ class Try:
     """What came of a click."""
 
     seed: tuple[float, float, float]
-    end: Literal["found", "told", "leaked", "short"]
+    end: End
     dice: float
     ratio: float
     """Volume by that of the label."""
@@ -155,7 +158,7 @@ def tried(volume: Volume, mask: Mask, seed: tuple[float, float, float]) -> Try:
     own, marked = int(np.count_nonzero(found)), int(np.count_nonzero(mask))
     both = int(np.count_nonzero(found & mask))
     dice = 2.0 * both / (own + marked)
-    end: Literal["found", "told", "leaked", "short"] = "found"
+    end: End = "found"
     if said:
         end = "told"
     elif dice < LEAST_DICE:

@@ -102,7 +102,8 @@ def _local(values: NDArray[np.float32], where: Mask) -> NDArray[np.float32]:
     overall = values[where].mean() if where.any() else values.mean()
     weight = blurred(where.astype(np.float32))
     total = blurred(np.where(where, values - overall, 0.0).astype(np.float32))
-    return overall + total / np.maximum(weight, np.float32(1e-3))
+    means: NDArray[np.float32] = overall + total / np.maximum(weight, np.float32(1e-3))
+    return means
 
 
 def _noise(raw: NDArray[np.float32], calm: Mask) -> float:

@@ -40,7 +40,7 @@ def test_every_goal_has_its_row() -> None:
 
 
 def test_clicks_are_counted_by_what_came_of_them_and_every_goal_has_its_row() -> None:
-    ends = ("found", "found", "told", "leaked", "short")
+    ends: list[growing.End] = ["found", "found", "told", "leaked", "short"]
     tries = [
         (organ, growing.Try((0.0, 0.0, 0.0), end, 0.9, 1.0, 2.0, 3.0, "no" * (end == "told")))
         for organ in growing.ORGANS

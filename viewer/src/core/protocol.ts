@@ -1045,7 +1045,7 @@ export interface StopSegmentWork {
   readonly type: "stop_segment_work";
 }
 
-/** Makes a segment of what lies outside of the body and does not touch it; see `TableFound`. */
+/** Makes a segment of what lies outside of the body and does not touch it: `TableFound`. */
 export interface FindTable {
   readonly type: "find_table";
 }
