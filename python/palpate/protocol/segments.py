@@ -163,12 +163,12 @@ class GrowSegment(Message, frozen=True, tag="grow_segment"):
 
     ``spread`` is half of the range of values, in standard deviations around the seed. Passages
     narrower than ``passage`` [mm] are not entered, and the segment becomes no larger than
-    ``most_ml``.
+    ``most_ml``. Where neither is given, both are found: those whose segment ends at an edge.
     """
 
     seed: Vector
-    spread: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)]
-    passage: Annotated[float, msgspec.Meta(ge=0.0, le=40.0)]
+    spread: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)] | None
+    passage: Annotated[float, msgspec.Meta(ge=0.0, le=40.0)] | None
     most_ml: Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
 
 

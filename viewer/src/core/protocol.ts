@@ -1026,13 +1026,13 @@ export interface Otsu {
  *
  * `spread` is half of the range of values, in standard deviations around the seed. Passages
  * narrower than `passage` [mm] are not entered, and the segment becomes no larger than
- * `most_ml`.
+ * `most_ml`. Where neither is given, both are found: those whose segment ends at an edge.
  */
 export interface GrowSegment {
   readonly type: "grow_segment";
   readonly seed: Vector;
-  readonly spread: number;
-  readonly passage: number;
+  readonly spread: number | null;
+  readonly passage: number | null;
   readonly most_ml: number;
 }
 
