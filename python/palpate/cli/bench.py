@@ -119,7 +119,7 @@ def bench_render(
     """Measure what is seen on the page, compared with VTK and vtk.js; needs Chromium."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
-    from palpate.bench.render import QUICK, Effort, built_peer, measure
+    from palpate.bench.pictures.render import QUICK, Effort, built_peer, measure
     from palpate.bench.report import print_rows, write_rows
 
     peer = vtk or built_peer()
