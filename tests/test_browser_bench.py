@@ -11,7 +11,7 @@ import pytest
 import SimpleITK
 from browser import ROOT, TOOL
 from palpate.bench.goals.seen import SEEN_ROWS, seen_case
-from palpate.bench.seen import Looking, seen
+from palpate.bench.pictures.seen import Looking, seen
 
 pytestmark = pytest.mark.browser
 

@@ -74,3 +74,12 @@ def test_the_scan_is_cropped_to_the_box_and_undo_brings_it_back(page: Browser) -
     page.wait(f"{BONE} === {whole // 2}")
     page.do("press", key="Control+z")
     page.wait(f"{BONE} === {whole}")
+
+
+def test_a_segment_is_taken_out_of_the_scan_and_undo_brings_it_back(page: Browser) -> None:
+    page.do("clickText", text="Change shape")
+    page.do("click", testid="take-out")
+    page.wait(f"{COUNT} === 0")
+    page.picture(OUTPUT / "removal-taken-out.png")
+    page.do("press", key="Control+z")
+    page.wait(f"{COUNT} === 1")

@@ -23,7 +23,10 @@ const rooms = {
   "core/segments": ["core/base", "core/geometry", "core/protocol", "core/scan"],
   "core/tissue": ["core/base", "core/geometry", "core/protocol"],
   "core/tools": ["core/geometry", "core/protocol"],
-  "core/touch": ["core/base", "core/geometry", "core/protocol", "core/tools"],
+  "core/touch": [
+    ...["core/base", "core/geometry", "core/picking", "core/protocol", "core/scan"],
+    ...["core/tissue", "core/tools"],
+  ],
   "core/slices": ["core/geometry", "core/protocol", "core/scan", "core/surfaces"],
   "core/marks": ["core/geometry", "core/slices"],
   "core/view": ["core/geometry", "core/marks", "core/protocol", "core/scan", "core/slices"],

@@ -26,7 +26,7 @@ from palpate.session.deformation_state import DeformationState, ModelOffer, Mode
 from palpate.session.frame_state import FrameState, LatenessState
 from palpate.session.picture_change import PictureChange
 from palpate.session.recording_columns import ReplayResult, TapeColumns, TickColumns
-from palpate.session.segment_state import SegmentState, SettingsState
+from palpate.session.segment_state import EngineSegmentState, SettingsState
 
 __all__ = [
     "Ground",
@@ -420,7 +420,7 @@ class Session:
     def segment(self, segment_id: int) -> Segment:
         """The current voxels of a segment."""
 
-    def segments_state(self) -> list[SegmentState]:
+    def segments_state(self) -> list[EngineSegmentState]:
         """Current state of all segments."""
 
     def frame(self) -> FrameState:

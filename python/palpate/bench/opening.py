@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
-from palpate.bench.first_picture import used_until_picture
 from palpate.bench.goals.opening import OPEN_CASE, OPEN_ROWS
 from palpate.bench.haptics_data import LIDC, data_file
 from palpate.bench.page import chromium, opened, served
+from palpate.bench.pictures.first_picture import used_until_picture
 from palpate.bench.report import Row, rows_in
 from palpate.io.reading import read
 from palpate.volumes.volume import Volume

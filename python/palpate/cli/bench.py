@@ -119,7 +119,7 @@ def bench_render(
     """Measure what is seen on the page, compared with VTK and vtk.js; needs Chromium."""
     from palpate.base.errors import OptionError
     from palpate.bench.haptics_data import MissingDataError
-    from palpate.bench.render import QUICK, Effort, built_peer, measure
+    from palpate.bench.pictures.render import QUICK, Effort, built_peer, measure
     from palpate.bench.report import print_rows, write_rows
 
     peer = vtk or built_peer()
@@ -162,22 +162,28 @@ def bench_segment(
     runs: Annotated[
         int, typer.Option(min=1, max=20, help="Number of runs; the median is reported.")
     ] = 3,
+    grow: Annotated[
+        bool, typer.Option("--grow", help="Only click into labelled organs, and grow crisp balls.")
+    ] = False,
     json_file: Json = None,
 ) -> None:
     """Measure thresholds with their surface, region growing, and many segments at once."""
     from palpate.base.errors import OptionError
+    from palpate.bench import growing, segmenting
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.report import print_rows, write_rows
-    from palpate.bench.segmenting import measure
 
     try:
         with quiet_libraries(), Display() as display:
-            rows = measure(runs=runs, progress=display)
+            if grow:
+                rows = growing.measure(progress=display)
+            else:
+                rows = segmenting.measure(runs=runs, progress=display)
     except MissingDataError as error:
         raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
-    print_rows("segment", rows)
+    print_rows("segment --grow" if grow else "segment", rows)
     if json_file is not None:
-        write_rows("segment", rows, json_file)
+        write_rows("segment --grow" if grow else "segment", rows, json_file)
 
 
 def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:

@@ -77,12 +77,14 @@ class Segment(SegmentAppearance, frozen=True):
     differently. ``grid`` is the ``patient_from_grid`` of its voxels where they are not on the
     scan's grid. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
     surface; ``ambient`` and ``specular`` are factors of its light. The voxels of a ``locked``
-    segment cannot change.
+    segment cannot change. ``touchable`` is what is wanted; ``felt`` is whether the probe collides
+    with it: touchable, and visible or ``touched_while_hidden``.
     """
 
     id: SegmentId
     name: Name
     touchable: bool
+    felt: bool
     locked: bool
     range: tuple[Value, Value] | None
     made_by: tuple[Value, Value] | None
@@ -161,12 +163,12 @@ class GrowSegment(Message, frozen=True, tag="grow_segment"):
 
     ``spread`` is half of the range of values, in standard deviations around the seed. Passages
     narrower than ``passage`` [mm] are not entered, and the segment becomes no larger than
-    ``most_ml``.
+    ``most_ml``. Where neither is given, both are found: those whose segment ends at an edge.
     """
 
     seed: Vector
-    spread: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)]
-    passage: Annotated[float, msgspec.Meta(ge=0.0, le=40.0)]
+    spread: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)] | None
+    passage: Annotated[float, msgspec.Meta(ge=0.0, le=40.0)] | None
     most_ml: Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
 
 

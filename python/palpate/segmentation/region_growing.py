@@ -2,7 +2,11 @@
 
 Organs touch others of nearly the same values. So the region does not go where a ball of a certain
 size does not fit through: the values in range are eroded by the ball's radius, followed from the
-seed, and grown back. Where the region becomes larger than what is allowed, a larger ball is tried.
+seed, and grown back. Which range and which ball is found by trying many on coarse cells
+(``growing_choice.py``); the border is then found at the scan's voxels (``growing_border.py``).
+
+Where a person gives the range, the spread or the passage, these count. Then, where the region
+becomes larger than what is allowed, a larger ball is tried.
 
 Frames: see ``volumes/volume.py``; arrays are [z, y, x].
 """
@@ -19,6 +23,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import EmptySegmentError, OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.growing_by_choice import grown_by_choice
 from palpate.segmentation.lengths_in_voxels import most_voxels, whole_voxels, within
 from palpate.segmentation.mask_shape import Mask, closed, filled, margin, squared_distance_to
 from palpate.volumes.volume import Volume
@@ -33,6 +38,12 @@ BORDER = 3.0
 
 NEIGHBOURHOOD = 6.0
 """Values of the seed are those within this distance of it [mm]."""
+
+SPREAD = 2.5
+"""Half of the range where only a passage is given, in standard deviations around the seeds."""
+
+PASSAGE = 10.0
+"""Passages that are not entered where only a range or a spread is given [mm]."""
 
 LEAST_SPREAD = 0.012
 """Half of the range at least, as a share of the scan's values without the outermost ones."""
@@ -53,10 +64,11 @@ class Growing:
 
     range: tuple[float, float] | None = None
     """Values that belong to it [unit of the scan]; by default those around the seeds."""
-    spread: float = 2.5
-    """Half of that range, in standard deviations of the values around the seeds."""
-    passage: float = 10.0
-    """Passages narrower than this are not entered [mm]."""
+    spread: float | None = None
+    """Half of that range, in standard deviations of the values around the seeds; by default that
+    whose region ends best at an edge of values."""
+    passage: float | None = None
+    """Passages narrower than this are not entered [mm]; found as the spread is."""
     most_ml: float = 2500.0
     """Larger than this it does not become."""
     fill: bool = True
@@ -78,8 +90,8 @@ class Growing:
             ("passage", 0.0, LARGEST_PASSAGE),
             ("most_ml", 0.001, 100_000.0),
         ):
-            value = float(getattr(self, name))
-            if not low <= value <= high:
+            value = getattr(self, name)
+            if value is not None and not low <= value <= high:
                 raise OptionError(f"{name} {value:g} given; allowed: {low:g} to {high:g}")
 
 
@@ -105,16 +117,31 @@ def grow(
     how = growing or Growing()
     how.check()
     places = _places(volume, seeds)
+    if how.range is None and how.spread is None and how.passage is None:
+        box, region = grown_by_choice(
+            volume, places, most_ml=how.most_ml, fill=how.fill, progress=progress
+        )
+        mask = np.zeros(volume.shape, bool)
+        mask[box] = region
+        return mask
+    return _by_hand(volume, places, how=how, progress=progress)
+
+
+def _by_hand(
+    volume: Volume, places: list[NDArray[np.int64]], *, how: Growing, progress: Progress
+) -> Mask:
+    """Returns the region of the range, spread or passage that a person gives."""
+    spread = SPREAD if how.spread is None else how.spread
     box = _box(volume, places, how.most_ml)
     start = np.array([side.start for side in box])
     inside = [tuple(int(c) for c in place - start) for place in places]
     progress("smoothing values", None)
     raw, values = _values(volume, box)
-    low, high = how.range or _range(values, inside, spacing=volume.spacing, spread=how.spread)
+    low, high = how.range or _range(values, inside, spacing=volume.spacing, spread=spread)
     in_range = filled((values >= low) & (values <= high))
     region = _follow(in_range, inside, volume=volume, how=how, progress=progress)
     progress("finding the border", None)
-    ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=how.spread)
+    ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=spread)
     region = _to_border(region, volume.between(*ends, box), volume.spacing, fill=how.fill)
     mask = np.zeros(volume.shape, bool)
     mask[box] = region
@@ -236,7 +263,8 @@ def _follow(
     if widest == 0.0:
         return np.zeros_like(in_range)
     # in a thin structure the ball must fit where the seed is
-    radius = min(0.5 * how.passage, 0.7 * widest)
+    passage = PASSAGE if how.passage is None else how.passage
+    radius = min(0.5 * passage, 0.7 * widest)
     most = most_voxels(how.most_ml, volume.voxel_volume)
     while True:
         progress("following values from the seed", None)

@@ -67,11 +67,17 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
     fast: Annotated[bool, words("With `auto=True`: work at 3 mm, which takes minutes.")] = False
     spread: Annotated[
         float | None,
-        words("Range of values for `grow=POINT`, in standard deviations around the point."),
+        words(
+            "Range of values for `grow=POINT`, in standard deviations around the point; by default "
+            "found from edges."
+        ),
     ] = None
     passage: Annotated[
         float | None,
-        words("For `grow=POINT`: do not grow through passages narrower than this, in mm."),
+        words(
+            "For `grow=POINT`: do not grow through passages narrower than this, in mm; by default "
+            "found from edges."
+        ),
     ] = None
     most: Annotated[
         float | None, words("For `grow=POINT`: maximum volume of the segment in ml.")
@@ -223,8 +229,8 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
 
         usual = Growing()
         return Growing(
-            spread=usual.spread if self.spread is None else self.spread,
-            passage=usual.passage if self.passage is None else self.passage,
+            spread=self.spread,
+            passage=self.passage,
             most_ml=usual.most_ml if self.most is None else self.most,
         )
 

@@ -47,6 +47,7 @@ class ShownAppearance(SegmentAppearance, frozen=True):
     """
 
     visible: bool = True
+    touched_while_hidden: bool = False
     shown_as: ShownAs = "volume"
     opacity: Share = 1.0
     smoothing: SmoothingDegree = DEFAULT_SMOOTHING
@@ -124,7 +125,12 @@ def restore_appearances(session: Session, kept: bytes) -> dict[int, ShownAppeara
     there = {state["id"] for state in session.segments()}
     for each in segments:
         if each.id in there:
-            session.set_touchable(each.id, touchable=each.touchable)
+            session.set_touchable(
+                each.id,
+                touchable=each.touchable,
+                visible=each.appearance.visible,
+                touched_while_hidden=each.appearance.touched_while_hidden,
+            )
             session.set_locked(each.id, locked=each.locked)
     return {each.id: each.appearance for each in segments}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from palpate.session.engine import Engine
+from palpate.session.felt import FeltSegments
 from palpate.session.regions import Regions
 from palpate.session.step_groups import StepGroup, StepGroups
 
@@ -14,10 +15,11 @@ __all__ = ["SessionHistory"]
 class SessionHistory:
     """Steps of undo and redo, some of them grouped."""
 
-    def __init__(self, engine: Engine, regions: Regions) -> None:
-        """Takes the engine, and the regions that come back with their segments."""
+    def __init__(self, engine: Engine, regions: Regions, felt: FeltSegments) -> None:
+        """Takes the engine, and what comes back with segments: their regions and their touch."""
         self._engine = engine
         self._regions = regions
+        self._felt = felt
         self._groups = StepGroups(self._voxel_count)
 
     def undo(self) -> bool:
@@ -27,7 +29,9 @@ class SessionHistory:
             Whether there was one.
         """
         with self._regions.restored():
-            return self._groups.undo(self._engine.undo)
+            undone = self._groups.undo(self._engine.undo)
+        self._felt.hold()
+        return undone
 
     def redo(self) -> bool:
         """Redoes the last undone step.
@@ -36,7 +40,9 @@ class SessionHistory:
             Whether there was one.
         """
         with self._regions.restored():
-            return self._groups.redo(self._engine.redo)
+            redone = self._groups.redo(self._engine.redo)
+        self._felt.hold()
+        return redone
 
     def group_steps(self, segment_id: int, counts: Sequence[int | None]) -> None:
         """Makes the last edits of a segment one step of ``undo`` and ``redo``.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from palpate.session.engine import Engine, option_errors
+from palpate.session.felt import FeltSegments
 
 __all__ = ["SessionJournal"]
 
@@ -12,9 +13,10 @@ __all__ = ["SessionJournal"]
 class SessionJournal:
     """Writes a journal, and recovers a session from one."""
 
-    def __init__(self, engine: Engine) -> None:
-        """Takes the engine."""
+    def __init__(self, engine: Engine, felt: FeltSegments) -> None:
+        """Takes the engine, and what learns which of the recovered segments are obstacles."""
         self._engine = engine
+        self._felt = felt
 
     def look_at_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int] | None:
         """Inspects a journal without changing anything.
@@ -74,7 +76,10 @@ class SessionJournal:
             OSError: The file cannot be read, or another session writes it (BlockingIOError).
         """
         with option_errors():
-            return self._engine.recover_journal(path, scan_hash)
+            try:
+                return self._engine.recover_journal(path, scan_hash)
+            finally:
+                self._felt.learn()
 
     def end_journal(self) -> None:
         """Writes what is pending, and closes the journal."""

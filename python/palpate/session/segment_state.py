@@ -9,6 +9,7 @@ from typing import Literal, TypedDict
 
 __all__ = [
     "Bounds",
+    "EngineSegmentState",
     "FeelState",
     "MaterialState",
     "PoseState",
@@ -59,8 +60,8 @@ class MaterialState(TypedDict):
     """HU between which the constants are interpolated; None where they are the same everywhere."""
 
 
-class SegmentState(TypedDict):
-    """One segment of a session."""
+class EngineSegmentState(TypedDict):
+    """One segment of a session as the engine has it: ``touchable`` is what holds."""
 
     id: int
     """1 to 255."""
@@ -84,6 +85,13 @@ class SegmentState(TypedDict):
     """None where the segment is rigid."""
     pose: list[float] | None
     """Where it was moved to; None where it stands as in the scan."""
+
+
+class SegmentState(EngineSegmentState):
+    """One segment of a session: ``touchable`` is what is wanted."""
+
+    felt: bool
+    """Whether the probe collides with it: touchable, and visible or touched while hidden."""
 
 
 class PoseState(TypedDict):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from palpate.session.air import air_of
 from palpate.session.engine import Engine, Point, option_errors, triple
+from palpate.session.felt import FeltSegments, TouchWish
 from palpate.session.gap import Gap
 from palpate.session.painted_cut import PaintedCut
 from palpate.session.regions import Regions
@@ -21,12 +22,12 @@ __all__ = ["SessionSegments"]
 class SessionSegments:
     """The segments of a session: their voxels, poses and touch settings."""
 
-    def __init__(self, engine: Engine, scene: Scene, regions: Regions) -> None:
-        """Takes the engine, the scene at the start, and the regions of segments."""
+    def __init__(self, engine: Engine, scene: Scene, kept: tuple[Regions, FeltSegments]) -> None:
+        """Takes the engine, the scene at the start, and what is kept of segments beside both."""
         self._engine = engine
         self._volume = scene.volume
         self._first = dict(enumerate(scene, start=1))
-        self._regions = regions
+        self._regions, self._felt = kept
         self.numbers = {
             segment_id: one.segment.number
             for segment_id, one in self._first.items()
@@ -49,14 +50,17 @@ class SessionSegments:
         """
         with option_errors():
             voxels = segment._internal  # noqa: SLF001
-            added = self._new(self._engine.add_segment(voxels, touchable, segment.range))
+            added = self._new(
+                self._engine.add_segment(voxels, touchable, segment.range), TouchWish(touchable)
+            )
         if segment.number is not None:
             self.numbers[added] = segment.number
         return added
 
-    def _new(self, segment_id: int) -> int:
+    def _new(self, segment_id: int, wish: TouchWish) -> int:
         """Forgets what an earlier segment of this id had; returns the id."""
         self.numbers.pop(segment_id, None)
+        self._felt.begin(segment_id, wish)
         return self._regions.clear_for_new(segment_id)
 
     def replace_segment(self, segment_id: int, segment: Segment) -> None:
@@ -108,14 +112,35 @@ class SessionSegments:
             now = self._engine.as_edited(made._internal, low, high)  # noqa: SLF001
         return Segment(now, name=made.name, volume=self._volume, range=made.range)
 
-    def set_touchable(self, segment_id: int, *, touchable: bool) -> None:
+    def set_touchable(
+        self,
+        segment_id: int,
+        *,
+        touchable: bool,
+        visible: bool | None = None,
+        touched_while_hidden: bool | None = None,
+    ) -> None:
         """Sets whether the probe collides with a segment.
+
+        It does so with what is touchable and can be seen; with what is hidden only where it is to
+        be touched while hidden, too.
+
+        Args:
+            segment_id: Number of the segment.
+            touchable: Whether the probe collides with it while it is shown.
+            visible: Whether it is shown; None leaves this as it is, at first as in the scene.
+            touched_while_hidden: Whether the probe collides with it while it is hidden, too; None
+                leaves this as it is.
 
         Raises:
             OptionError: There is no such segment.
         """
-        with option_errors():
-            self._engine.set_touchable(segment_id, touchable)
+        self._felt.want(
+            segment_id,
+            touchable=touchable,
+            visible=visible,
+            touched_while_hidden=touched_while_hidden,
+        )
 
     def set_locked(self, segment_id: int, *, locked: bool) -> None:
         """Sets whether the voxels of a segment are protected from changes.
@@ -192,9 +217,8 @@ class SessionSegments:
             OptionError: The whole segment lies on one side of the plane.
         """
         with option_errors():
-            return self._new(
-                self._engine.cut(segment_id, triple("point", point), triple("normal", normal))
-            )
+            part = self._engine.cut(segment_id, triple("point", point), triple("normal", normal))
+            return self._new(part, self._felt.of(segment_id))
 
     def cut_along(self, segment_id: int, cut: PaintedCut) -> int:
         """Splits a segment along a line drawn on the picture; one step of undo.
@@ -208,7 +232,8 @@ class SessionSegments:
             OptionError: The line is not valid, or the whole segment lies on one side of it.
         """
         with option_errors():
-            return self._new(self._engine.cut_along(segment_id, cut.given()))
+            part = self._engine.cut_along(segment_id, cut.given())
+            return self._new(part, self._felt.of(segment_id))
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
         """Returns the volumes of the parts that ``cut_along`` would make.
@@ -285,6 +310,7 @@ class SessionSegments:
         now = Scene(volume)
         for state in self.segments():
             shown = self._first.get(state["id"])
+            wish = self._felt.of(state["id"])
             name = f"segment {state['id']}" if shown is None else shown.name
             segment = self.segment(state["id"], name=name)
             segment.terminology = None if shown is None else shown.segment.terminology
@@ -292,7 +318,9 @@ class SessionSegments:
             now.add(
                 segment,
                 colour=None if shown is None else shown.colour,
+                visible=wish.visible,
                 touchable=state["touchable"],
+                touched_while_hidden=wish.touched_while_hidden,
             )
         return now
 
@@ -301,12 +329,12 @@ class SessionSegments:
 
         Returns:
             For each its ``id``, ``voxels``, ``volume`` [mm³], ``bounds`` [voxels], ``touchable``,
-            ``locked``, ``pending`` (touch does not follow its latest change yet), ``range`` and
-            ``made_by`` (thresholds), ``feel``, ``material``, ``pose``, and ``grid``:
-            ``patient_from_grid`` by rows where it has a grid of its own, in whose voxels ``bounds``
-            are then.
+            ``felt`` (touchable, and visible or touched while hidden), ``locked``, ``pending``
+            (touch does not follow its latest change yet), ``range`` and ``made_by`` (thresholds),
+            ``feel``, ``material``, ``pose``, and ``grid``: ``patient_from_grid`` by rows where it
+            has a grid of its own, in whose voxels ``bounds`` are then.
         """
-        return self._engine.segments_state()
+        return [self._felt.told(state) for state in self._engine.segments_state()]
 
     def fill_box(
         self,

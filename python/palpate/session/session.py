@@ -12,6 +12,7 @@ from typing import Literal, Self
 import numpy as np
 
 from palpate.session.engine import Engine, option_errors
+from palpate.session.felt import FeltSegments, TouchWish
 from palpate.session.frame_state import FrameState, LatenessState
 from palpate.session.history import SessionHistory
 from palpate.session.journal import SessionJournal
@@ -97,19 +98,20 @@ class Session:
                 start=self.options.start,
                 settings=asdict(self.options.touch),
                 segments=[
-                    (shown.segment._internal, shown.touchable, shown.segment.range)  # noqa: SLF001
-                    for shown in scene
+                    (one.segment._internal, TouchWish.of(one).is_felt, one.segment.range)  # noqa: SLF001
+                    for one in scene
                 ],
             )
         regions = Regions(engine)
+        felt = FeltSegments(engine, scene)
         self._engine = engine
         self._probe = SessionProbe(engine)
-        self._segments = SessionSegments(engine, scene, regions)
+        self._segments = SessionSegments(engine, scene, (regions, felt))
         self._soft_tissue = SessionSoftTissue(engine, regions, unit=scene.volume.unit)
         self._tools = SessionTools(engine, scene.volume)
-        self._history = SessionHistory(engine, regions)
+        self._history = SessionHistory(engine, regions, felt)
         self._picture = SessionPicture(engine)
-        self._journal = SessionJournal(engine)
+        self._journal = SessionJournal(engine, felt)
         self._recorder = SessionRecorder(
             engine, scene, rate_hz=self.options.rate_hz, real_time=self.options.real_time
         )

@@ -43,12 +43,14 @@ class SegmentAppearance(msgspec.Struct, frozen=True):
     """How a segment is shown.
 
     ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its surface;
-    ``ambient`` and ``specular`` are factors on its light. Names of fields are serialised.
+    ``ambient`` and ``specular`` are factors on its light. What is hidden cannot be touched, unless
+    it is ``touched_while_hidden``. Names of fields are serialised.
     """
 
     name: str
     colour: Colour
     visible: bool
+    touched_while_hidden: bool
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree

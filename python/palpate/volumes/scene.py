@@ -79,13 +79,19 @@ class SceneSegment:
 
 
 def new_appearance(
-    name: str, colour: Colour, *, visible: bool = True, shown_as: ShownAs = "volume"
+    name: str,
+    colour: Colour,
+    *,
+    visible: bool = True,
+    touched_while_hidden: bool = False,
+    shown_as: ShownAs = "volume",
 ) -> SegmentAppearance:
     """Returns how a segment is shown that nobody has changed yet."""
     return SegmentAppearance(
         name=name,
         colour=colour,
         visible=visible,
+        touched_while_hidden=touched_while_hidden,
         shown_as=shown_as,
         opacity=1.0,
         smoothing=DEFAULT_SMOOTHING,
@@ -130,6 +136,7 @@ class Scene:
         colour: Colour | None = None,
         visible: bool = True,
         touchable: bool = True,
+        touched_while_hidden: bool = False,
         shown_as: ShownAs = "volume",
     ) -> SceneSegment:
         """Adds a segment.
@@ -139,7 +146,8 @@ class Scene:
             colour: sRGB, each 0 to 1; the default is the usual colour of its name, or where that is
                 not known or taken, the next one of the palette.
             visible: Whether it is shown.
-            touchable: Whether the probe collides with it.
+            touchable: Whether the probe collides with it while it is shown.
+            touched_while_hidden: Whether the probe does so while it is hidden, too.
             shown_as: How it is drawn: from its voxels, as a surface, or both.
 
         Raises:
@@ -170,7 +178,13 @@ class Scene:
         next_one = PALETTE[len(self._segments) % len(PALETTE)]
         names = [other.name for other in self._segments]
         chosen = colour or first_colour(segment.name, names, otherwise=next_one)
-        look = new_appearance(segment.name, chosen, visible=visible, shown_as=shown_as)
+        look = new_appearance(
+            segment.name,
+            chosen,
+            visible=visible,
+            touched_while_hidden=touched_while_hidden,
+            shown_as=shown_as,
+        )
         added = SceneSegment(segment, look, touchable)
         self._segments.append(added)
         return added

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from palpate.bench import growing
 from palpate.bench.goals import GOALS
 from palpate.bench.segmenting import drawn_out, rows_of, surface_seconds
 from palpate.volumes.volume import Volume
@@ -36,3 +37,33 @@ def test_every_goal_has_its_row() -> None:
         "Dice": 0.85,
         "file to session": 5.0,
     }
+
+
+def test_clicks_are_counted_by_what_came_of_them_and_every_goal_has_its_row() -> None:
+    ends: list[growing.End] = ["found", "found", "told", "leaked", "short"]
+    tries = [
+        (organ, growing.Try((0.0, 0.0, 0.0), end, 0.9, 1.0, 2.0, 3.0, "no" * (end == "told")))
+        for organ in growing.ORGANS
+        for end in ends
+    ]
+    rows = growing.rows_of(tries, 0.02)
+    assert [(row.case, row.metric) for row in rows] == [
+        (goal.case, goal.metric) for goal in GOALS["segment --grow"]
+    ]
+    everything = {row.metric: row.value for row in rows if row.case.endswith("all")}
+    count = len(growing.ORGANS)
+    assert (everything["found"], everything["stopped and told"]) == (2 * count, count)
+    assert (everything["leaked in silence"], everything["short in silence"]) == (count, count)
+
+
+def test_seeds_are_deep_and_off_the_border_and_a_ball_is_found() -> None:
+    volume, mask = growing.crisp_ball(10.0, (1.0, 1.0, 1.5))
+    seeds = growing.seeds_of(mask, volume)
+    assert seeds == growing.seeds_of(mask, volume)
+    off = np.linalg.norm(np.array(seeds) - 0.5 * np.array(volume.dimensions) * (1, 1, 1.5), axis=1)
+    assert off[0] < 1.6
+    assert (off < 7.5).all()
+    found = growing.tried(volume, mask, seeds[0])
+    assert (found.end, found.dice) == ("found", 1.0)
+    none = growing.tried(volume, ~mask, seeds[0])
+    assert none.end == "short"

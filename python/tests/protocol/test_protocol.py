@@ -43,6 +43,7 @@ PROPERTIES = {
     "name": "bone",
     "colour": [1, 1, 1],
     "visible": True,
+    "touched_while_hidden": False,
     "touchable": True,
     "locked": False,
     "shown_as": "both",

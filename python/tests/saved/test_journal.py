@@ -19,6 +19,7 @@ import pytest
 import SimpleITK
 from made_scans import make_ball
 from palpate.io.reading import read
+from palpate.protocol import SegmentProperties
 from palpate.saved.journal import Journal
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scan_hash import scan_hash
@@ -237,6 +238,7 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         "name": "tumour",
         "colour": [0.5, 0.25, 0.0],
         "visible": True,
+        "touched_while_hidden": False,
         "touchable": False,
         "locked": False,
         "shown_as": "both",
@@ -272,6 +274,31 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         assert segment["locked"]
         assert (segment["colour"], segment["shown_as"]) == ([0.5, 0.25, 0.0], "both")
         np.testing.assert_array_equal(server.session.segment(1).mask(), expected)
+
+
+@pytest.mark.parametrize("pinned", [False, True])
+def test_a_hidden_segment_comes_back_to_a_page_as_it_was_felt(
+    tmp_path: Path, *, pinned: bool
+) -> None:
+    page_folder = write_page(tmp_path / "page")
+    for bring_back in (None, True):
+        with (
+            running(make_ball(), page_folder, state=tmp_path / "state") as server,
+            server.page() as page,
+        ):
+            if bring_back is None:
+                shown = page.receive("hello")["segments"][0]
+                changed = shown | {"visible": False, "touched_while_hidden": pinned}
+                names = SegmentProperties.__struct_fields__
+                page.send({"type": "segment_properties"} | {name: changed[name] for name in names})
+                open_box(server.session, 18)
+            else:
+                assert page.receive("recovery")["offer"]["steps"] == 1
+                page.send({"type": "recover", "bring_back": bring_back})
+            told = page.receive("segments", until=lambda m: not m["segments"][0]["visible"])
+            (segment,) = told["segments"]
+            assert (segment["touchable"], segment["felt"]) == (True, pinned)
+            assert segment["touched_while_hidden"] == pinned
 
 
 def test_where_objects_stand_how_they_feel_and_look_come_back_to_a_page(tmp_path: Path) -> None:

@@ -251,7 +251,7 @@ def test_work_can_be_stopped_between_its_steps() -> None:
         pass
 
     def stop(what: str, _: float | None, /) -> None:
-        if what.startswith("following"):
+        if what.startswith("finding"):
             raise StopError
 
     with pytest.raises(StopError):

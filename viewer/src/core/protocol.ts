@@ -217,12 +217,14 @@ export interface MatterRegion {
  * differently. `grid` is the `patient_from_grid` of its voxels where they are not on the
  * scan's grid. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
  * surface; `ambient` and `specular` are factors of its light. The voxels of a `locked`
- * segment cannot change.
+ * segment cannot change. `touchable` is what is wanted; `felt` is whether the probe collides
+ * with it: touchable, and visible or `touched_while_hidden`.
  */
 export interface Segment {
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
+  readonly touched_while_hidden: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -232,6 +234,7 @@ export interface Segment {
   readonly specular: LightFactor;
   readonly id: SegmentId;
   readonly touchable: boolean;
+  readonly felt: boolean;
   readonly locked: boolean;
   readonly range: readonly [Value, Value] | null;
   readonly made_by: readonly [Value, Value] | null;
@@ -1023,13 +1026,13 @@ export interface Otsu {
  *
  * `spread` is half of the range of values, in standard deviations around the seed. Passages
  * narrower than `passage` [mm] are not entered, and the segment becomes no larger than
- * `most_ml`.
+ * `most_ml`. Where neither is given, both are found: those whose segment ends at an edge.
  */
 export interface GrowSegment {
   readonly type: "grow_segment";
   readonly seed: Vector;
-  readonly spread: number;
-  readonly passage: number;
+  readonly spread: number | null;
+  readonly passage: number | null;
   readonly most_ml: number;
 }
 
@@ -1186,6 +1189,7 @@ export interface SegmentProperties {
   readonly name: Name;
   readonly colour: Colour;
   readonly visible: boolean;
+  readonly touched_while_hidden: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -1712,6 +1716,7 @@ const isSegment = record({
   name: isName,
   colour: isColour,
   visible: flag,
+  touched_while_hidden: flag,
   shown_as: isShownAs,
   opacity: isShare,
   smoothing: isSmoothingDegree,
@@ -1721,6 +1726,7 @@ const isSegment = record({
   specular: isLightFactor,
   id: isSegmentId,
   touchable: flag,
+  felt: flag,
   locked: flag,
   range: nullable(tuple(isValue, isValue)),
   made_by: nullable(tuple(isValue, isValue)),

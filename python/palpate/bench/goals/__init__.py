@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from palpate.bench.goals.goal import Goal
+from palpate.bench.goals.growing import GROW_ROWS
 from palpate.bench.goals.opening import OPEN_ROWS
 from palpate.bench.goals.registration import REGISTER_ROWS
 from palpate.bench.goals.render import RENDER_ROWS
@@ -466,6 +467,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
     "render": RENDER_ROWS,
     "register": REGISTER_ROWS,
     "segment": SEGMENT_ROWS,
+    "segment --grow": GROW_ROWS,
     "surface": SURFACE_ROWS,
     "haptics": (
         *(row for ground in GROUNDS for row in haptics_rows(ground)),

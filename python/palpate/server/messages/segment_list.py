@@ -73,7 +73,12 @@ class SegmentList:
 
     def change(self, wanted: protocol.SegmentProperties) -> None:
         """Changes how a segment looks and whether it can be touched, and its voxels changed."""
-        self._session.set_touchable(wanted.id, touchable=wanted.touchable)
+        self._session.set_touchable(
+            wanted.id,
+            touchable=wanted.touchable,
+            visible=wanted.visible,
+            touched_while_hidden=wanted.touched_while_hidden,
+        )
         self._session.set_locked(wanted.id, locked=wanted.locked)
         colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=wanted.colour)
         look = replace(with_colour_chosen(wanted, chosen=chosen), colour=colour)
@@ -292,6 +297,7 @@ class SegmentList:
             **{name: getattr(look, name) for name in SegmentAppearance.__struct_fields__},
             id=segment_id,
             touchable=state["touchable"],
+            felt=state["felt"],
             locked=state["locked"],
             range=state["range"],
             made_by=state["made_by"],

@@ -30,6 +30,7 @@ from palpate.segmentation.table import skin_value, table
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.server.page_words import page_words
+from palpate.session.appearance import UNMOVED
 from palpate.session.session import Session
 from palpate.volumes.appearance import Colour
 from palpate.volumes.segment import Segment
@@ -176,6 +177,9 @@ class SegmentWork:
 
     def _remove_from_scan(self, wanted: protocol.RemoveFromScan, progress: Told) -> None:
         part = self._now(wanted.id)
+        pose = next(each["pose"] for each in self._session.segments() if each["id"] == wanted.id)
+        if pose is not None and pose != UNMOVED:
+            raise OptionError(f"{part.name} was moved; allowed: one that stands as in the scan")
         progress(f"removing {part.name} from the scan", None)
         self._session.remove_from_scan(part)
         left = self._session.segment(wanted.id).voxel_count

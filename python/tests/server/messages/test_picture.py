@@ -101,7 +101,7 @@ def edit(session: Session, number: int) -> None:
 def show_surface(page: Page) -> None:
     look = {"shown_as": "both", "opacity": 1.0, "smoothing": 3, "wireframe": False}
     look |= {"ambient": 1.0, "specular": 1.0}
-    look |= {"surface_from": "intensities"}
+    look |= {"surface_from": "intensities", "touched_while_hidden": False}
     properties = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
     page.send(properties | look | {"visible": True, "touchable": True, "locked": False})
     page.receive("changed", until=lambda m: m["surfaces"] != [])

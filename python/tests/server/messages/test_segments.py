@@ -15,6 +15,7 @@ SURFACE_LOOK = {
     "wireframe": False,
     "ambient": 1.0,
     "specular": 1.0,
+    "touched_while_hidden": False,
 }
 """How a surface looks as long as nobody says otherwise."""
 
@@ -49,6 +50,7 @@ def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
         "wireframe": True,
         "ambient": 0.5,
         "specular": 0.0,
+        "touched_while_hidden": False,
     }
     change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
     with server.page() as page:
@@ -129,3 +131,36 @@ def test_labels_hold_edited_segments_while_they_are_visible(server: Any) -> None
         page.send(hidden | SURFACE_LOOK | {"visible": False, "touchable": True, "locked": False})
         page.receive("segments", until=lambda m: m["labels"] > after["labels"])
         assert not voxels(server, "/api/labels", "u1").any()
+
+
+def test_what_is_hidden_on_a_page_is_not_felt_unless_it_is_pinned(server: Any) -> None:
+    look = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
+    look |= SURFACE_LOOK | {"visible": True, "touchable": True, "locked": False}
+    hidden = look | {"visible": False}
+    pinned = hidden | {"touched_while_hidden": True}
+    for sent, felt in (
+        (hidden, False),
+        (pinned, True),
+        (pinned | {"touchable": False}, False),
+        (hidden, False),
+        (look, True),
+        # both at once, as a step of undo may
+        (hidden | {"touchable": False}, False),
+        (look, True),
+    ):
+        with server.page() as page:
+            page.receive("hello")
+            page.send(sent)
+            (told,) = page.receive(
+                "segments",
+                until=lambda m, sent=sent: all(
+                    m["segments"][0][name] == sent[name]
+                    for name in ("visible", "touchable", "touched_while_hidden")
+                ),
+            )["segments"]
+            assert told["felt"] == felt
+            (state,) = server.session.segments()
+            assert (state["touchable"], state["felt"]) == (sent["touchable"], felt)
+            # whoever comes later is told the same
+            with server.page() as later:
+                assert later.receive("hello")["segments"][0]["felt"] == felt

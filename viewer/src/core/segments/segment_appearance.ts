@@ -13,6 +13,7 @@ const names: Readonly<Record<keyof SegmentAppearance, string>> = {
   name: "name",
   colour: "colour",
   visible: "visibility",
+  touched_while_hidden: "touch while hidden",
   touchable: "touch",
   locked: "lock",
   shown_as: "display mode",

@@ -53,18 +53,19 @@ export function drawnInSlices({ visible, pose, grid }: Segment): boolean {
 /** All of segments that the picture depends on: not how many voxels they have, nor their names. */
 export function drawnKey(segments: readonly Segment[]): string {
   return JSON.stringify(
-    segments.map(({ id, colour, visible, range, made_by, pose, shown_as, opacity, wireframe, ambient, specular }) => [
-      id,
-      colour,
-      visible,
-      range,
-      made_by,
-      pose,
-      shown_as,
-      opacity,
-      wireframe,
-      ambient,
-      specular,
+    segments.map((segment) => [
+      segment.id,
+      segment.colour,
+      segment.visible,
+      segment.felt,
+      segment.range,
+      segment.made_by,
+      segment.pose,
+      segment.shown_as,
+      segment.opacity,
+      segment.wireframe,
+      segment.ambient,
+      segment.specular,
     ]),
   );
 }

@@ -93,7 +93,7 @@ export function segmentsOf(
 ): readonly number[] {
   // the drill removes the scan's own voxels: a segment with a grid of its own has none of them
   const canWorkOn = (segment: Segment): boolean =>
-    segment.touchable && !segment.locked && (kind !== "drill" || segment.grid === null);
+    segment.felt && !segment.locked && (kind !== "drill" || segment.grid === null);
   const touchable = segments.filter(canWorkOn).map((segment) => segment.id);
   const has = (id: number): boolean => segments.some((segment) => segment.id === id);
   if (typeof works === "number" && has(works)) {

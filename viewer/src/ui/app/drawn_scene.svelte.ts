@@ -2,9 +2,17 @@
  * What the picture shall show of the scan and its segments, as the engine's state and the page's controls have it.
  */
 import type { Appearance } from "../../core/appearance/appearance";
+import { insideBeside, lookBeside, withoutUnfelt } from "../../core/appearance/felt_look";
 import { KeepEqual } from "../../core/base/keep_equal";
 import type { Segment } from "../../core/protocol";
-import { drawnKey, LastRanges, rangesInside, showable, shownRanges } from "../../core/segments/shown_segments";
+import {
+  drawnKey,
+  LastRanges,
+  rangesInside,
+  showable,
+  shownRanges,
+  type InsideModes,
+} from "../../core/segments/shown_segments";
 import type { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import type { ShownEdits } from "../features/scan/shown_edits.svelte";
 import type { ThresholdPreview } from "../features/segments/threshold_preview.svelte";
@@ -39,18 +47,27 @@ export class DrawnScene {
       ),
     );
     // each edit tells of other numbers of voxels, and the picture is hardly ever another one by that
-    return this.sameSegments.of(segments, drawnKey(segments));
+    const shown = withoutUnfelt(segments, this.sources.appearance.unfelt);
+    return this.sameSegments.of(shown, drawnKey(shown));
+  });
+
+  /** How the voxels of each look inside the volume. */
+  readonly inside = $derived.by((): InsideModes => {
+    const { inside, unfelt } = this.sources.appearance;
+    return insideBeside(inside, unfelt);
   });
 
   /** The appearance that the page's controls ask for; null before there is a scan. */
   readonly appearance = $derived.by((): Appearance | null => {
     const { scan } = this.session;
-    const { parts, inside } = this.sources.appearance;
+    const { parts, unfelt } = this.sources.appearance;
     if (scan === null || parts === null) {
       return null;
     }
-    const ranges = rangesInside(shownRanges(this.segments, scan), inside);
-    const appearance = { ...parts, ranges };
+    const { inside, segments } = this;
+    const ranges = rangesInside(shownRanges(segments, scan), inside);
+    const look = lookBeside(parts, scan, { segments, modes: inside, choice: unfelt });
+    const appearance = { ...look, ranges };
     return this.sameAppearance.of(appearance, JSON.stringify(appearance));
   });
 }

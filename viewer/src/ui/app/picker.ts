@@ -11,7 +11,6 @@ import type { Segment } from "../../core/protocol";
 import { drawnAsSurface, drawnFromVoxels } from "../../core/segments/shown_segments";
 import { dot, subtract, type Vec3 } from "../../core/geometry/vector";
 import type { ClipControl } from "../features/view/clip_control.svelte";
-import type { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import type { ScanLoader } from "../features/scan/scan_loader.svelte";
 import type { SecondControl } from "../features/second/second_control.svelte";
 import type { Session } from "../state/session.svelte";
@@ -24,7 +23,6 @@ import type { DrawnScene } from "./drawn_scene.svelte";
 interface Drawn {
   readonly loader: ScanLoader;
   readonly scene: DrawnScene;
-  readonly appearance: AppearanceControl;
   readonly edits: ShownEdits;
   readonly clips: ClipControl;
   readonly second: SecondControl;
@@ -49,7 +47,7 @@ export class Picker {
 
   /** What a ray of the scene meets first. */
   along(ray: Ray): PickedOfTwo | null {
-    const { loader, scene, appearance, edits, clips, second } = this.drawn;
+    const { loader, scene, edits, clips, second } = this.drawn;
     const { appearance: drawn, segments } = scene;
     const volume = loader.held?.volume;
     if (volume === undefined || drawn === null) {
@@ -66,7 +64,7 @@ export class Picker {
     const labelAt = (grid: Vec3): { readonly id: number; readonly visible: boolean } | null => {
       const label = edits.labelAt(grid, volume.step);
       const segment = segments.find(({ id, range }) => id === label && range === null);
-      const solid = segment !== undefined && (appearance.inside[label] ?? "solid") === "solid";
+      const solid = segment !== undefined && (scene.inside[label] ?? "solid") === "solid";
       return segment === undefined || (!solid && drawnFromVoxels(segment))
         ? null
         : { id: label, visible: drawnFromVoxels(segment) };

@@ -10,7 +10,6 @@ import type { FieldFilter } from "../../gl/march/field_filter";
 import { Picture } from "../../gl/picture/picture";
 import type { SnapshotWish } from "../../gl/picture/snapshot";
 import { savedPictures } from "../../live/saved_pictures";
-import type { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import type { MarkVisibility } from "../features/marks/mark_visibility.svelte";
 import type { EditRateControl } from "../features/scan/edit_rate_control.svelte";
 import type { ScanLoader } from "../features/scan/scan_loader.svelte";
@@ -33,7 +32,6 @@ interface Sources extends SyncedControls {
   readonly view: ViewControl;
   readonly stereo: StereoControl;
   readonly drawer: DrawerControl;
-  readonly appearance: AppearanceControl;
   readonly edits: ShownEdits;
   readonly editRate: EditRateControl;
   readonly touch: TouchMarkers;
@@ -111,7 +109,7 @@ export class PictureHost {
 
   /** Passes colours, poses and surfaces' appearance to the picture. */
   setSegments(segments: readonly Segment[]): void {
-    this.picture?.setSegments(segments, this.sources.appearance.inside);
+    this.picture?.setSegments(segments, this.sources.scene.inside);
   }
 
   /** Gives the 3-D view its pane. */

@@ -16,7 +16,7 @@ export function followScene(session: Session, stage: Stage): void {
   });
   $effect(() => {
     const { segments } = stage.scene;
-    void stage.appearance.inside;
+    void stage.scene.inside;
     untrack(() => {
       stage.picture.setSegments(segments);
     });

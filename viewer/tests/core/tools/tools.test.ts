@@ -13,13 +13,15 @@ import {
   segmentsOf,
 } from "../../../src/core/tools/tools";
 
-function segment(id: number, touchable = true, range: Segment["range"] = null): Segment {
+function segment(id: number, felt = true, range: Segment["range"] = null): Segment {
   return {
     id,
     name: `segment ${String(id)}`,
     colour: [1, 1, 1],
     visible: true,
-    touchable,
+    touched_while_hidden: false,
+    touchable: true,
+    felt,
     locked: false,
     range,
     voxels: 1,

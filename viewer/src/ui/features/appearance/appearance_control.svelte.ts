@@ -21,12 +21,14 @@ import { valueAbove } from "../../../core/scan/histogram";
 import { firstLighting, type Lighting, type Appearance } from "../../../core/appearance/appearance";
 import {
   blends,
+  drawsSolids,
   firstChoice,
   isGrey,
   opticsOf,
   usesTransferFunction,
   type OpticsChoice,
 } from "../../../core/appearance/optics";
+import type { UnfeltChoice } from "../../../core/appearance/felt_look";
 import type { Scan } from "../../../core/protocol";
 import type { InsideMode, InsideModes } from "../../../core/segments/shown_segments";
 import { readSlicerPreset } from "../../../core/appearance/slicer_preset";
@@ -51,6 +53,8 @@ export const anatomy = "Bone in tissue";
 
 const noInside: InsideModes = {};
 
+const firstUnfelt: UnfeltChoice = { hidden: false };
+
 const firstCurve: CurveChoice = { name: anatomy, curve: null, shift: 0, stretch: 1 };
 
 const { fewVoxels } = looks.modes;
@@ -68,6 +72,7 @@ interface ChosenAppearance {
   readonly curve: CurveChoice;
   readonly lighting: Lighting;
   readonly inside: InsideModes;
+  readonly unfelt: UnfeltChoice;
 }
 
 /** What of the optics is changed, as a step of undo says it. */
@@ -98,6 +103,11 @@ export class AppearanceControl {
   readonly lighting = $derived.by((): Lighting => this.state.now?.lighting ?? firstLighting);
   /** How each segment's voxels look inside the volume. */
   readonly inside = $derived.by((): InsideModes => this.state.now?.inside ?? noInside);
+  /** Whether what cannot be touched is shown; in modes without solid bodies it always is. */
+  readonly unfelt = $derived.by((): UnfeltChoice => {
+    const { now } = this.state;
+    return now !== null && drawsSolids(now.optics.blend) ? now.unfelt : firstUnfelt;
+  });
 
   /** Takes up a scan: as it was shown last, else as fits it. */
   open(scan: Scan): void {
@@ -115,6 +125,7 @@ export class AppearanceControl {
       curve: sane ? curve : firstCurve,
       lighting: recall(`lighting.${scan.name}`, firstLighting),
       inside: recall(`inside.${scan.name}`, noInside),
+      unfelt: recall(`unfelt.${scan.name}`, firstUnfelt),
     });
   }
 
@@ -212,6 +223,11 @@ export class AppearanceControl {
     this.set("look inside the volume", { inside: { ...this.inside, [id]: mode } });
   }
 
+  /** Shows what cannot be touched, or hides it. */
+  showUnfelt(shown: boolean): void {
+    this.set("display of what cannot be touched", { unfelt: { hidden: !shown } });
+  }
+
   setWindow(window: WindowLevel): void {
     const { choice } = this;
     if (choice !== null && isGrey(choice.blend)) {
@@ -226,6 +242,7 @@ export class AppearanceControl {
       optics: { ...firstChoice(this.anchors, this.brightest), blend: this.choice?.blend ?? "shaded" },
       curve: firstCurve,
       lighting: firstLighting,
+      unfelt: firstUnfelt,
     });
   }
 

@@ -39,11 +39,6 @@ export class RemovalControl {
     }
   }
 
-  /** Takes a segment and its voxels out of the scan. */
-  remove(id: number): void {
-    this.session.send({ type: "remove_from_scan", id });
-  }
-
   /** Takes all outside of the clip box out of the scan. */
   crop({ low, high }: ClipBox): void {
     this.session.send({ type: "crop_scan", low, high });

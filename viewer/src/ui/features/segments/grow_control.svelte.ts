@@ -7,23 +7,24 @@ import type { Session } from "../../state/session.svelte";
 
 /** How a region grows; see `GrowSegment` of the protocol. */
 export interface GrowHabits {
-  readonly spread: number;
-  readonly passage: number;
+  /** Null: found, from edges of values; so is the passage. */
+  readonly spread: number | null;
+  readonly passage: number | null;
   readonly most_ml: number;
 }
 
-const usual: GrowHabits = { spread: 2.5, passage: 10, most_ml: 2500 };
+const usual: GrowHabits = { spread: null, passage: null, most_ml: 2500 };
 
 export class GrowControl {
   /** Whether the next click in the picture or in a slice grows a region. */
   armed = $state(false);
-  habits = $state.raw<GrowHabits>(recall("grow", usual));
+  habits = $state.raw<GrowHabits>(recall("growing", usual));
 
   constructor(private readonly session: Session) {}
 
   change(part: Partial<GrowHabits>): void {
     this.habits = { ...this.habits, ...part };
-    remember("grow", this.habits);
+    remember("growing", this.habits);
   }
 
   /** Grows a region from a point of the scene; the next click does no more. */

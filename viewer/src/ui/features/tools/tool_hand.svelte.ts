@@ -143,7 +143,7 @@ export class ToolHand {
     }
     const soft = segments.flatMap((segment) => {
       const layer = this.layerOf(segment);
-      return segment.touchable && layer !== "hard" ? [{ id: segment.id, layer }] : [];
+      return segment.felt && layer !== "hard" ? [{ id: segment.id, layer }] : [];
     });
     return [soft.map(({ id }) => id), soft.map(({ layer }) => layer)];
   }
@@ -185,8 +185,11 @@ export class ToolHand {
 }
 
 function nothingToWorkOn(kind: ToolKind, segments: readonly Segment[]): string {
-  if (kind !== "needle" && segments.some(({ touchable, locked }) => touchable && locked)) {
+  if (kind !== "needle" && segments.some(({ felt, locked }) => felt && locked)) {
     return "There is nothing to work on: what can be touched is locked. The lock in a segment's row opens it.";
+  }
+  if (segments.some(({ felt, touchable }) => touchable && !felt) && !segments.some(({ felt }) => felt)) {
+    return "There is nothing to work on: what can be touched is hidden. The eye in a segment's row shows it.";
   }
   switch (kind) {
     case "needle":

@@ -78,8 +78,8 @@ export class TouchPaint {
   /** Has the probe feel what is painted, so that it does not sink in where it paints. */
   makeTouchable(): void {
     const { segment } = this.brush;
-    if (segment !== null && !segment.touchable && !this.habits.overlaps) {
-      this.session.send(changedProperties(segment, { touchable: true }));
+    if (segment !== null && !segment.felt && !this.habits.overlaps) {
+      this.session.send(changedProperties(segment, { touchable: true, visible: true }));
       this.session.notify("info", `${segment.name} can be touched now: else the probe would sink in where it paints.`);
     }
   }

@@ -18,8 +18,8 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-function segment(id: number, name: string, touchable = true): Segment {
-  return { id, name, touchable, grid: null, pose: null } as unknown as Segment;
+function segment(id: number, name: string, felt = true): Segment {
+  return { id, name, felt, grid: null, pose: null } as unknown as Segment;
 }
 
 function page(segments: readonly Segment[]) {
@@ -59,7 +59,7 @@ test("a painter without a segment to paint with asks for one, and works once it 
   ]);
 });
 
-test("it is told how, and what is painted becomes touchable", () => {
+test("it is told how, and what is painted can be seen and touched", () => {
   const { brush, tool } = page([segment(1, "Bone"), segment(2, "Vessel", false)]);
   brush.choose(2);
   tool.choose("painter");
@@ -72,7 +72,7 @@ test("it is told how, and what is painted becomes touchable", () => {
   tool.paint.change({ overlaps: false });
   tool.press();
   expect(sent.slice(-2)).toMatchObject([
-    { type: "segment_properties", id: 2, touchable: true },
+    { type: "segment_properties", id: 2, touchable: true, visible: true },
     { type: "stroke", on: true },
   ]);
 });

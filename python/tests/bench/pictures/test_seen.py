@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from palpate.bench.goals.seen import SEEN_ROWS, seen_case
-from palpate.bench.seen import drilled_figures, opened_figures, turned_figures
-from palpate.bench.watched_pictures import (
+from palpate.bench.pictures.seen import drilled_figures, opened_figures, turned_figures
+from palpate.bench.pictures.watched_pictures import (
     NotedEdit,
     NotedKey,
     NotedMove,

@@ -18,7 +18,7 @@ from threading import Event, Thread
 
 import numpy as np
 
-from palpate.bench.moving_quality import MOVING, Drawn
+from palpate.bench.pictures.moving_quality import MOVING, Drawn
 from palpate.bench.servo import HAND_RATE, HandCircle
 from palpate.session.session import Session
 from palpate.volumes.scene import Scene

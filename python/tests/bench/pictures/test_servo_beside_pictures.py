@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import palpate
 from palpate.bench.goals.seen import LATE_CASE, SEEN_ROWS
-from palpate.bench.servo_beside_pictures import late_beside_pictures
+from palpate.bench.pictures.servo_beside_pictures import late_beside_pictures
 from palpate.saved.opening import opening_of
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import palpate
 import pytest
 from palpate.bench.goals.seen import SEEN_ROWS, moving_case
-from palpate.bench.moving_quality import MOVING, likeness, moving_quality
-from palpate.bench.on_page import enlarged, on_page, screen_from_linear
-from palpate.bench.ssim import structural_similarity
+from palpate.bench.pictures.moving_quality import MOVING, likeness, moving_quality
+from palpate.bench.pictures.on_page import enlarged, on_page, screen_from_linear
+from palpate.bench.pictures.ssim import structural_similarity
 from palpate.saved.opening import opening_of
 from palpate.server.messages import engine_pictures
 

@@ -8,8 +8,9 @@ import numpy as np
 import palpate
 import pytest
 from palpate import OptionError
-from palpate.bench.beside_vtk import Engine, beside_vtk
-from palpate.bench.equal_quality import (
+from palpate.bench.goals.seen import SEEN_ROWS, VTK_CASE, VTK_JS_CASE
+from palpate.bench.pictures.beside_vtk import Engine, beside_vtk
+from palpate.bench.pictures.equal_quality import (
     LEAST,
     MOST,
     NARROW,
@@ -18,7 +19,6 @@ from palpate.bench.equal_quality import (
     steps_for,
     times_of,
 )
-from palpate.bench.goals.seen import SEEN_ROWS, VTK_CASE, VTK_JS_CASE
 from palpate.session.session import Session
 from palpate.volumes.scene import Scene
 

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from palpate.bench.equal_quality import TimedPicture, compared, times_of
-from palpate.bench.moving_quality import VIEW
-from palpate.bench.on_page import screen_from_linear
 from palpate.bench.page import Page
-from palpate.bench.vtk_caster import VtkCaster
+from palpate.bench.pictures.equal_quality import TimedPicture, compared, times_of
+from palpate.bench.pictures.moving_quality import VIEW
+from palpate.bench.pictures.on_page import screen_from_linear
+from palpate.bench.pictures.vtk_caster import VtkCaster
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.pictures.extent import extent_of

@@ -1,10 +1,10 @@
 """``palpate bench render``: times of pictures, data sent for an edit, and vtk.js for comparison.
 
-What a person sees is reported first, whoever draws (``palpate.bench.render_seen``). Everything else
-is about what the browser draws itself, in a page in a headless Chromium that shows a scan, by
-default CThead. The first picture is that of a chest of 512×512×133, or of the given scan, freshly
-read, timed from opening the page's address. Three times are reported for each mode and size:
-between pictures while the view rotates, at the resolution that the page chooses then; from the last
+What a person sees is reported first, whoever draws (``render_seen.py``). Everything else is about
+what the browser draws itself, in a page in a headless Chromium that shows a scan, by default
+CThead. The first picture is that of a chest of 512×512×133, or of the given scan, freshly read,
+timed from opening the page's address. Three times are reported for each mode and size: between
+pictures while the view rotates, at the resolution that the page chooses then; from the last
 rotation until the picture has the full quality that the page chooses; and of one whole picture at
 full resolution with one step per voxel, drawn off screen. GL calls and bytes of edits are counted
 in a separate page, since counting costs time.
@@ -29,7 +29,6 @@ import numpy as np
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.bench.edit import erased
-from palpate.bench.first_picture import first_picture
 from palpate.bench.goals.render import (
     EDIT_CASE,
     MODES,
@@ -44,9 +43,10 @@ from palpate.bench.goals.render import (
 from palpate.bench.goals.seen import LATE_CASE, LATE_MORE
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
-from palpate.bench.render_seen import SeenEffort, measure_seen
+from palpate.bench.pictures.first_picture import first_picture
+from palpate.bench.pictures.render_seen import SeenEffort, measure_seen
+from palpate.bench.pictures.seen import WINDOW, Looking
 from palpate.bench.report import Row, rows_in
-from palpate.bench.seen import WINDOW, Looking
 
 __all__ = ["QUICK", "SURFACES", "Drawer", "Effort", "Measured", "built_peer", "measure", "rows_of"]
 
@@ -123,7 +123,7 @@ class Measured:
 
 def built_peer() -> Path | None:
     """Returns the script that draws with vtk.js, where the source tree has built it."""
-    built = Path(__file__).parents[3] / "viewer" / "bench" / "dist" / "vtk.js"
+    built = Path(__file__).parents[4] / "viewer" / "bench" / "dist" / "vtk.js"
     return built if built.is_file() else None
 
 

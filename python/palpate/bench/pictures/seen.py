@@ -3,7 +3,7 @@
 The page is opened in a fresh browser and draws by whom it chooses itself, or by whom it is told to;
 the session behind it runs at 1 kHz. The mouse then drags the view back and forth for some seconds,
 60 times a second, and rests; at last an eraser drills circles into the bone. Everything is read off
-what was noted in the page (``palpate.bench.watched_pictures``). Meanwhile a key that does nothing
+what was noted in the page (``watched_pictures.py``). Meanwhile a key that does nothing
 is pressed ten times a second; its delay is the time from the key to the page's first handler.
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from palpate.bench.edit import erased
 from palpate.bench.page import Page, opened, served
-from palpate.bench.watched_pictures import NOTING, Watched, press_until, watched
+from palpate.bench.pictures.watched_pictures import NOTING, Watched, press_until, watched
 
 __all__ = ["Looking", "drilled_figures", "opened_figures", "seen", "turned_figures"]
 

@@ -12,7 +12,6 @@ from pathlib import Path
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
-from palpate.bench.beside_vtk import beside_vtk, beside_vtk_js
 from palpate.bench.goals.seen import (
     BETTER_CASE,
     GIVEN_SCAN,
@@ -24,10 +23,11 @@ from palpate.bench.goals.seen import (
     seen_case,
 )
 from palpate.bench.haptics_data import AMOS, CTHEAD, LIDC, MissingDataError, data_file
-from palpate.bench.moving_quality import moving_quality
 from palpate.bench.page import opened, served
-from palpate.bench.seen import WINDOW, Looking, seen
-from palpate.bench.servo_beside_pictures import late_beside_pictures
+from palpate.bench.pictures.beside_vtk import beside_vtk, beside_vtk_js
+from palpate.bench.pictures.moving_quality import moving_quality
+from palpate.bench.pictures.seen import WINDOW, Looking, seen
+from palpate.bench.pictures.servo_beside_pictures import late_beside_pictures
 from palpate.io.reading import read
 from palpate.saved.opening import opening_of
 

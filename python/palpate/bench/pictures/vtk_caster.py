@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
-from palpate.bench.equal_quality import TimedPicture
 from palpate.bench.flying_edges import FlyingEdges
-from palpate.bench.on_page import screen_from_linear
+from palpate.bench.pictures.equal_quality import TimedPicture
+from palpate.bench.pictures.on_page import screen_from_linear
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.volumes.volume import Volume

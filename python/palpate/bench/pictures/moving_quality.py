@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.on_page import on_page
-from palpate.bench.ssim import grey_of, structural_similarity
+from palpate.bench.pictures.on_page import on_page
+from palpate.bench.pictures.ssim import grey_of, structural_similarity
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.pictures.extent import extent_of

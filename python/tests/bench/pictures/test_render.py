@@ -29,7 +29,7 @@ from palpate.bench.goals.seen import (
     moving_case,
     seen_case,
 )
-from palpate.bench.render import SURFACES, measure, rows_of
+from palpate.bench.pictures.render import SURFACES, measure, rows_of
 
 KEYS = {"key turning": 100.0, "key resting": 100.0}
 BY_ENGINE = KEYS | {"rate": 10.0, "coarsest": 3.0, "mouse median": 100.0, "drill median": 200.0}
@@ -68,7 +68,7 @@ def test_every_mode_and_size_has_its_rows_and_goals_are_those_of_the_issue() -> 
         found = [row.metric for row in rows if row.case == case]
         assert [one.endswith(metric) for one, metric in zip(found, metrics, strict=True)]
     assert {(640, 480), (1366, 768)} <= set(SIZES)
-    source = Path(__file__).parents[3] / "viewer" / "src" / "core" / "appearance" / "optics.ts"
+    source = Path(__file__).parents[4] / "viewer" / "src" / "core" / "appearance" / "optics.ts"
     blends = re.search(r"export const blends = (\[.*?\])", source.read_text(encoding="utf-8"))
     assert blends is not None
     assert set(MODES) == {*json.loads(blends[1]), *SURFACES}

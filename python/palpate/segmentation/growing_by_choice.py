@@ -1,0 +1,171 @@
+"""A region that grows from seeds with no range of values and no passage given.
+
+It is looked for among cells first (``growing_choice.py``), finer ones where it is small; then its
+border is found at the scan's voxels (``growing_border.py``). Where no region ends at an edge of
+values it would leak, and is refused.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress
+from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.growing_border import at_voxels
+from palpate.segmentation.growing_cells import Box, cells_around
+from palpate.segmentation.growing_choice import Region, regions
+from palpate.segmentation.mask_shape import Mask
+from palpate.volumes.volume import Volume
+
+__all__ = ["grown_by_choice"]
+
+SIDE = 2.5
+"""Of the first cells [mm]."""
+REACH = 88
+"""How many cells the region may reach from the seeds."""
+FEW = 600
+"""Regions of fewer cells are looked for again, in finer ones."""
+FINER = 0.5
+"""Side of the next finer cells."""
+FINEST = 0.75
+"""Side of the finest cells, by that of a voxel."""
+NECK = 0.6
+"""Depth in a neck by that of the less deep side, below which it is one."""
+LEAST_SIDE = 0.7
+"""Share of the region that the seed's side of its necks has."""
+GOOD = 0.93
+"""Score by the best one of a region that is nearly as good."""
+VOTES = 6
+"""Power of a region's score that it counts with."""
+LEAST_SHARE = 0.5
+"""Of all regions, so weighted, that are like the chosen one."""
+UNANIMOUS = 0.95
+"""Share of votes from which edges within, such as that of a core, are less of a doubt."""
+LEAST_AGREED_EDGE = 0.6
+"""Share of a border at an edge, of a region that is unanimous."""
+ALIKE = 1.4
+"""Volume by that of the best region of one that is about as large."""
+MANY = 20_000
+"""Of larger regions every second cell is enough to see necks."""
+LEAST_EDGE = 0.8
+"""Share of a region's border at an edge of values, below which it would leak."""
+
+
+def grown_by_choice(
+    volume: Volume,
+    places: list[NDArray[np.int64]],
+    *,
+    most_ml: float,
+    fill: bool,
+    progress: Progress,
+) -> tuple[Box, Mask]:
+    """Returns a box of the scan, and the voxels in it of the best region at seeds [z, y, x].
+
+    Raises:
+        OptionError: Every region would leak, or none is small enough.
+    """
+    side = SIDE
+    while True:
+        progress("trying ranges of values and passages", None)
+        cells = cells_around(volume, places, side=side, reach=REACH * side)
+        found = regions(cells, most=int(most_ml * 1000.0 / side**3) + 1)
+        chosen = _best(found)
+        finest = side <= FINEST * min(volume.spacing)
+        if finest or (chosen is not None and chosen[0].count >= FEW):
+            break
+        side = max(FINER * side, FINEST * min(volume.spacing))
+    if chosen is None:
+        raise OptionError(
+            f"the region becomes larger than {most_ml:g} ml; allowed: another place, a smaller "
+            "spread, wider passages that are not entered, or a larger volume"
+        )
+    best, share = chosen
+    _check(best, share, found=found, seed=cells.seeds[0])
+    progress("finding the border", None)
+    return at_voxels(volume, cells, best, seeds=places, fill=fill)
+
+
+def _check(best: Region, share: float, *, found: list[Region], seed: tuple[int, ...]) -> None:
+    """Refuses what would leak."""
+    why = None
+    if best.edge < (LEAST_EDGE if share < UNANIMOUS else LEAST_AGREED_EDGE):
+        why = "no edge of values holds it"
+    elif share < LEAST_SHARE or _goes_on(best, found):
+        why = "nearly the same range of values gives a region of another size"
+    elif _has_neck(best, seed):
+        why = "it goes on through a neck"
+    if why is not None:
+        raise OptionError(
+            f"the region would leak: {why}; allowed: another place, or a spread and a passage "
+            "that suit it"
+        )
+
+
+def _best(found: list[Region]) -> tuple[Region, float] | None:
+    """Returns the region that most of the good ones are like, and their share of all."""
+    if not found:
+        return None
+    weights = [one.score**VOTES for one in found]
+    shares = [
+        sum(weight for other, weight in zip(found, weights, strict=True) if _alike(one, other))
+        for one in found
+    ]
+
+    def rank(number: int) -> tuple[float, int]:
+        return round(shares[number] * found[number].score, 3), found[number].count
+
+    best = max(range(len(found)), key=rank)
+    return found[best], shares[best] / sum(weights)
+
+
+def _alike(one: Region, other: Region) -> bool:
+    """Returns whether two regions are about as large, and in about the same place."""
+    # the border of a small body is a large part of it
+    most = max(ALIKE, (1.0 + 1.0 / one.depth) ** 3)
+    if not 1.0 / most < other.count / one.count < most:
+        return False
+    both, either = 1, 1
+    for own, its in zip(one.box, other.box, strict=True):
+        both *= max(0, min(own.stop, its.stop) - max(own.start, its.start))
+        either *= max(own.stop, its.stop) - min(own.start, its.start)
+    return both * most * most > either
+
+
+def _goes_on(best: Region, found: list[Region]) -> bool:
+    """Returns whether a region as good goes on where this one ends in a passage half as wide."""
+    wider = [
+        other
+        for other in found
+        if (other.half, other.open_above) == (best.half, best.open_above)
+        and other.steps < best.steps
+    ]
+    return (
+        bool(wider)
+        and 2 * best.steps >= best.depth
+        and wider[-1].count > ALIKE * best.count
+        and wider[-1].score > GOOD * best.score
+    )
+
+
+def _has_neck(region: Region, seed: tuple[int, ...]) -> bool:
+    """Returns whether the seed's side of a neck is much less than the region.
+
+    Sides are the basins of a watershed of depths (Beucher and Meyer 1993), that are one where the
+    depth between them is nearly that of the less deep one.
+    """
+    sitk = simpleitk()
+    every = 1 if region.count < MANY else 2
+    begin = [place - side.start for place, side in zip(seed, region.box, strict=True)]
+    mask = np.pad(region.mask[tuple(slice(place % every, None, every) for place in begin)], 1)
+    image = sitk.GetImageFromArray(mask.view(np.uint8))
+    depth = sitk.GetArrayFromImage(
+        sitk.SignedMaurerDistanceMap(image, True, False, False)  # noqa: FBT003
+    )
+    heights = np.where(mask, -np.log(np.maximum(depth + 0.5, 1.0)), 1.0).astype(np.float32)
+    basins = sitk.GetArrayFromImage(
+        sitk.MorphologicalWatershed(sitk.GetImageFromArray(heights), -np.log(NECK), False, False)  # noqa: FBT003
+    )
+    own = (basins == basins[tuple(place // every + 1 for place in begin)]) & mask
+    return bool(np.count_nonzero(own) < LEAST_SIDE * np.count_nonzero(mask))

@@ -1,0 +1,178 @@
+"""Cells: means of a scan's values around a seed, on a coarse grid of equal sides.
+
+One cell's middle is the middle of the first seed's voxel, so that what is found does not depend on
+where the scan's grid begins. Arrays are [z, y, x], lengths [mm].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.mask_shape import Mask
+from palpate.volumes.volume import Volume
+
+__all__ = ["Box", "Cells", "cells_around", "connected", "eroded", "grown_by"]
+
+Box = tuple[slice, slice, slice]
+
+WIDTH = 0.5
+"""Standard deviation of the Gaussian that a cell's value is a mean under, in cells."""
+BLOCK = 0.29
+"""The same of a block, in blocks: that of an equal distribution over its length."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Values of a part of a scan, and where it lies."""
+
+    values: NDArray[np.float32]
+    side: float
+    """Of a cell [mm]."""
+    seeds: tuple[tuple[int, ...], ...]
+    """Cells of the seeds, z, y, x."""
+    box: Box
+    """The part of the scan."""
+    first: NDArray[np.float64]
+    """Middle of the first cell, seen from the middle of the box's first voxel, z, y, x [mm]."""
+
+    def at(self, field: NDArray[Any], box: Box, edges: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Returns a field of the cells at the voxels of a box of the scan, between cells linear."""
+        sitk = simpleitk()
+        image = sitk.GetImageFromArray(field.astype(np.float32, copy=False))
+        image.SetSpacing([self.side] * 3)
+        image.SetOrigin(self.first[::-1].tolist())
+        offset = [(one.start - own.start) for one, own in zip(box, self.box, strict=True)]
+        size = [one.stop - one.start for one in box]
+        sampled = sitk.Resample(
+            image,
+            size[::-1],
+            sitk.Transform(),
+            sitk.sitkLinear,
+            (np.array(offset) * edges)[::-1].tolist(),
+            edges[::-1].tolist(),
+        )
+        found: NDArray[np.float32] = sitk.GetArrayFromImage(sampled)
+        return found
+
+    def voxels_of(self, box: Box, around: int, edges: NDArray[np.float64]) -> Box:
+        """Returns the voxels of the scan in a box of cells, with so many cells around."""
+        found = []
+        for own, whole, first, edge in zip(box, self.box, self.first, edges, strict=True):
+            low = (first + (own.start - around) * self.side) / edge
+            high = (first + (own.stop - 1 + around) * self.side) / edge
+            begin = max(whole.start, whole.start + int(np.floor(low)))
+            found.append(slice(begin, min(whole.stop, whole.start + int(np.ceil(high)) + 1)))
+        return found[0], found[1], found[2]
+
+
+def cells_around(
+    volume: Volume, places: list[NDArray[np.int64]], *, side: float, reach: float
+) -> Cells:
+    """Returns the cells of what lies around voxels [z, y, x] at most so far along an axis."""
+    sitk = simpleitk()
+    edges = np.array(volume.spacing[::-1])
+    room = np.ceil(reach / edges).astype(np.int64)
+    block = np.maximum(1, np.floor(side / edges + 1e-6)).astype(np.int64)
+    # the first seed's voxel is in the middle of a block
+    low = np.maximum(np.min(places, axis=0) - room, 0)
+    low += (places[0] - block // 2 - low) % block
+    low = np.where(places[0] < block // 2, 0, low)
+    high = np.minimum(np.max(places, axis=0) + room + 1, volume.shape)
+    count = np.maximum(1, (high - low) // block)
+    high = np.minimum(low + count * block, high)
+    box = _box(low, high)
+    means = _means(volume.intensities(box), block)
+    image = sitk.GetImageFromArray(means)
+    image.SetSpacing((block * edges)[::-1].tolist())
+    image.SetOrigin((0.5 * (block - 1) * edges)[::-1].tolist())
+    width = np.sqrt(np.maximum((WIDTH * side) ** 2 - (BLOCK * block * edges) ** 2, 0.0))
+    if width.any():
+        image = sitk.DiscreteGaussian(
+            image, (width[::-1] ** 2).tolist(), 32, [0.02] * 3, useImageSpacing=True
+        )
+    seed = (places[0] - low) * edges
+    last = (np.array(means.shape) * block - 1) * edges
+    before = np.floor(seed / side + 1e-6).astype(np.int64)
+    after = np.floor((last - seed) / side + 1e-6).astype(np.int64)
+    first = seed - before * side
+    sampled = sitk.Resample(
+        _held(image),
+        (before + after + 1)[::-1].tolist(),
+        sitk.Transform(),
+        sitk.sitkLinear,
+        first[::-1].tolist(),
+        [side] * 3,
+    )
+    values = sitk.GetArrayFromImage(sampled)
+    seeds = [np.rint(((place - low) * edges - first) / side).astype(np.int64) for place in places]
+    held = [np.clip(place, 0, np.array(values.shape) - 1) for place in seeds]
+    return Cells(values, side, tuple(tuple(map(int, place)) for place in held), box, first)
+
+
+def connected(mask: Mask, starts: list[tuple[int, ...]]) -> Mask:
+    """Returns what of a mask hangs together with some of its voxels, over faces."""
+    sitk = simpleitk()
+    there = sitk.ConnectedThreshold(
+        sitk.GetImageFromArray(mask.view(np.uint8)),
+        seedList=[[int(c) for c in reversed(start)] for start in starts if mask[start]],
+        lower=1,
+        upper=1,
+    )
+    found: Mask = sitk.GetArrayFromImage(there).view(bool)
+    return found
+
+
+def eroded(mask: Mask, step: int) -> Mask:
+    """Takes a layer of cells away: over faces at even steps, over corners too at odd ones.
+
+    So steps in a row take an octahedron's and a cube's layers in turn, which is nearly a ball.
+    Beyond the grid lies what lies at its border.
+    """
+    return _spread(mask, step, np.logical_and)
+
+
+def grown_by(mask: Mask, step: int) -> Mask:
+    """Adds a layer of cells, as ``eroded`` takes one."""
+    return _spread(mask, step, np.logical_or)
+
+
+def _spread(mask: Mask, step: int, join: Any) -> Mask:  # noqa: ANN401  # a function of NumPy
+    result = mask
+    for axis in range(3):
+        source = mask if step % 2 == 0 else result
+        result = result.copy()
+        lower = tuple(slice(1, None) if other == axis else slice(None) for other in range(3))
+        upper = tuple(slice(None, -1) if other == axis else slice(None) for other in range(3))
+        join(result[lower], source[upper], out=result[lower])
+        join(result[upper], source[lower], out=result[upper])
+    return result
+
+
+def _box(low: NDArray[np.int64], high: NDArray[np.int64]) -> Box:
+    first, second, third = (
+        slice(int(begin), int(end)) for begin, end in zip(low, high, strict=True)
+    )
+    return first, second, third
+
+
+def _means(values: NDArray[np.float32], block: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Returns the means of blocks of values; blocks at the upper end may be cut off."""
+    if (np.array(values.shape) < block).any():
+        block = np.minimum(block, values.shape)
+    count = np.array(values.shape) // block
+    kept = values[tuple(slice(0, int(length)) for length in count * block)]
+    for axis in range(3):
+        shape = (*kept.shape[:axis], int(count[axis]), int(block[axis]), *kept.shape[axis + 1 :])
+        kept = kept.reshape(shape).mean(axis + 1, dtype=np.float32)
+    found: NDArray[np.float32] = kept
+    return found
+
+
+def _held(image: Any) -> Any:  # noqa: ANN401  # an image of SimpleITK
+    """Returns an image that has the values of its border for one voxel beyond it."""
+    return simpleitk().ZeroFluxNeumannPad(image, [1] * 3, [1] * 3)

@@ -1,0 +1,197 @@
+"""Which of many regions around a seed is a body: the one whose border is an edge of values.
+
+Ranges of values around the seed's and balls that must fit through passages are tried; each pair
+makes a region of cells. Few of a good region's values differ from those beside them but at its
+border, and its border is short for its volume. One that has leaked, or is part of a body, ends in
+places where values do not change, or holds edges, or is ragged.
+
+Arrays are [z, y, x] of cells.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.growing_cells import Box, Cells, connected, eroded, grown_by
+from palpate.segmentation.mask_shape import Mask, box_of
+
+__all__ = ["Region", "regions", "seed_value", "span_of"]
+
+HALVES = (0.01, 0.017, 0.027, 0.043, 0.067, 0.107)
+"""Halves of ranges that are tried, as shares of the scan's values without the outermost ones."""
+STEPS = 6
+"""Layers at most that are taken from what is in range, so that passages close."""
+DEEPEST = 20
+"""Layers at most that are counted."""
+BALL = 10.0
+"""Border of a smooth body, both sides of it, by its volume's 2/3rd power."""
+TUBE = 3.7
+"""The same of a tube, where its volume's 3rd root is its depth."""
+THIN = 4
+"""Thinner tubes are not told from ragged sheets [cells]."""
+NOISE = 3.0
+"""Half of the narrowest range at least, in standard deviations of the noise of cells."""
+MOST_THREADS = 4
+"""That try ranges side by side."""
+INNER = 90.0
+"""Percentile of the differences within a region above which its border is an edge."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """A region of cells, in a box of them, and how well it ends at an edge."""
+
+    mask: Mask
+    box: Box
+    half: float
+    """Of the range of values."""
+    open_above: bool
+    steps: int
+    count: int
+    edge: float
+    """Share of its border at an edge of values, 0 to 1."""
+    ragged: float
+    """Its border by that of a smooth body as large and as deep; 1 at least."""
+    depth: int
+    """Of its deepest cell [cells]."""
+
+    @property
+    def score(self) -> float:
+        """How good it is, 0 to 1."""
+        return self.edge / self.ragged
+
+
+def seed_value(cells: Cells) -> float:
+    """Returns the median of the seeds' cells and of those beside them."""
+    near = []
+    for seed in cells.seeds:
+        for axis in range(3):
+            for by in (-1, 0, 1):
+                place = list(seed)
+                place[axis] = min(max(place[axis] + by, 0), cells.values.shape[axis] - 1)
+                near.append(cells.values[tuple(place)])
+    return float(np.median(near))
+
+
+def span_of(cells: Cells, value: float) -> float:
+    """Returns how far values lie apart without the outermost ones, with one that counts."""
+    first, last = np.percentile(cells.values, (1.0, 99.0))
+    return float(max(last, value) - min(first, value))
+
+
+def regions(cells: Cells, *, most: int) -> list[Region]:
+    """Returns the regions of all ranges and passages that hold the seeds, of so many cells at most.
+
+    Ranges are tried side by side.
+    """
+    middle = seed_value(cells)
+    span, noise = span_of(cells, middle), _noise(cells.values)
+    slopes = _slopes(cells.values)
+    halves = [float(np.hypot(share * span, NOISE * noise)) for share in HALVES]
+
+    def work(tried: tuple[float, bool]) -> list[Region]:
+        half, above = tried
+        high = np.inf if above else middle + half
+        in_range = (cells.values >= middle - half) & (cells.values <= high)
+        found: list[Region] = []
+        for steps, mask, box in _followed(in_range, list(cells.seeds)):
+            count = int(np.count_nonzero(mask))
+            if count <= most and not (found and count == found[-1].count):
+                border = _border(mask, slopes[box])
+                found.append(Region(mask, box, half, above, steps, count, *border))
+        return found
+
+    with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+        return [one for some in pool.map(work, product(halves, (False, True))) for one in some]
+
+
+def _followed(in_range: Mask, seeds: list[tuple[int, ...]]) -> Iterator[tuple[int, Mask, Box]]:
+    """Yields what of a range a ball reaches from the seeds, for balls of more and more layers."""
+    there = connected(in_range, seeds)
+    if not there.any():
+        return
+    box = box_of(there)
+    start = np.array([side.start for side in box])
+    inside = [tuple(int(c) for c in np.array(seed) - start) for seed in seeds if there[seed]]
+    held = _filled(there[box])
+    layers = [held]
+    for step in range(STEPS):
+        layers.append(eroded(layers[-1], step))
+    for steps, fits in enumerate(layers):
+        cores = [_nearest(fits, seed, steps + 1) for seed in inside]
+        begins = [core for core in cores if core is not None]
+        if not begins:
+            return
+        region = connected(fits, begins)
+        for step in reversed(range(steps)):
+            region = grown_by(region, step) & held
+        if all(region[seed] for seed in inside):
+            yield steps, region, box
+
+
+def _nearest(mask: Mask, seed: tuple[int, ...], reach: int) -> tuple[int, ...] | None:
+    """Returns the voxel of a mask that is nearest to a seed, of those near it."""
+    if mask[seed]:
+        return seed
+    low = np.maximum(np.array(seed) - reach, 0)
+    box = tuple(slice(int(a), int(c) + reach + 1) for a, c in zip(low, seed, strict=True))
+    found = np.argwhere(mask[box])
+    if not found.size:
+        return None
+    off = ((found + low - seed) ** 2).sum(axis=1)
+    return tuple(int(c) for c in found[int(off.argmin())] + low)
+
+
+def _filled(mask: Mask) -> Mask:
+    sitk = simpleitk()
+    image = sitk.BinaryFillhole(sitk.GetImageFromArray(mask.astype(np.uint8)))
+    found: Mask = sitk.GetArrayFromImage(image).view(bool)
+    return found
+
+
+def _noise(values: NDArray[np.float32]) -> float:
+    """Returns the standard deviation of the noise, from differences of cells beside each other."""
+    if len(values) < 2:
+        return 0.0
+    return 1.4826 * float(np.median(np.abs(np.diff(values, axis=0)))) / math.sqrt(2.0)
+
+
+def _slopes(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Returns how much values change around each cell [unit by cell]."""
+    sitk = simpleitk()
+    image = sitk.GetImageFromArray(values)
+    slopes: NDArray[np.float32] = sitk.GetArrayFromImage(
+        sitk.GradientMagnitudeRecursiveGaussian(image, 0.7)
+    )
+    return slopes
+
+
+def _border(mask: Mask, slopes: NDArray[np.float32]) -> tuple[float, float, int]:
+    """Returns the share of a region's border at an edge, how smooth it is, and its depth."""
+    padded = np.pad(mask, 1)
+    around = np.pad(slopes, 1, mode="edge")
+    rim = grown_by(padded, 0) & ~eroded(padded, 0)
+    inner = eroded(padded, 1)
+    within = around[inner if np.count_nonzero(inner) > 10 else padded]
+    at_border = around[rim]
+    edge = float(np.mean(at_border > np.percentile(within, INNER)))
+    return edge, *_shape(padded, at_border.size)
+
+
+def _shape(mask: Mask, border: int) -> tuple[float, int]:
+    """Returns how ragged a region with so many cells at its border is, and how deep."""
+    count, depth, left = int(np.count_nonzero(mask)), 0, mask
+    while left.any() and depth < DEEPEST:
+        left = eroded(left, depth)
+        depth += 1
+    usual = max(BALL, TUBE * count ** (1.0 / 3.0) / max(depth, THIN))
+    return max(1.0, border / count ** (2.0 / 3.0) / usual), depth
