@@ -231,6 +231,12 @@ class Session:
     def hand(self, x: float, y: float, z: float) -> None:
         """Moves the target to which the hand pulls the device."""
 
+    def press(self, origin: _Triple, direction: _Triple, pressure: float) -> None:
+        """Presses with so much force [N] on what a ray of the scene meets first."""
+
+    def lift(self) -> None:
+        """Lifts the hand off what it presses."""
+
     def place(self, x: float, y: float, z: float) -> _Triple:
         """Puts probe, device and hand at a point, or in the free voxel nearest to it.
 

@@ -124,6 +124,16 @@ impl PySession {
         Ok(self.session.hand(vector((x, y, z)))?)
     }
 
+    /// Presses with so much force [N] on what a ray of the scene meets first.
+    fn press(&self, origin: Triple, direction: Triple, pressure: f64) -> Result<(), CoreError> {
+        let (origin, direction) = (vector(origin), vector(direction));
+        Ok(self.session.press(origin, direction, pressure)?)
+    }
+
+    fn lift(&self) -> Result<(), CoreError> {
+        Ok(self.session.lift()?)
+    }
+
     fn place(&self, py: Python<'_>, x: f64, y: f64, z: f64) -> Result<Triple, CoreError> {
         let placed = py.detach(|| self.session.place(vector((x, y, z))))?;
         Ok(triple(placed))

@@ -69,6 +69,12 @@ pub trait HapticDevice: Send {
     /// Where a simulated hand pulls to [mm], or none where it lets go. Real hands decide
     /// for themselves, so that real devices ignore this.
     fn set_hand(&mut self, _hand: Option<DVec3>) {}
+
+    /// Stiffness of the spring by which a simulated hand pulls [N/mm]; none of a real hand, or
+    /// where nothing pulls.
+    fn hand_stiffness(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// A force cut to `max_force`, with its direction kept; zero where it is not finite.

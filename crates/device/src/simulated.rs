@@ -304,6 +304,10 @@ impl HapticDevice for SimulatedDevice {
         self.sent = saturated(force, self.settings.limits.max_force);
     }
 
+    fn hand_stiffness(&self) -> Option<f64> {
+        Some(self.settings.hand_stiffness).filter(|stiffness| *stiffness > 0.0)
+    }
+
     fn set_hand(&mut self, hand: Option<DVec3>) {
         let radius = self.settings.limits.workspace_radius;
         match hand {

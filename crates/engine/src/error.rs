@@ -8,7 +8,7 @@ use palpate_volume::voxels::VoxelsError;
 
 use crate::scene::MOST_POINTS;
 use crate::servo::ViewError;
-use crate::touch::SettingsError;
+use crate::touch::{MOST_PRESSURE, SettingsError};
 
 /// Why a session does not do what it is asked for.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +40,17 @@ pub enum SessionError {
         /// Largest coordinate [mm].
         limit: f64,
     },
+    /// A direction of a press that is none.
+    #[error("direction {0} of the press given; allowed: finite and not zero")]
+    PressDirection(glam::DVec3),
+    /// A force that a mouse does not press with.
+    #[error("pressure {0} N given; allowed: more than 0 N, at most {MOST_PRESSURE} N")]
+    Pressure(f64),
+    /// A device that a person's own hand leads.
+    #[error(
+        "the device {0} is led by a hand of its own; allowed: a press with the simulated device"
+    )]
+    NoHand(String),
     /// No free voxel for the probe.
     #[error(
         "no free voxel within {reach} voxels of {point}; allowed: a point nearer to the surface"

@@ -17,12 +17,12 @@ use crate::notice::Notice;
 use crate::picture::{FrameCollector, SurfacePace, Surfaces};
 use crate::replay::TapeRecorder;
 use crate::scene::GapBodies;
-use crate::servo::{HandTarget, Shared, rotation_of_view};
+use crate::servo::{Shared, rotation_of_view};
 use crate::session::assembly::{Assembly, assemble};
 use crate::session::config::check;
 use crate::session::live::{Live, Paces};
 use crate::session::offline::Offline;
-use crate::simulation::Simulation;
+use crate::simulation::{SharedHand, Simulation};
 use crate::threads::{ChangeSignal, clock};
 use crate::touch::Settings;
 
@@ -33,6 +33,7 @@ mod drawn;
 mod live;
 mod objects;
 mod offline;
+mod press;
 mod segments;
 mod showing;
 
@@ -58,7 +59,7 @@ pub struct Session {
     pace: SurfacePace,
     signal: Arc<ChangeSignal>,
     deformable_view: Arc<DeformableView>,
-    hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
+    hand: SharedHand,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
     tape: Arc<Mutex<TapeRecorder>>,
@@ -112,7 +113,7 @@ impl Session {
             pace,
             signal,
             deformable_view,
-            hand: Mutex::new((hand, 0)),
+            hand,
             shared,
             notices,
             tape,
@@ -135,28 +136,27 @@ impl Session {
         self.device_limits
     }
 
-    /// Moves the target to which the hand pulls the device.
+    /// Moves the target to which the hand pulls the device, which ends a press.
     ///
     /// # Errors
     /// Where the point is not allowed or the session has ended.
     pub fn hand(&self, point: DVec3) -> Result<(), SessionError> {
         check_point("hand", point)?;
         self.check_running()?;
-        let mut hand = lock(&self.hand);
-        hand.1 += 1;
-        let number = hand.1;
-        hand.0.write(HandTarget { point, number });
+        let mut hand = self.hand.lock();
+        hand.take_over();
+        hand.pull_to(point);
         Ok(())
     }
 
-    /// Brings probe, device and hand to a point, or to the free voxel nearest to it; gives
-    /// where they are.
+    /// Brings probe, device and hand to a point, or to the free voxel nearest to it, which ends a
+    /// press; gives where they are.
     ///
     /// # Errors
     /// Where the point is not allowed, no voxel near it is free, or the session has ended.
     pub fn place(&self, point: DVec3) -> Result<DVec3, SessionError> {
         check_point("place", point)?;
-        let number = lock(&self.hand).1;
+        let number = self.hand.taken_over();
         self.ask(move |simulation| simulation.place(point, number, true))?
     }
 

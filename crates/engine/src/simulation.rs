@@ -26,6 +26,7 @@ use crate::replay::TapeRecorder;
 use crate::scene::{MaskFractions, Scene, SegmentVoxels, Step, TouchChange};
 use crate::servo::{ServoCommand, SimulationChannels};
 use crate::simulation::grip::Grip;
+use crate::simulation::press::PressingHand;
 use crate::simulation::tool_stroke::ToolStroke;
 use crate::simulation::touch_sender::TouchSender;
 use crate::touch::{
@@ -35,7 +36,10 @@ use crate::touch::{
 mod deformation;
 mod displacements;
 mod grip;
+mod hand_end;
+mod led_hand;
 mod objects;
+mod press;
 mod publish;
 mod recovery;
 mod regions;
@@ -43,9 +47,12 @@ mod segments;
 mod steps;
 mod tool_stroke;
 mod tools;
+mod touch_rays;
 mod touch_sender;
 
 pub use grip::surface_voxels;
+pub use hand_end::{Press, SharedHand};
+pub use led_hand::{HandMove, HandStep, LedHand, Rays};
 pub use recovery::{Kept, Recovered};
 pub use touch_sender::touchable_of;
 
@@ -99,6 +106,8 @@ pub struct Simulation {
     stroke: ToolStroke,
     needle: NeedleWatch,
     grip: Option<Grip>,
+    /// The hand of a person, as far as it is led from here.
+    pressing: Option<PressingHand>,
     /// The segment on a drag that has not ended.
     dragged: Option<SegmentId>,
     clutched: bool,
@@ -152,6 +161,7 @@ impl Simulation {
             stroke: ToolStroke::default(),
             needle: NeedleWatch::default(),
             grip: None,
+            pressing: None,
             dragged: None,
             clutched: false,
             deformation,
@@ -227,6 +237,7 @@ impl Simulation {
     /// One pass: exchanges with the servo and publishes what is shown.
     pub fn step(&mut self) {
         self.touch.exchange(&self.scene);
+        self.advance_press();
         self.advance_grip();
         self.advance_tool();
         self.advance_needle();
@@ -296,6 +307,25 @@ impl Simulation {
         hand: u64,
         device_too: bool,
     ) -> Result<DVec3, SessionError> {
+        let free = self.place_free(point, hand, device_too)?;
+        let moved = free.distance(point);
+        // a voxel's length is what clicking on a surface misses by
+        if moved > self.voxels().grid().spacing().length() {
+            self.report(Notice::info(format!(
+                "The point is inside a touchable segment: the probe was placed in the nearest \
+                 free voxel, {moved:.1} mm away."
+            )));
+        }
+        Ok(free)
+    }
+
+    /// The same, without a word about how far the point is.
+    fn place_free(
+        &mut self,
+        point: DVec3,
+        hand: u64,
+        device_too: bool,
+    ) -> Result<DVec3, SessionError> {
         // a jump is no stroke
         self.stroke.lift();
         self.pull_needle();
@@ -305,14 +335,6 @@ impl Simulation {
             point,
             reach: PLACEMENT_REACH,
         })?;
-        let moved = free.distance(point);
-        // a voxel's length is what clicking on a surface misses by
-        if moved > grid.spacing().length() {
-            self.report(Notice::info(format!(
-                "The point is inside a touchable segment: the probe was placed in the nearest \
-                 free voxel, {moved:.1} mm away."
-            )));
-        }
         self.touch.send(ServoCommand::Place {
             point: free,
             hand,

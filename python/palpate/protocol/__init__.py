@@ -116,10 +116,12 @@ from palpate.protocol.touch import (
     Clutch,
     DeviceLimits,
     Hand,
+    Lift,
     NeedleEvent,
     NeedleEvents,
     NeedleState,
     Place,
+    Press,
     Rate,
     Rates,
     Safety,
@@ -209,6 +211,7 @@ __all__ = [
     "Hello",
     "Histogram",
     "Index",
+    "Lift",
     "LightAmount",
     "LinearColour",
     "LookLight",
@@ -246,6 +249,7 @@ __all__ = [
     "Place",
     "PointPair",
     "Pose",
+    "Press",
     "Prony",
     "Range",
     "Rate",
@@ -345,6 +349,8 @@ ToPage = (
 
 FromPage = (
     Hand
+    | Press
+    | Lift
     | Place
     | View
     | PictureLook

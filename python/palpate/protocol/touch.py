@@ -22,10 +22,12 @@ __all__ = [
     "Clutch",
     "DeviceLimits",
     "Hand",
+    "Lift",
     "NeedleEvent",
     "NeedleEvents",
     "NeedleState",
     "Place",
+    "Press",
     "Rate",
     "Rates",
     "Safety",
@@ -173,6 +175,21 @@ class Hand(Message, frozen=True, tag="hand"):
     """Target to which the hand pulls the device [scene]; latest wins."""
 
     target: Vector
+
+
+class Press(Message, frozen=True, tag="press"):
+    """Presses on what a ray of the scene meets first, with a force [N]; latest wins.
+
+    The hand brings the probe there, pushes, and follows the next press along the surface.
+    """
+
+    origin: Vector
+    direction: Vector
+    pressure: Annotated[float, msgspec.Meta(gt=0.0, le=5.0)]
+
+
+class Lift(Message, frozen=True, tag="lift"):
+    """Lifts the hand off what this page presses."""
 
 
 class Place(Message, frozen=True, tag="place"):

@@ -27,6 +27,27 @@ class SessionProbe:
         with option_errors():
             self._engine.hand(*triple("target", target))
 
+    def press(self, origin: Point, direction: Point, *, pressure: float) -> None:
+        """Presses on the surface that a ray meets first, as a finger on the picture does.
+
+        The hand brings the probe there, pushes until it feels ``pressure``, follows the next press
+        along the surface, and lifts and comes down again where that ends. Returns at once.
+
+        Args:
+            origin: Where the ray begins, before what is touched [scene, mm].
+            direction: Where it goes, of any length [scene].
+            pressure: Force on the surface [N], at most 5 N and the limit of the settings.
+
+        Raises:
+            OptionError: Ray or force are not allowed, or the device has a hand of its own.
+        """
+        with option_errors():
+            self._engine.press(triple("origin", origin), triple("direction", direction), pressure)
+
+    def lift(self) -> None:
+        """Lifts the hand off what it presses; without a press it does nothing."""
+        self._engine.lift()
+
     def place(self, point: Point) -> tuple[float, float, float]:
         """Moves probe, device and hand to a point, or to the nearest free voxel [scene, mm].
 

@@ -161,6 +161,8 @@ class Session:
     # --- probe ----------------------------------------------------------------------------
 
     hand = PartMethod("_probe", SessionProbe.hand)
+    press = PartMethod("_probe", SessionProbe.press)
+    lift = PartMethod("_probe", SessionProbe.lift)
     place = PartMethod("_probe", SessionProbe.place)
     view = PartMethod("_probe", SessionProbe.view)
     settings = PartMethod("_probe", SessionProbe.settings)

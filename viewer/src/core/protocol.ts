@@ -864,6 +864,23 @@ export interface Hand {
   readonly target: Vector;
 }
 
+/**
+ * Presses on what a ray of the scene meets first, with a force [N]; latest wins.
+ *
+ * The hand brings the probe there, pushes, and follows the next press along the surface.
+ */
+export interface Press {
+  readonly type: "press";
+  readonly origin: Vector;
+  readonly direction: Vector;
+  readonly pressure: number;
+}
+
+/** Lifts the hand off what this page presses. */
+export interface Lift {
+  readonly type: "lift";
+}
+
 /** Moves probe, device and hand to a point, or to the nearest free voxel. */
 export interface Place {
   readonly type: "place";
@@ -1417,6 +1434,8 @@ export type ToPage =
 /** A message of the page. */
 export type FromPage =
   | Hand
+  | Press
+  | Lift
   | Place
   | View
   | PictureLook

@@ -10,7 +10,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
-use triple_buffer::{Input, Output, triple_buffer};
+use triple_buffer::{Output, triple_buffer};
 
 use crate::deformable::{DeformableView, Deformation};
 use crate::error::SessionError;
@@ -22,11 +22,11 @@ use crate::picture::{
 use crate::replay::TapeRecorder;
 use crate::scene::{MaskFractions, Properties, Scene, Step};
 use crate::servo::{
-    Channels, DeviceLoop, HandTarget, Mapping, ServoLoop, ServoStart, Shared, view_from_the_front,
+    Channels, DeviceLoop, Mapping, ServoLoop, ServoStart, Shared, view_from_the_front,
 };
 use crate::session::config::{Reference, SessionConfig};
 use crate::session::live::{Loops, Metered};
-use crate::simulation::{Simulation, SimulationParts, touchable_of};
+use crate::simulation::{SharedHand, Simulation, SimulationParts, touchable_of};
 use crate::threads::{ChangeSignal, PICTURE_HZ, RateMeter, SIMULATION_HZ};
 use crate::touch::{PLACEMENT_REACH, Settings, free_point, in_front_of};
 
@@ -45,7 +45,7 @@ pub struct Assembly {
     /// The parts of the deformation model.
     pub deformable_view: Arc<DeformableView>,
     /// Where the hand pulls to.
-    pub hand: Input<HandTarget>,
+    pub hand: SharedHand,
     /// What all threads see.
     pub shared: Arc<Shared>,
     /// Takes notices from anybody.
@@ -68,6 +68,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     // what connects the loops
     let shared = Arc::new(Shared::default());
     let channels = Channels::new(probe);
+    let hand = SharedHand::new(channels.hand, config.device.hand_stiffness());
     let meters = Meters::new(device_hz, config.rate_hz);
     let (ends, inbox) = picture_channels();
     let notices = ends.notices.clone();
@@ -88,6 +89,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         fractions,
     };
     let mut simulation = Simulation::new(parts, settings, limits, channels.simulation, ends);
+    simulation.lead(hand.clone());
     begin(&mut simulation, config.reference, probe)?;
     let sources = FrameSources {
         records: channels.records,
@@ -107,7 +109,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         pace: surfaces.pace,
         signal: surfaces.signal,
         deformable_view: deformation_loop.view(),
-        hand: channels.hand,
+        hand,
         shared,
         notices,
         tape: simulation.tape(),

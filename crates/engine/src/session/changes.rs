@@ -9,7 +9,7 @@ use palpate_tools::factory::ToolSettings;
 use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;
 
-use super::{Session, lock};
+use super::Session;
 use crate::deformable::{DeformationStatus, ForceSource, ShownParts};
 use crate::error::SessionError;
 use crate::simulation::{Kept, Recovered, Simulation};
@@ -37,7 +37,7 @@ impl Session {
     /// # Errors
     /// Where no voxel near its entry is free, or the session has ended.
     pub fn withdraw_needle(&self) -> Result<bool, SessionError> {
-        let number = lock(&self.hand).1;
+        let number = self.hand.taken_over();
         self.ask(move |simulation| simulation.withdraw_needle(number))?
     }
 

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::notice::Notice;
 use crate::touch::contact_model::Model;
 
+/// Largest force that a mouse presses with [N]: half of what its device bears.
+pub const MOST_PRESSURE: f64 = 5.0;
+
 /// How touch feels: the contact model, the spring, the probe and the largest force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {

@@ -1,3 +1,4 @@
 //! Whole sessions.
 
 mod offline;
+mod press;

@@ -35,11 +35,14 @@ class TouchMessages:
         self._session = session
         self._publish = publish
         self._pressed_by: Outbox | None = None
+        self._led_by: Outbox | None = None
 
     def add_to(self, table: MessageTable) -> None:
         """Adds the rows of touch."""
         # the most frequent message, and wait-free
         table.add(protocol.Hand, self._hand, runs=Runs.ON_LOOP)
+        table.add(protocol.Press, self._press, runs=Runs.ON_LOOP)
+        table.add(protocol.Lift, self._lift, runs=Runs.ON_LOOP)
         table.add(protocol.Place, self._place, runs=Runs.IN_ORDER)
         table.add(protocol.View, self._view, runs=Runs.IN_ORDER)
         table.add(protocol.Clutch, self._clutch, runs=Runs.IN_ORDER)
@@ -49,7 +52,9 @@ class TouchMessages:
         table.add(protocol.ChangeSettings, self._change_settings, runs=Runs.IN_ORDER)
 
     def leave(self, page: Outbox) -> None:
-        """Releases the tool where a page that has gone pressed it."""
+        """Releases the tool and lifts the hand where a page that has gone pressed them."""
+        with suppress(RuntimeError):
+            self._lift(protocol.Lift(), page)
         if self._pressed_by is page:
             self._pressed_by = None
             with suppress(RuntimeError):
@@ -57,6 +62,16 @@ class TouchMessages:
 
     def _hand(self, message: protocol.Hand, _: Outbox) -> None:
         self._session.hand(message.target)
+
+    def _press(self, message: protocol.Press, page: Outbox) -> None:
+        self._session.press(message.origin, message.direction, pressure=message.pressure)
+        self._led_by = page
+
+    def _lift(self, _message: protocol.Lift, page: Outbox) -> None:
+        # another page's press is not this one's to end
+        if self._led_by is page:
+            self._led_by = None
+            self._session.lift()
 
     def _place(self, message: protocol.Place, _: Outbox) -> None:
         self._session.place(message.point)

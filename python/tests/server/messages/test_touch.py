@@ -62,3 +62,58 @@ def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
         page.receive("state", until=lambda m: m["safety"]["off"] in {None, "waiting"})
     with server.page() as page:
         assert page.receive("hello")["settings"] == wanted
+
+
+def press(x: float, *, pressure: float = 1.0) -> dict[str, Any]:
+    """A press on the ball from above."""
+    ray = {"origin": [x, 20.0, 100.0], "direction": [0.0, 0.0, -1.0]}
+    return {"type": "press", **ray, "pressure": pressure}
+
+
+def newtons(state: dict[str, Any]) -> float:
+    return float(np.linalg.norm(state["force"]))
+
+
+def test_a_press_touches_what_is_on_the_ray_with_its_force_until_it_is_lifted(server: Any) -> None:
+    with server.page() as page:
+        page.send(press(20.0))
+        page.receive("state", until=lambda m: m["contact"] and abs(newtons(m) - 1.0) < 0.1)
+        # the latest holds
+        page.send(press(20.0, pressure=2.0))
+        state = page.receive("state", until=lambda m: abs(newtons(m) - 2.0) < 0.2)
+        assert np.linalg.norm(np.subtract(state["proxy"][:2], [20.0, 20.0])) < 1.0
+        page.send({"type": "lift"})
+        state = page.receive("state", until=lambda m: not m["contact"])
+        state = page.receive("state", until=lambda m: m["force"] == [0.0, 0.0, 0.0])
+        assert state["safety"]["violations"] == 0
+
+
+def test_a_page_that_goes_while_it_presses_lifts_the_hand(server: Any) -> None:
+    with server.page() as left:
+        with server.page() as page:
+            page.send(press(20.0))
+            page.receive("state", until=lambda m: m["contact"] and newtons(m) > 0.9)
+        left.receive("state", until=lambda m: not m["contact"] and newtons(m) == 0.0)
+
+
+def test_only_the_page_that_presses_lifts_and_the_latest_press_wins(server: Any) -> None:
+    with server.page() as first, server.page() as second:
+        first.send(press(20.0))
+        first.receive("state", until=lambda m: m["contact"] and newtons(m) > 0.9)
+        second.send(press(20.0, pressure=2.0))
+        second.receive("state", until=lambda m: abs(newtons(m) - 2.0) < 0.2)
+        first.send({"type": "lift"})
+        now = first.receive("state")["tick"]
+        state = first.receive("state", until=lambda m: m["tick"] > now + 500)
+        assert state["contact"]
+        # a hand that is led elsewhere ends it
+        first.send({"type": "hand", "target": [20.0, 20.0, 36.0]})
+        first.receive("state", until=lambda m: not m["contact"] and m["proxy"][2] > 35.0)
+
+
+@pytest.mark.parametrize("pressure", [0.0, -1.0, 5.5, float("nan")])
+def test_a_pressure_that_no_mouse_has_is_refused(shared_server: Any, pressure: float) -> None:
+    with pytest.raises(ValueError, match="pressure"):
+        shared_server.session.press((20.0, 20.0, 100.0), (0.0, 0.0, -1.0), pressure=pressure)
+    with pytest.raises(ValueError, match="direction"):
+        shared_server.session.press((20.0, 20.0, 100.0), (0.0, 0.0, 0.0), pressure=1.0)

@@ -225,7 +225,7 @@ function feel({ session, hand }: ActionTargets): readonly Action[] {
   return [
     {
       group,
-      name: "Touch mode: every move of the mouse moves the hand",
+      name: "Touch mode: the mouse presses on what is drawn",
       keys: ["T"],
       run: () => { hand.touchMode = !hand.touchMode; },
     },

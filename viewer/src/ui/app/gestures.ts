@@ -35,12 +35,15 @@ export const gestures: Readonly<Record<Group, readonly HelpRow[]>> = {
   ],
   Touch: [
     { keys: "Double-click", does: "bring the probe to what is seen there; an object says its name" },
+    { keys: "Left button held, touch mode", does: "press on what is drawn, slide along it; released it lifts off" },
+    { keys: "Wheel, touch mode", does: "press harder (roll forward) or more gently; Ctrl + wheel nearer, farther" },
+    { keys: "Touch screen, pen", does: "one finger is the left button, two turn; a pen's pressure is the force" },
     { keys: "Right drag, Shift + move", does: "move the hand in the view plane" },
     { keys: "… with the wheel", does: "away from you, toward you" },
     { keys: "Arrows, Page Up, Page Down", does: "move the hand; with Alt finely" },
     { keys: "Alt + wheel", does: "turn what is grabbed in the picture" },
   ],
-  Tools: [{ keys: "Left button held", does: "the tool works, with Shift or in touch mode: the mouse leads it" }],
+  Tools: [{ keys: "Shift + left button held", does: "the tool works: the mouse leads it" }],
   Marks: [
     { keys: "Click", does: "set the next point, in the picture or in a slice; without the mouse by the keys below" },
     { keys: "Left drag on a point, arrows", does: "move it; arrows with Shift by 10 pixels" },

@@ -1,12 +1,12 @@
 /**
  * The mouse over the picture: turn, move, zoom, and the hand.
  *
- * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
- * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
- * wheel moves it in depth. Alt + left drag changes window and level of what is seen. Where a segment is to be cut, the
- * left button paints the line. With a tool chosen, the left button presses it wherever the mouse moves the hand without
- * a button. A click says what is seen there, sets a point of a mark, or grows a region; a double click brings the probe
- * to it.
+ * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. In touch mode the left button presses
+ * on what is drawn (`touch_pointer.ts`), and the wheel changes with how much; where it is chosen so, any move moves the
+ * hand in the view plane. Right drag or Shift + move always do that; meanwhile the wheel moves the hand in depth. Alt +
+ * left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line.
+ * With a tool chosen, Shift + left has it work. A click says what is seen there, sets a point of a mark, or grows a
+ * region; a double click brings the probe to it. Of a touch screen one finger is the left button, two turn.
  */
 import { orbit, pan, zoom } from "../../core/geometry/camera";
 import type { PickedOfTwo } from "../../core/picking/pick_scans";
@@ -15,10 +15,11 @@ import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Reading } from "../features/picking/readout.svelte";
 import type { Session } from "../state/session.svelte";
 import type { Stage } from "./stage";
+import { TouchPointer } from "./touch_pointer";
 import { clickReach, wheelPixels } from "../widgets/mouse";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 
-type Drag = "orbit" | "pan" | "hand" | "tool" | "cut" | "look";
+type Drag = "orbit" | "pan" | "hand" | "touch" | "tool" | "cut" | "look";
 
 /** Turn per pixel [rad]. */
 const turnSpeed = 0.0075;
@@ -38,6 +39,9 @@ export class PointerInput {
   /** The last click has set a point of a mark: a second one makes no double click of it. */
   private marked = false;
   private last: readonly [number, number] | null = null;
+  /** Fingers on a touch screen, by their pointers. */
+  private readonly fingers = new Set<number>();
+  private readonly touching: TouchPointer;
 
   constructor(
     private readonly canvas: HTMLElement,
@@ -45,7 +49,9 @@ export class PointerInput {
     private readonly stage: Stage,
     private readonly hand: HandControl,
     private readonly tool: ToolHand,
-  ) {}
+  ) {
+    this.touching = new TouchPointer(session, stage, hand);
+  }
 
   /** Listens until the returned function is called. */
   listen(): () => void {
@@ -57,6 +63,9 @@ export class PointerInput {
     on("pointermove", this.move.bind(this));
     on("pointerup", this.release.bind(this));
     on("pointercancel", this.release.bind(this));
+    on("lostpointercapture", this.release.bind(this));
+    // a page that is not looked at presses on nothing
+    window.addEventListener("blur", this.leave.bind(this), { signal: aborter.signal });
     on("pointerleave", () => (this.last = null));
     on("click", this.click.bind(this));
     on("dblclick", this.bringProbe.bind(this));
@@ -72,6 +81,16 @@ export class PointerInput {
   private press(event: PointerEvent): void {
     this.canvas.focus({ preventScroll: true });
     this.canvas.setPointerCapture(event.pointerId);
+    if (event.pointerType === "touch") {
+      this.fingers.add(event.pointerId);
+    }
+    if (this.fingers.size > 1) {
+      this.finish(event);
+      this.drag = "orbit";
+      this.pressed = null;
+      this.last = null;
+      return;
+    }
     if (event.button === 2) {
       this.drag = "hand";
     } else if (event.button === 1 || event.ctrlKey) {
@@ -83,14 +102,26 @@ export class PointerInput {
       this.drag = "cut";
       this.stage.cutting.begin(this.placeOf(event));
     } else if (event.button === 0) {
-      this.drag = (event.shiftKey || this.hand.touchMode) && this.tool.press() ? "tool" : "orbit";
+      this.drag = this.leftDrag(event);
     }
     this.last = [event.clientX, event.clientY];
     const leads = event.shiftKey || this.hand.touchMode;
-    this.pressed = this.drag === "orbit" && (!leads || this.stage.marks.placing !== null) ? this.last : null;
+    this.pressed = this.drag === "orbit" && (!leads || this.waitsForClick) ? this.last : null;
+  }
+
+  /** What the left button does: with Shift it has the tool work, on a surface it touches, else it turns the picture. */
+  private leftDrag(event: PointerEvent): Drag {
+    const works = event.shiftKey && this.tool.press();
+    if (!this.waitsForClick && this.touching.ready && this.touching.press(event)) {
+      return "touch";
+    }
+    return works ? "tool" : "orbit";
   }
 
   private move(event: PointerEvent): void {
+    if (this.fingers.size > 1 && !event.isPrimary) {
+      return;
+    }
     const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
     const [right, down] = this.stage.stereo.eyes[0]?.stretch ?? [1, 1];
     const x = (event.clientX - lastX) * right;
@@ -114,28 +145,58 @@ export class PointerInput {
       this.stage.appearance.drag(x, y);
       return;
     }
+    if (this.drag === "touch") {
+      this.touching.move(event);
+      return;
+    }
     const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;
     if (doing === "orbit") {
       this.stage.view.camera = orbit(camera, x * turnSpeed, y * turnSpeed);
     } else if (doing === "pan") {
       this.stage.view.camera = pan(camera, x, y, viewport);
-    } else if (doing === "hand" || doing === "tool" || event.shiftKey || this.hand.touchMode) {
+    } else if (doing === "hand" || doing === "tool" || event.shiftKey || this.leadsInPlane) {
       this.hand.move(x, y, 0);
     }
   }
 
+  /** Whether the next click has a meaning of its own. */
+  private get waitsForClick(): boolean {
+    return this.stage.marks.placing !== null || this.stage.growing.armed;
+  }
+
+  /** Whether every move of the mouse moves the hand in the view plane. */
+  private get leadsInPlane(): boolean {
+    return this.hand.touchMode && !this.touching.ready;
+  }
+
   private release(event: PointerEvent): void {
+    this.fingers.delete(event.pointerId);
+    this.finish(event);
+    if (this.canvas.hasPointerCapture(event.pointerId)) {
+      this.canvas.releasePointerCapture(event.pointerId);
+    }
+  }
+
+  /** The page is left: nothing is pressed any more. */
+  private leave(): void {
+    if (this.drag === "touch") {
+      this.drag = null;
+      this.touching.lift();
+      this.tool.release();
+    }
+  }
+
+  /** Ends what the button began. */
+  private finish(event: PointerEvent): void {
     const { cutting, stereo } = this.stage;
     const eye = stereo.at(event.offsetX, event.offsetY);
+    this.leave();
     if (this.drag === "tool") {
       this.tool.release();
     } else if (this.drag === "cut" && eye !== null) {
       cutting.finish(eye.camera, eye.viewport);
     }
     this.drag = null;
-    if (this.canvas.hasPointerCapture(event.pointerId)) {
-      this.canvas.releasePointerCapture(event.pointerId);
-    }
   }
 
   /** Where an event is in what the eye sees that it points with. */
@@ -151,10 +212,16 @@ export class PointerInput {
     if (event.altKey && camera !== null && objects.holds) {
       objects.turn(camera.back, turned * turnSpeed * 0.1);
     } else if (
+      this.drag === "touch" ||
+      (this.drag === null && this.touching.ready && !event.shiftKey && !event.ctrlKey)
+    ) {
+      this.hand.mouse.turn(turned, event.offsetX, event.offsetY);
+      this.touching.repeat();
+    } else if (
       this.drag === "hand" ||
       this.drag === "tool" ||
       event.shiftKey ||
-      (this.hand.touchMode && this.drag === null && !event.ctrlKey)
+      (this.leadsInPlane && this.drag === null && !event.ctrlKey)
     ) {
       this.hand.move(0, 0, -turned * depthSpeed);
     } else if (camera !== null && content !== null) {
@@ -197,7 +264,7 @@ export class PointerInput {
     if (this.stage.cutting.id !== null || this.marked) {
       return;
     }
-    if (this.tool.kind !== "none" && (event.shiftKey || this.hand.touchMode)) {
+    if (this.touching.ready || (this.tool.kind !== "none" && event.shiftKey)) {
       return;
     }
     const picked = this.stage.picker.at(event.offsetX, event.offsetY);

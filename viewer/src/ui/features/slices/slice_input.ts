@@ -4,7 +4,7 @@
  * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or
  * grows a region, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
- * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
+ * or any move where touch mode leads it so, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
  */
 import type { Rect } from "../../../core/view/picture_layout";
@@ -246,7 +246,7 @@ export class SliceInput {
 
   /** Whether moves of the mouse lead the hand. */
   private leads(event: MouseEvent): boolean {
-    return !this.brushes && (event.shiftKey || this.hand.touchMode);
+    return !this.brushes && (event.shiftKey || this.hand.leadsByMoves);
   }
 
   private moveCrosshair(event: MouseEvent): void {

@@ -3,9 +3,10 @@
  * the hand is, at most once a frame.
  */
 import { moveAlong, moveInDepth, moveInView } from "../../../core/touch/hand";
-import type { Camera, Viewport } from "../../../core/geometry/camera";
+import type { Camera, Ray, Viewport } from "../../../core/geometry/camera";
 import type { Vec3 } from "../../../core/geometry/vector";
 import type { Session } from "../../state/session.svelte";
+import { MouseTouch } from "./mouse_touch.svelte";
 
 /** After a pause this long the hand is where the engine says it is [ms], as soon as it knows all moves. */
 const resumeAfter = 400;
@@ -17,8 +18,10 @@ interface HandView {
 }
 
 export class HandControl {
-  /** Every move of the mouse moves the hand, no button needed. */
+  /** The mouse touches: what is pressed on, or by every move of it. */
   touchMode = $state(false);
+  /** How it does that. */
+  readonly mouse = new MouseTouch();
   /** The person has moved the hand at least once. */
   used = $state(false);
 
@@ -27,6 +30,8 @@ export class HandControl {
   private hand: Vec3 | null = null;
   private movedAt = -Infinity;
   private sending = false;
+  /** What is pressed on and was not sent yet. */
+  private pressing: { readonly ray: Ray; readonly pressure: number } | null = null;
   /** Moves and placements that were sent, and those of them that the engine has answered. */
   private sent = 0;
   private known = 0;
@@ -38,6 +43,11 @@ export class HandControl {
     private readonly view: HandView,
     private readonly takeOver: () => void,
   ) {}
+
+  /** Whether every move of the mouse moves the hand, no button needed. */
+  get leadsByMoves(): boolean {
+    return this.touchMode && this.mouse.way === "plane";
+  }
 
   /** Moves the hand by pixels to the right, downward, and away from the viewer. */
   move(right: number, down: number, away: number): void {
@@ -80,6 +90,31 @@ export class HandControl {
         }
       });
     }
+  }
+
+  /** Presses on what a ray meets first with a force [N]; the engine leads the hand meanwhile. */
+  press(ray: Ray, pressure: number): void {
+    this.takeOver();
+    this.hand = null;
+    this.used = true;
+    const waiting = this.pressing !== null;
+    this.pressing = { ray, pressure };
+    if (!waiting) {
+      requestAnimationFrame(() => {
+        if (this.pressing !== null) {
+          const { ray: asked, pressure: wanted } = this.pressing;
+          this.pressing = null;
+          this.session.send({ type: "press", origin: asked.origin, direction: asked.direction, pressure: wanted });
+        }
+      });
+    }
+  }
+
+  /** Lifts off what is pressed on. */
+  lift(): void {
+    this.pressing = null;
+    this.session.send({ type: "lift" });
+    this.follow();
   }
 
   /** Brings probe, device and hand to a point, or next to it. */

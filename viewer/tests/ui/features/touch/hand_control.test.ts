@@ -37,12 +37,15 @@ afterEach(() => {
 /** An engine that tells only when it is asked to, and the page's hand. */
 function setUp() {
   const asked: Vec3[] = [];
+  const touched: FromPage[] = [];
   let waiting: (() => void)[] = [];
   const session = {
     latest: { hand: [0, 0, 0] as Vec3, proxy: [0, 0, 0] as Vec3, clutched: false },
     send: (message: FromPage) => {
       if (message.type === "hand") {
         asked.push(message.target);
+      } else {
+        touched.push(message);
       }
     },
     whenAnswered: (told: () => void) => waiting.push(told),
@@ -51,6 +54,7 @@ function setUp() {
   return {
     hand,
     asked,
+    touched,
     session,
     frame: () => {
       const run = frames;
@@ -112,4 +116,18 @@ test("no move begins at the place that the probe was taken away from", () => {
   hand.move(1, 0, 0);
   frame();
   expect(Math.round(asked[0]?.[0] ?? 0)).toBe(31);
+});
+
+test("a press goes once a frame, the latest one, and a lift takes back what was not sent yet", () => {
+  const { hand, touched, frame } = setUp();
+  const ray = (x: number) => ({ origin: [x, 0, 0] as Vec3, direction: [0, 1, 0] as Vec3 });
+  hand.press(ray(1), 1);
+  hand.press(ray(2), 1.5);
+  expect(touched).toEqual([]);
+  frame();
+  expect(touched).toEqual([{ type: "press", origin: [2, 0, 0], direction: [0, 1, 0], pressure: 1.5 }]);
+  hand.press(ray(3), 1);
+  hand.lift();
+  frame();
+  expect(touched.slice(1)).toEqual([{ type: "lift" }]);
 });

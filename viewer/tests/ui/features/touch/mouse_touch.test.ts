@@ -1,0 +1,52 @@
+/** How the mouse touches: its pressure stays within what can be pressed, and is remembered. */
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { MouseTouch, strongest, weakest } from "../../../../src/ui/features/touch/mouse_touch.svelte";
+
+let kept: Record<string, string> = {};
+
+beforeEach(() => {
+  kept = {};
+  vi.useFakeTimers();
+  vi.stubGlobal("localStorage", {
+    getItem: (name: string) => kept[name] ?? null,
+    setItem: (name: string, value: string) => (kept[name] = value),
+  });
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+test("a notch of the wheel changes the pressure by a tenth, rolled forward to more", () => {
+  const mouse = new MouseTouch();
+  mouse.turn(-100, 5, 6);
+  expect(mouse.pressure).toBe(1.1);
+  mouse.turn(-1e5, 5, 6);
+  expect(mouse.pressure).toBe(strongest);
+  mouse.turn(1e5, 5, 6);
+  expect(mouse.pressure).toBe(weakest);
+});
+
+test("way and pressure are remembered, and nonsense is not", () => {
+  const mouse = new MouseTouch();
+  mouse.choose("plane");
+  mouse.turn(-200, 0, 0);
+  const again = new MouseTouch();
+  expect([again.way, again.pressure]).toEqual(["plane", mouse.pressure]);
+  kept["palpate.mouse"] = '{"way": 3, "pressure": "much"}';
+  const sane = new MouseTouch();
+  expect([sane.way, sane.pressure]).toEqual(["surface", 1]);
+});
+
+test("the ring goes some time after the wheel was turned, and stays while the button is pressed", () => {
+  const mouse = new MouseTouch();
+  mouse.turn(-100, 5, 6);
+  expect(mouse.finger).toEqual({ x: 5, y: 6, presses: false });
+  vi.advanceTimersByTime(2000);
+  expect(mouse.finger).toBeNull();
+  mouse.show({ x: 1, y: 2, presses: true });
+  mouse.turn(-100, 1, 2);
+  vi.advanceTimersByTime(5000);
+  expect(mouse.finger).toEqual({ x: 1, y: 2, presses: true });
+});
