@@ -23,18 +23,22 @@ const rooms = {
   "core/segments": ["core/base", "core/geometry", "core/protocol", "core/scan"],
   "core/tissue": ["core/base", "core/geometry", "core/protocol"],
   "core/tools": ["core/geometry", "core/protocol"],
-  "core/touch": [
-    ...["core/base", "core/geometry", "core/picking", "core/protocol", "core/scan"],
-    ...["core/tissue", "core/tools"],
-  ],
   "core/slices": ["core/geometry", "core/protocol", "core/scan", "core/surfaces"],
   "core/marks": ["core/geometry", "core/slices"],
   "core/view": ["core/geometry", "core/marks", "core/protocol", "core/scan", "core/slices"],
   "core/appearance": ["core/base", "core/geometry", "core/protocol", "core/scan", "core/segments", "core/view"],
   "core/second": ["core/appearance", "core/base", "core/geometry", "core/marks", "core/protocol", "core/scan"],
+  "core/drawing": [
+    ...["core/appearance", "core/base", "core/protocol", "core/second"],
+    ...["core/segments", "core/view"],
+  ],
   "core/picking": [
     ...["core/appearance", "core/geometry", "core/protocol", "core/scan", "core/second", "core/segments"],
     ...["core/surfaces", "core/view"],
+  ],
+  "core/touch": [
+    ...["core/base", "core/geometry", "core/picking", "core/protocol", "core/scan"],
+    ...["core/tissue", "core/tools"],
   ],
   "gl/shaders": [],
   "gl/base": ["gl/shaders"],
@@ -57,7 +61,6 @@ const features = {
   "slices -> segments": "the brush and outlines paint a segment in slices",
   "slices -> touch": "the mouse over a slice leads the hand",
   "tools -> segments": "the painter paints with the segment of the brush in slices",
-  "tools -> touch": "the tool is held by the hand",
 };
 
 /** Forbids `files` to import the named packages. */

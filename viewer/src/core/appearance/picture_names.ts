@@ -2,11 +2,10 @@
  * Blend modes, qualities and modes of stereo as people choose them, with the field's terms.
  */
 import { restingPictures, type Quality } from "../view/quality";
-import type { DrawerChoice } from "./who_draws";
 import type { StereoMode } from "../view/stereo";
 import type { Blend } from "./optics";
 
-interface Named {
+export interface Named {
   readonly name: string;
   readonly title: string;
 }
@@ -33,12 +32,6 @@ export const blendNames: Readonly<Record<Blend, Named>> = {
     title: "Average intensity projection: the mean between the first and the last tissue on each ray, or in a slab",
   },
   iso: { name: "Iso-surface", title: "The surface where the scan has one value" },
-};
-
-export const drawerNames: Readonly<Record<DrawerChoice, Named>> = {
-  auto: { name: "Automatic", title: "This browser where it has a graphics card, else whichever is quicker: measured" },
-  browser: { name: "This browser", title: "Pictures are drawn by this browser's graphics" },
-  engine: { name: "Engine", title: "Pictures are drawn by the engine, where it can draw all that is shown" },
 };
 
 export const qualityNames: Readonly<Record<Quality, Named>> = {

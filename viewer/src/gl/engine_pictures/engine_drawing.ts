@@ -4,7 +4,7 @@
  */
 import type * as THREE from "three";
 import type { Appearance } from "../../core/appearance/appearance";
-import { engineLook, type LookedSegments } from "../../core/appearance/engine_look";
+import { engineLook, type LookedSegments } from "../../core/drawing/engine_look";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { SecondAppearance } from "../../core/second/second_scan";
 import type { Plane } from "../../core/view/clip";

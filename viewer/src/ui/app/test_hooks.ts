@@ -15,7 +15,7 @@ import {
 } from "../../core/protocol";
 import type { Vec3 } from "../../core/geometry/vector";
 import { benchHooks, type BenchHooks } from "./bench_hooks";
-import type { DrawerChoice } from "../../core/appearance/who_draws";
+import type { DrawerChoice } from "../../core/drawing/who_draws";
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import type { FieldFilter } from "../../gl/march/field_filter";
 import type { Shown } from "../../gl/picture/refiner";

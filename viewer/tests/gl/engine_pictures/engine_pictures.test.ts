@@ -17,7 +17,8 @@ function viewAt(distance: number): EngineView {
 function drawn(number: number, finished = false): DrawnPicture {
   const bytes = new Uint8Array();
   return {
-    type: "drawn_picture", number, size: [100, 67], part: null, over: null, edit: 0, divisor: 3, samples: 1, finished, milliseconds: 1, coding: "raw",
+    type: "drawn_picture", number, size: [100, 67], part: null, over: null, edit: 0,
+    divisor: 3, samples: 1, finished, milliseconds: 1, coding: "raw",
     colours: bytes, brightest: 2, depths: bytes, depth_every: 1, nearest: 0, farthest: 1,
   };
 }

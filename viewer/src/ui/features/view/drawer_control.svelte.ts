@@ -1,7 +1,7 @@
 /**
  * Who draws the 3-D view, as a person has chosen it; remembered. And who does now, and why.
  */
-import { QuickerDrawer, type Drawer } from "../../../core/appearance/quicker_drawer";
+import { QuickerDrawer, type Drawer } from "../../../core/drawing/quicker_drawer";
 import {
   engineObstacle,
   retrySeconds,
@@ -9,7 +9,7 @@ import {
   wantsEngine,
   type DrawerChoice,
   type ShownThings,
-} from "../../../core/appearance/who_draws";
+} from "../../../core/drawing/who_draws";
 import { recall, remember } from "../../state/remembered";
 
 /** Between two looks at what was measured, and at who is to be measured [ms]. */

@@ -12,9 +12,9 @@ import {
   type ShownRange,
 } from "../segments/shown_segments";
 import type { Plane } from "../view/clip";
-import type { Appearance } from "./appearance";
-import { isGrey, type Blend } from "./optics";
-import { sample, type TransferFunction } from "./transfer_function";
+import type { Appearance } from "../appearance/appearance";
+import { isGrey, type Blend } from "../appearance/optics";
+import { sample, type TransferFunction } from "../appearance/transfer_function";
 
 /** The engine divides by spans of values, which are none where all tissue of a scan has one value [value]. */
 const leastSpan = 1e-6;

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { QuickerDrawer } from "../../../src/core/appearance/quicker_drawer";
+import { QuickerDrawer } from "../../../src/core/drawing/quicker_drawer";
 
 function started() {
   let now = 0;

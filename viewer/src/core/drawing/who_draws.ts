@@ -2,6 +2,7 @@
  * Who draws the 3-D view: this browser, or the engine, which is mostly quicker where the browser's graphics are drawn
  * by the CPU. Always one of them alone.
  */
+import type { Named } from "../appearance/picture_names";
 import type { Segment } from "../protocol";
 import { drawnAsSurface } from "../segments/shown_segments";
 import type { Fusion } from "../second/second_scan";
@@ -10,6 +11,12 @@ import type { Drawer } from "./quicker_drawer";
 
 export const drawerChoices = ["auto", "browser", "engine"] as const;
 export type DrawerChoice = (typeof drawerChoices)[number];
+
+export const drawerNames: Readonly<Record<DrawerChoice, Named>> = {
+  auto: { name: "Automatic", title: "This browser where it has a graphics card, else whichever is quicker: measured" },
+  browser: { name: "This browser", title: "Pictures are drawn by this browser's graphics" },
+  engine: { name: "Engine", title: "Pictures are drawn by the engine, where it can draw all that is shown" },
+};
 
 /** A choice that was kept, where it can be one. */
 export function saneDrawer(kept: unknown): DrawerChoice {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
-import { engineLook } from "../../../src/core/appearance/engine_look";
+import { engineLook } from "../../../src/core/drawing/engine_look";
 import { shadedOptics } from "../../../src/core/appearance/optics";
 import type { Segment } from "../../../src/core/protocol";
 import type { SecondAppearance } from "../../../src/core/second/second_scan";

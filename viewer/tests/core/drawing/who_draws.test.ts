@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { engineObstacle, saneDrawer, wantsEngine, type ShownThings } from "../../../src/core/appearance/who_draws";
+import { engineObstacle, saneDrawer, wantsEngine, type ShownThings } from "../../../src/core/drawing/who_draws";
 import { segment } from "../../support/volumes";
 
 const alone: ShownThings = {
