@@ -161,6 +161,7 @@ fn pictures(criterion: &mut Criterion) {
     let request = Request {
         camera,
         size: SIZE,
+        part: None,
         steps_per_voxel: 1.0,
         shift: (0.0, 0.0),
         noise: None,
