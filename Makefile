@@ -246,7 +246,7 @@ test-wheel: $(TESTED_WHEEL_READY) ## the wheel in an empty environment: install,
 test-browser: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## a real scan in a real browser: picture, contact, force
 	$(call step,browser: tests)
 	export PALPATE_CHROMIUM="$$(scripts/chromium.sh)"
-	$(BIN)/pytest -q -m browser --numprocesses 2 --dist loadfile
+	$(BIN)/pytest -q -m browser
 
 # --- figures ----------------------------------------------------------------------------
 
