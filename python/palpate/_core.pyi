@@ -600,15 +600,15 @@ class Renderer:
         """Gives up pictures of lower numbers that are being drawn or still wait."""
 
     @property
-    def edit_number(self) -> int:
-        """The edit whose voxels are drawn."""
+    def state(self) -> int:
+        """Number of what is drawn, another one with every change of it; no other renderer has it."""
 
     def part_edited_since(
-        self, edit_number: int, camera: Camera, size: tuple[int, int]
+        self, state: int, camera: Camera, size: tuple[int, int]
     ) -> tuple[int, int, int, int] | None:
         """First column and row, columns and rows of the part that shows what was edited since.
 
-        None where all of the picture may look different: the edit is not remembered, tissue is
+        None where all of the picture may look different: the state is not remembered, tissue is
         displaced, or surfaces are drawn, which come after the edit.
         """
 

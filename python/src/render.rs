@@ -248,23 +248,23 @@ impl PyRenderer {
         self.newest.fetch_max(number, Relaxed);
     }
 
-    /// The edit whose voxels are drawn.
+    /// Number of what is drawn; no other renderer has it.
     #[getter]
-    fn edit_number(&self) -> u64 {
-        self.lock().edit_number()
+    fn state(&self) -> u64 {
+        self.lock().state()
     }
 
-    /// First column and row, columns and rows of the part of a picture that shows what was edited since an edit; None
+    /// First column and row, columns and rows of the part of a picture that shows what was edited since a state; None
     /// where all of it may look different.
     fn part_edited_since(
         &self,
-        edit_number: u64,
+        state: u64,
         camera: GivenCamera,
         size: (u32, u32),
     ) -> Result<Option<GivenPart>, CoreError> {
         check_size(size)?;
         let camera = camera.checked()?;
-        let part = self.lock().part_edited_since(edit_number, &camera, size);
+        let part = self.lock().part_edited_since(state, &camera, size);
         Ok(part.map(|Part { first, size }| (first.x, first.y, size.x, size.y)))
     }
 

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use thiserror::Error;
 
-use crate::appearance::{Appearance, ControlPoint};
+use crate::appearance::{Appearance, Blend};
 use crate::camera::Camera;
 use crate::second::SecondAppearance;
 
@@ -117,7 +117,15 @@ impl Appearance {
     /// # Errors
     /// Where a number is not finite or out of its range, or the transfer function has fewer than two points.
     pub fn check(&self) -> Result<(), CheckError> {
-        check_transfer(&self.transfer)?;
+        self.check_transfer()?;
+        let rising = |name, given: f32| {
+            number(
+                name,
+                f64::from(given),
+                (0.0..=1e6).contains(&given),
+                "0 to 1e6",
+            )
+        };
         rising("density", self.density)?;
         let light = &self.lighting;
         rising("ambient light", light.ambient)?;
@@ -136,8 +144,12 @@ impl Appearance {
                 "0 to 1",
             )?;
         }
-        above_zero("edge gradient", self.edge_gradient)?;
-        above_zero("window", self.window.0)?;
+        let gradient = self.edge_gradient;
+        let is_gradient = gradient.is_finite() && gradient > 0.0;
+        number("edge gradient", gradient, is_gradient, "above 0, finite")?;
+        let window = self.window.0;
+        let is_window = window.is_finite() && window > 0.0;
+        number("window", window, is_window, "above 0, finite")?;
         for (name, value) in [
             ("level", self.window.1),
             ("value of the iso-surface", self.iso_value),
@@ -178,6 +190,26 @@ impl Appearance {
         }
         Ok(())
     }
+
+    fn check_transfer(&self) -> Result<(), CheckError> {
+        let points = &self.transfer;
+        let are_rising = points.windows(2).all(|pair| pair[0].value <= pair[1].value);
+        let are_finite = points.iter().all(|point| {
+            point.value.is_finite()
+                && point.extinction >= 0.0
+                && point.extinction.is_finite()
+                && point.colour.cmpge(Vec3::ZERO).all()
+                && point.colour.is_finite()
+        });
+        let spans =
+            points.first().map(|point| point.value) < points.last().map(|point| point.value);
+        if are_rising && are_finite && spans {
+            return Ok(());
+        }
+        Err(CheckError::Transfer {
+            given: points.len(),
+        })
+    }
 }
 
 impl SecondAppearance {
@@ -186,47 +218,8 @@ impl SecondAppearance {
     /// # Errors
     /// Where a number is not finite or out of its range, or the transfer function has fewer than two points.
     pub fn check(&self) -> Result<(), CheckError> {
-        check_transfer(&self.transfer)?;
-        rising("density", self.density)?;
         let opacity = f64::from(self.opacity);
         number("opacity", opacity, (0.0..=1.0).contains(&opacity), "0 to 1")?;
-        above_zero("edge gradient", self.edge_gradient)?;
-        above_zero("window", self.window.0)?;
-        for (name, value) in [
-            ("level", self.window.1),
-            ("value of the iso-surface", self.iso_value),
-            ("value of tissue", self.tissue_from),
-        ] {
-            number(name, value, value.is_finite(), "finite")?;
-        }
-        colour("colour of the iso-surface", self.iso_colour)
+        self.alone(Blend::Shaded).check()
     }
-}
-
-fn rising(name: &'static str, given: f32) -> Result<(), CheckError> {
-    let is_allowed = (0.0..=1e6).contains(&given);
-    number(name, f64::from(given), is_allowed, "0 to 1e6")
-}
-
-fn above_zero(name: &'static str, given: f64) -> Result<(), CheckError> {
-    let is_allowed = given.is_finite() && given > 0.0;
-    number(name, given, is_allowed, "above 0, finite")
-}
-
-fn check_transfer(points: &[ControlPoint]) -> Result<(), CheckError> {
-    let are_rising = points.windows(2).all(|pair| pair[0].value <= pair[1].value);
-    let are_finite = points.iter().all(|point| {
-        point.value.is_finite()
-            && point.extinction >= 0.0
-            && point.extinction.is_finite()
-            && point.colour.cmpge(Vec3::ZERO).all()
-            && point.colour.is_finite()
-    });
-    let spans = points.first().map(|point| point.value) < points.last().map(|point| point.value);
-    if are_rising && are_finite && spans {
-        return Ok(());
-    }
-    Err(CheckError::Transfer {
-        given: points.len(),
-    })
 }

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use glam::{DVec3, Vec3};
 use palpate_volume::voxel_box::VoxelBox;
@@ -27,6 +28,10 @@ const LIGHT_CELLS: u32 = 128;
 /// Edits whose voxels are remembered: those of some seconds of drilling.
 const REMEMBERED: usize = 256;
 
+/// The newest state of any renderer: two renderers have none in common, so that a picture of one is never taken for
+/// that of another.
+static STATES: AtomicU64 = AtomicU64::new(0);
+
 /// Draws pictures of a scan that is edited meanwhile.
 #[derive(Debug)]
 pub struct Renderer {
@@ -36,7 +41,9 @@ pub struct Renderer {
     prepared: Option<Prepared>,
     /// Voxels that were changed since.
     changed: VoxelBox,
-    /// Of the last edits: the one before each, and the voxels that it changed.
+    /// Number of what is drawn; another one with every change of it.
+    state: u64,
+    /// Of the last edits: the state before each, and the voxels that it changed.
     edits: VecDeque<(u64, VoxelBox)>,
     second: Option<(Arc<SecondScan>, SecondAppearance)>,
     /// The mode for which the second scan was made ready; none where it is not.
@@ -71,6 +78,7 @@ impl Renderer {
             appearance: None,
             prepared: None,
             changed: VoxelBox::EMPTY,
+            state: next_state(),
             edits: VecDeque::new(),
             second: None,
             second_in: None,
@@ -91,9 +99,8 @@ impl Renderer {
         if voxels.edit_number() == self.edit_number() {
             return false;
         }
-        let before = self.edit_number();
         let changed = self.scene.follow(voxels);
-        self.remember(before, changed);
+        self.remember(changed);
         self.stale = match self.stale {
             Stale::Nothing => Stale::Around(changed),
             Stale::Around(before) => Stale::Around(before.union(&changed)),
@@ -108,25 +115,25 @@ impl Renderer {
     /// # Panics
     /// Where there is no node, or not one displacement for each.
     pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
-        // no edit tells what looks different then
-        self.edits.clear();
+        self.forget_edits();
         self.scene.displace(displacements);
     }
 
-    /// The part of a picture that shows what was edited since this edit; none where that is not known, or where more
+    /// Number of what is drawn now, see [`Self::part_edited_since`].
+    #[must_use]
+    pub fn state(&self) -> u64 {
+        self.state
+    }
+
+    /// The part of a picture that shows what was edited since this state; none where that is not known, or where more
     /// than edited voxels may look different: displaced tissue, and surfaces, which come after the edit.
     #[must_use]
-    pub fn part_edited_since(
-        &self,
-        edit_number: u64,
-        camera: &Camera,
-        size: (u32, u32),
-    ) -> Option<Part> {
+    pub fn part_edited_since(&self, state: u64, camera: &Camera, size: (u32, u32)) -> Option<Part> {
         let has_surfaces = |look: &Appearance| !look.surfaces.is_empty();
         if self.scene.displaced.is_some() || self.appearance.as_ref().is_some_and(has_surfaces) {
             return None;
         }
-        let voxels = self.edited_since(edit_number)?;
+        let voxels = self.edited_since(state)?;
         let grid = self.scene.grid();
         Some(Part::showing(
             &voxels,
@@ -135,20 +142,24 @@ impl Renderer {
         ))
     }
 
-    fn edited_since(&self, edit_number: u64) -> Option<VoxelBox> {
-        if edit_number == self.edit_number() {
+    fn edited_since(&self, state: u64) -> Option<VoxelBox> {
+        if state == self.state {
             return Some(VoxelBox::EMPTY);
         }
-        let since = self
-            .edits
-            .iter()
-            .position(|&(before, _)| before == edit_number)?;
+        let since = self.edits.iter().position(|&(before, _)| before == state)?;
         let edits = self.edits.range(since..);
         Some(edits.fold(VoxelBox::EMPTY, |all, (_, changed)| all.union(changed)))
     }
 
-    fn remember(&mut self, before: u64, changed: VoxelBox) {
-        self.edits.push_back((before, changed));
+    /// Something else has changed than edits tell.
+    fn forget_edits(&mut self) {
+        self.edits.clear();
+        self.state = next_state();
+    }
+
+    fn remember(&mut self, changed: VoxelBox) {
+        self.edits.push_back((self.state, changed));
+        self.state = next_state();
         if self.edits.len() > REMEMBERED {
             self.edits.pop_front();
         }
@@ -178,6 +189,7 @@ impl Renderer {
         if !is_same {
             self.second = shown;
             self.second_in = None;
+            self.forget_edits();
         }
     }
 
@@ -263,6 +275,10 @@ impl Renderer {
         }
         Some(())
     }
+}
+
+fn next_state() -> u64 {
+    STATES.fetch_add(1, Relaxed) + 1
 }
 
 /// Whether all places let as much light through; other colours and lights change nothing of that.

@@ -83,7 +83,7 @@ pub struct SecondAppearance {
 
 impl SecondAppearance {
     /// As that of a scan that is seen alone.
-    fn alone(&self, blend: Blend) -> Appearance {
+    pub(crate) fn alone(&self, blend: Blend) -> Appearance {
         Appearance {
             blend,
             density: self.density,

@@ -97,7 +97,7 @@ fn all_that_edits_changed_is_in_their_part() {
         let mut renderer = Renderer::new(voxels.clone()).unwrap();
         renderer.set_appearance(look);
         let before = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
-        let seen = renderer.edit_number();
+        let seen = renderer.state();
         for (at, size) in [([14, 14, 24], 3), ([18, 12, 22], 2)] {
             block(&mut voxels, at, size);
             renderer.follow(voxels.clone());
@@ -124,15 +124,21 @@ fn where_more_may_look_different_there_is_no_part() {
     renderer.set_appearance(appearance(Blend::Shaded, 0.5));
     let camera = views()[0];
     let part = |renderer: &Renderer, since| renderer.part_edited_since(since, &camera, (64, 64));
-    let first = renderer.edit_number();
+    let first = renderer.state();
     // nothing was edited: the least part
     assert_eq!(part(&renderer, first).unwrap().size, UVec2::new(4, 8));
     block(&mut voxels, [14, 14, 24], 3);
     renderer.follow(voxels.clone());
     assert!(part(&renderer, first).is_some());
     assert_eq!(part(&renderer, first + 1000), None);
+    // tissue went back to its voxels, which no edit tells
+    let pressed = renderer.state();
     renderer.displace(None);
     assert_eq!(part(&renderer, first), None);
+    assert_eq!(part(&renderer, pressed), None);
+    // nor is a picture of another renderer one of this
+    let other = Renderer::new(voxels.clone()).unwrap();
+    assert_eq!(part(&renderer, other.state()), None);
     // an eye in the midst of what was edited
     let inside = Camera {
         target: DVec3::new(15.5, 15.5, 25.5),
@@ -140,7 +146,7 @@ fn where_more_may_look_different_there_is_no_part() {
         parallel: None,
         ..camera
     };
-    let second = renderer.edit_number();
+    let second = renderer.state();
     block(&mut voxels, [14, 14, 25], 3);
     renderer.follow(voxels);
     let whole = renderer.part_edited_since(second, &inside, (64, 64));

@@ -317,6 +317,9 @@ impl Voxels {
     /// Where they are of another grid.
     pub fn as_edited(&self, made: &Segment, low: f64, high: f64) -> Result<Segment, VoxelsError> {
         check_dimensions(made.dimensions(), self.grid.dimensions())?;
+        if self.overlay.bricks().is_empty() {
+            return Ok(made.clone());
+        }
         let range = stored_range(&self.intensities, low, high);
         let is_in_range = |stored| range.as_ref().is_some_and(|range| range.contains(&stored));
         let occupancy = Bits::from_bricks(self.grid.dimensions(), |voxels| {

@@ -32,8 +32,8 @@ class DrawnArrays:
     depths: NDArray[np.float32]
     """From the eye along the direction of view [mm], infinite where nothing is;
     shape [rows, columns]."""
-    edit: int = 0
-    """Number of the edit whose voxels it shows."""
+    state: int = 0
+    """Number of what it shows, see ``_core.Renderer.state``."""
     part: tuple[int, int] | None = None
     """Column and row in the whole picture where it begins; None where it is all of it."""
 
@@ -112,7 +112,7 @@ class SessionPictures:
         since: int,
         fineness: Fineness,
     ) -> DrawnArrays | None:
-        """Draws the part that shows what was edited since an edit, to its end.
+        """Draws the part that shows what was edited since a state, to its end.
 
         It is lit by the light of the picture before. Returns None where more than a part of a
         picture of so many columns and rows may look different.
@@ -183,6 +183,6 @@ def _drawn(
     return DrawnArrays(
         picture.colours(),
         picture.depths(),
-        edit=renderer.edit_number,
+        state=renderer.state,
         part=None if part is None else part[:2],
     )

@@ -141,7 +141,7 @@ class PictureLook(Message, frozen=True, tag="picture_look"):
 class PictureOver(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The picture that a page shows in the same view, size and look; see ``DrawnPicture``."""
 
-    edit: Annotated[int, msgspec.Meta(ge=0)]
+    state: Annotated[int, msgspec.Meta(ge=0)]
     divisor: Annotated[float, msgspec.Meta(ge=1.0, le=64.0)]
 
 
@@ -174,8 +174,8 @@ class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
 
     ``size`` has columns and rows: those requested, divided by ``divisor``, rounded up. Where it is
     a ``part`` of such a picture, it has its first column and row there, and is to be put over one
-    of the same view that shows edit ``over`` or a later one. ``edit`` is the last edit that it
-    shows. Rows from the upper edge, little-endian. ``milliseconds`` is how long it was drawn.
+    of the same view that shows state ``over`` or a later one. ``state`` is the number of what it
+    shows, which rises with every change of that. Rows from the upper edge, little-endian. ``milliseconds`` is how long it was drawn.
 
     ``coding`` "raw": ``colours`` are linear RGB multiplied by opacity, and opacity, as float16,
     shape [rows, columns, 4]; ``depths`` distances from the eye along the direction of view as
@@ -192,7 +192,7 @@ class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
     size: tuple[int, int]
     part: tuple[int, int] | None
     over: int | None
-    edit: int
+    state: int
     divisor: float
     samples: int
     finished: bool

@@ -691,8 +691,8 @@ export interface Outline {
  *
  * `size` has columns and rows: those requested, divided by `divisor`, rounded up. Where it is
  * a `part` of such a picture, it has its first column and row there, and is to be put over one
- * of the same view that shows edit `over` or a later one. `edit` is the last edit that it
- * shows. Rows from the upper edge, little-endian. `milliseconds` is how long it was drawn.
+ * of the same view that shows state `over` or a later one. `state` is the number of what it
+ * shows, which rises with every change of that. Rows from the upper edge, little-endian. `milliseconds` is how long it was drawn.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
  * shape [rows, columns, 4]; `depths` distances from the eye along the direction of view as
@@ -710,7 +710,7 @@ export interface DrawnPicture {
   readonly size: readonly [number, number];
   readonly part: readonly [number, number] | null;
   readonly over: number | null;
-  readonly edit: number;
+  readonly state: number;
   readonly divisor: number;
   readonly samples: number;
   readonly finished: boolean;
@@ -987,7 +987,7 @@ export interface SeenFrom {
 
 /** The picture that a page shows in the same view, size and look; see `DrawnPicture`. */
 export interface PictureOver {
-  readonly edit: number;
+  readonly state: number;
   readonly divisor: number;
 }
 
@@ -2054,7 +2054,7 @@ const isDrawnPicture = record({
   size: tuple(whole(), whole()),
   part: nullable(tuple(whole(), whole())),
   over: nullable(whole()),
-  edit: whole(),
+  state: whole(),
   divisor: real(),
   samples: whole(),
   finished: flag,

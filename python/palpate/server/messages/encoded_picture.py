@@ -50,7 +50,7 @@ def encoded_picture(
         size=(columns, rows),
         part=picture.part,
         over=over,
-        edit=picture.edit,
+        state=picture.state,
         divisor=divisor,
         samples=samples,
         finished=finished,

@@ -177,12 +177,12 @@ class PagePainter:
             look,
             msgspec.convert(request.camera, Camera, from_attributes=True),
             self._size(request, stage),
-            since=over.edit,
+            since=over.state,
             fineness=self._fineness(request, stage),
         )
         if picture is None:
             return False
-        self._send(picture, request, stage, seconds=time.perf_counter() - began, over=over.edit)
+        self._send(picture, request, stage, seconds=time.perf_counter() - began, over=over.state)
         self._moved = (self._key(request, look), stage.divisor)
         return True
 

@@ -282,7 +282,7 @@ def test_the_part_that_was_edited_comes_first_and_makes_the_picture_whole(sessio
         pictures.draw(request(session, 1, moving=False, samples=1), page)
         before = (await until_finished(page))[-1]
         notched(session)
-        over = protocol.PictureOver(before["edit"], before["divisor"])
+        over = protocol.PictureOver(before["state"], before["divisor"])
         pictures.draw(request(session, 2, moving=False, samples=1, over=over), page)
         return [before, *await until_number(page, 2)]
 
@@ -290,8 +290,8 @@ def test_the_part_that_was_edited_comes_first_and_makes_the_picture_whole(sessio
     column, row = part["part"]
     columns, rows = part["size"]
     assert columns * rows < 60 * 48 // 4
-    assert (part["over"], part["finished"], part["divisor"]) == (before["edit"], False, 1.0)
-    assert part["edit"] > before["edit"]
+    assert (part["over"], part["finished"], part["divisor"]) == (before["state"], False, 1.0)
+    assert part["state"] > before["state"]
     assert after["part"] is None
     there = np.s_[row : row + rows, column : column + columns]
     for read, off in ((colours_of, 1e-3), (depths_of, 0.05)):
@@ -308,7 +308,7 @@ def test_over_another_picture_all_of_it_is_drawn(session: Session, divisor: floa
         pictures.draw(request(session, 1, moving=False), page)
         before = (await until_finished(page))[-1]
         notched(session)
-        unknown = before["edit"] + (1000 if divisor == 1.0 else 0)
+        unknown = before["state"] + (1000 if divisor == 1.0 else 0)
         over = protocol.PictureOver(unknown, divisor)
         pictures.draw(request(session, 2, moving=False, over=over), page)
         return await until_number(page, 2)

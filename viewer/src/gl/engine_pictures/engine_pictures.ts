@@ -50,8 +50,8 @@ interface Asked extends Wanted {
 /** All of a picture that is on display, and what of it was edited since. */
 interface OnDisplay {
   readonly asked: Asked;
-  /** The last edit that it shows. */
-  readonly edit: number;
+  /** Number of what it shows, which rises with every change of that. */
+  readonly state: number;
   readonly divisor: number;
 }
 
@@ -203,16 +203,16 @@ export class EnginePictures {
   }
 
   /** Notes what is on display from now on; false for a part of something else. */
-  private display({ part, over, edit, divisor }: DrawnPicture, asked: Asked): boolean {
+  private display({ part, over, state, divisor }: DrawnPicture, asked: Asked): boolean {
     if (part !== null) {
       const { onDisplay } = this;
       const fits = onDisplay !== null && looksAs(onDisplay.asked, asked) && onDisplay.divisor === divisor &&
-        over !== null && over <= onDisplay.edit;
+        over !== null && over <= onDisplay.state;
       if (!fits) {
         return false;
       }
     }
-    this.onDisplay = { asked, edit, divisor };
+    this.onDisplay = { asked, state, divisor };
     return true;
   }
 
@@ -275,7 +275,7 @@ export class EnginePictures {
       camera: seenFrom(view.camera),
       size,
       moving,
-      over: isShown ? { edit: onDisplay.edit, divisor: onDisplay.divisor } : null,
+      over: isShown ? { state: onDisplay.state, divisor: onDisplay.divisor } : null,
       steps_per_voxel: this.resting.stepsPerVoxel,
       samples: this.jitter ? Math.max(fewestSamples, this.resting.passes) : 1,
       jitter: this.jitter,

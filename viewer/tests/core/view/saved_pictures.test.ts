@@ -10,7 +10,7 @@ function packed(number: number, width: number): Uint8Array {
     size: [width, 2],
     part: null,
     over: null,
-    edit: 0,
+    state: 0,
     divisor: 1,
     samples: 1,
     finished: true,

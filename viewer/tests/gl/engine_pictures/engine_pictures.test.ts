@@ -17,7 +17,7 @@ function viewAt(distance: number): EngineView {
 function drawn(number: number, finished = false): DrawnPicture {
   const bytes = new Uint8Array();
   return {
-    type: "drawn_picture", number, size: [100, 67], part: null, over: null, edit: 0,
+    type: "drawn_picture", number, size: [100, 67], part: null, over: null, state: 0,
     divisor: 3, samples: 1, finished, milliseconds: 1, coding: "raw",
     colours: bytes, brightest: 2, depths: bytes, depth_every: 1, nearest: 0, farthest: 1,
   };
@@ -175,10 +175,10 @@ describe("edits under a view at rest", () => {
   const view = viewAt(500);
 
   /** A picture of an edit is on display, and another edit has been asked for. */
-  function edited(edit = 7) {
+  function edited(state = 7) {
     const all = started();
     all.pictures.ask(true, view, size);
-    all.pictures.take({ ...drawn(1), edit });
+    all.pictures.take({ ...drawn(1), state });
     all.pictures.next(size);
     all.pictures.ask(true, view, size);
     return all;
@@ -186,11 +186,11 @@ describe("edits under a view at rest", () => {
 
   test("tell what is on display, so that their part of it can come first", () => {
     const { asked, pictures } = edited();
-    expect(asked().map(({ over }) => over)).toEqual([null, { edit: 7, divisor: 3 }]);
-    pictures.take({ ...drawn(2), part: [8, 16], over: 7, edit: 9 });
+    expect(asked().map(({ over }) => over)).toEqual([null, { state: 7, divisor: 3 }]);
+    pictures.take({ ...drawn(2), part: [8, 16], over: 7, state: 9 });
     expect(pictures.next(size)?.picture.part).toEqual([8, 16]);
     pictures.ask(true, view, size);
-    expect(asked().at(-1)?.over).toEqual({ edit: 9, divisor: 3 });
+    expect(asked().at(-1)?.over).toEqual({ state: 9, divisor: 3 });
   });
 
   test.each<[string, (pictures: EnginePictures) => void]>([
@@ -198,7 +198,7 @@ describe("edits under a view at rest", () => {
     ["another drew over it", (pictures) => { pictures.cover(); }],
   ])("tell nothing after %s", (_, change) => {
     const { asked, pictures } = edited();
-    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.take({ ...drawn(2), state: 9 });
     pictures.next(size);
     change(pictures);
     pictures.ask(true, view, size);
@@ -207,11 +207,11 @@ describe("edits under a view at rest", () => {
 
   test("tell nothing in another view or size", () => {
     const { asked, pictures } = edited();
-    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.take({ ...drawn(2), state: 9 });
     pictures.next(size);
     pictures.ask(true, view, [301, 200]);
     expect(asked().at(-1)?.over).toBeNull();
-    pictures.take({ ...drawn(3), edit: 9 });
+    pictures.take({ ...drawn(3), state: 9 });
     pictures.next([301, 200]);
     pictures.ask(true, viewAt(400), size);
     expect(asked().at(-1)?.over).toBeNull();
@@ -231,22 +231,22 @@ describe("edits under a view at rest", () => {
     const look = (isEdited: boolean): PictureLook =>
       ({ type: "picture_look", segments: [{ id: 1, edited: isEdited }] }) as unknown as PictureLook;
     pictures.setLook(look(false));
-    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.take({ ...drawn(2), state: 9 });
     pictures.ask(true, view, size);
-    pictures.take({ ...drawn(3), edit: 9 });
+    pictures.take({ ...drawn(3), state: 9 });
     pictures.next(size);
     pictures.setLook(look(true));
     pictures.ask(true, view, size);
-    expect(asked().at(-1)?.over).toEqual({ edit: 9, divisor: 3 });
+    expect(asked().at(-1)?.over).toEqual({ state: 9, divisor: 3 });
   });
 
   test("the same look told again is no other look", () => {
     const { asked, pictures, sent } = edited();
     pictures.setLook({ ...anyLook });
-    pictures.take({ ...drawn(2), edit: 9 });
+    pictures.take({ ...drawn(2), state: 9 });
     pictures.next(size);
     pictures.ask(true, view, size);
-    expect(asked().at(-1)?.over).toEqual({ edit: 9, divisor: 3 });
+    expect(asked().at(-1)?.over).toEqual({ state: 9, divisor: 3 });
     expect(sent.filter(({ type }) => type === "picture_look")).toHaveLength(1);
   });
 });
