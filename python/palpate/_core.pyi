@@ -601,7 +601,7 @@ class Renderer:
 
     @property
     def state(self) -> int:
-        """Number of what is drawn, another one with every change of it; no other renderer has it."""
+        """Number of what is drawn, which rises with every change; no other renderer has it."""
 
     def part_edited_since(
         self, state: int, camera: Camera, size: tuple[int, int]
