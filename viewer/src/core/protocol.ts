@@ -692,7 +692,8 @@ export interface Outline {
  * `size` has columns and rows: those requested, divided by `divisor`, rounded up. Where it is
  * a `part` of such a picture, it has its first column and row there, and is to be put over one
  * of the same view that shows state `over` or a later one. `state` is the number of what it
- * shows, which rises with every change of that. Rows from the upper edge, little-endian. `milliseconds` is how long it was drawn.
+ * shows, which rises with every change of that. Rows from the upper edge, little-endian.
+ * `milliseconds` is how long it was drawn.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
  * shape [rows, columns, 4]; `depths` distances from the eye along the direction of view as
