@@ -13,7 +13,7 @@ export interface TouchSituation {
   /** With how much it presses [N]. */
   readonly pressure: number;
   readonly tool: ToolKind;
-  readonly segments: readonly Pick<Segment, "name" | "touchable">[];
+  readonly segments: readonly Pick<Segment, "name" | "felt">[];
 }
 
 /** What a tool does, as X has it do. */
@@ -46,6 +46,6 @@ export function touchHint(now: TouchSituation): readonly string[] {
 
 /** The only thing that can be touched, by its name. */
 function touchableName(segments: TouchSituation["segments"]): string {
-  const [only, other] = segments.filter(({ touchable }) => touchable);
+  const [only, other] = segments.filter(({ felt }) => felt);
   return only !== undefined && other === undefined ? only.name : "the picture";
 }

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { touchHint, type TouchSituation } from "../../../src/core/touch/touch_hint";
 
-const bone = { name: "bone", touchable: true };
+const bone = { name: "bone", felt: true };
 const idle: TouchSituation = {
   touchMode: true,
   onSurface: true,
@@ -9,13 +9,13 @@ const idle: TouchSituation = {
   inVain: false,
   pressure: 1,
   tool: "none",
-  segments: [bone, { name: "skin", touchable: false }],
+  segments: [bone, { name: "skin", felt: false }],
 };
 
 test("the line names what can be touched, the pressure, the tool's key and the way out", () => {
   expect(touchHint(idle)).toEqual(["Press on bone to touch it", "wheel: pressure 1.0 N", "Esc leaves touch"]);
   expect(touchHint({ ...idle, tool: "drill" })).toContain("X or Shift + left drills");
-  expect(touchHint({ ...idle, segments: [bone, { name: "liver", touchable: true }] })[0]).toBe(
+  expect(touchHint({ ...idle, segments: [bone, { name: "liver", felt: true }] })[0]).toBe(
     "Press on the picture to touch it",
   );
 });
