@@ -13,6 +13,7 @@ mod bench_stress;
 mod device;
 mod errors;
 mod frame;
+mod given_look;
 mod kept_surface;
 mod material;
 mod painted;
