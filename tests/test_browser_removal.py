@@ -38,7 +38,7 @@ def lying(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def page(lying: Path) -> Iterator[Browser]:
-    with palpate("open", lying, *OPTIONS) as command, browser(drawer="") as opened:
+    with palpate("open", lying, *OPTIONS) as command, browser() as opened:
         assert opened.do("open", url=command.url, width=1366, height=768)["firstPicture"]
         yield opened
         assert opened.complaints == []

@@ -37,7 +37,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
         SimpleITK.WriteImage(SimpleITK.GetImageFromArray(array), str(path))
     with (
         palpate("open", paths[0], "--segments", paths[1]) as command,
-        browser(drawer="") as opened,
+        browser() as opened,
     ):
         opened.do("open", url=command.url, **SIZE)
         # the browser works light out in coarse cells
@@ -54,14 +54,14 @@ def by_both(page: Browser, name: str) -> tuple[NDArray[np.float64], NDArray[np.f
     """Returns the picture as the engine draws it, and as the browser does."""
     page.all_done()
     assert page.read("window.palpate.drawer") == {
-        "choice": "auto",
+        "choice": "engine",
         "engine": True,
         "obstacle": None,
     }
     engine = page.picture(OUTPUT / f"surfaces-{name}-engine.png")
     page.draw_by("browser")
     own = page.picture(OUTPUT / f"surfaces-{name}-browser.png")
-    page.draw_by("auto")
+    page.draw_by("engine")
     return engine, own
 
 
