@@ -56,9 +56,9 @@ export function touchedWords(
     return join([`Needle in ${needle.segment === 0 ? "no segment" : nameOf(needle.segment)}`, held[safety.force]]);
   }
   if (state.contact) {
-    const segment = segments.find(({ id }) => id === state.touched);
-    const value = segment === undefined ? null : valueBehind(state, segment, { scan, places });
-    return join([nameOf(state.touched), materialOf(segment, state), value, held[safety.force]]);
+    const segment = segments.find(({ id }) => id === state.touched) ?? segmentBehind(state, { scan, places });
+    const value = segment === null ? null : valueBehind(state, segment, { scan, places });
+    return join([segment?.name ?? "a segment", materialOf(segment, state), value, held[safety.force]]);
   }
   if (state.grabbed !== 0) {
     return `Holds ${nameOf(state.grabbed)}: what is held is not felt`;
@@ -70,8 +70,23 @@ function join(parts: readonly (string | null)[]): string {
   return parts.filter((part) => part !== null).join(" · ");
 }
 
-function materialOf(segment: Segment | undefined, { matter }: TouchedState): string | null {
-  if (segment === undefined) {
+/** Whose surface is touched where the probe rests on the smooth surface, and no voxel holds it yet. */
+function segmentBehind(
+  { contact_point, normal, touched }: TouchedState,
+  { scan, places }: { readonly scan: Told; readonly places: Places },
+): Segment | null {
+  const [step, farthest] = [0.5 * Math.min(...scan.spacing), Math.max(...scan.spacing)];
+  for (let depth = step; touched === 0 && depth <= farthest; depth += step) {
+    const behind = places.segmentAt(addScaled(contact_point, normal, -depth));
+    if (behind?.felt === true) {
+      return behind;
+    }
+  }
+  return null;
+}
+
+function materialOf(segment: Segment | null, { matter }: TouchedState): string | null {
+  if (segment === null) {
     return null;
   }
   const { material } = segment;

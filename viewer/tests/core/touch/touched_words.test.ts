@@ -39,6 +39,12 @@ test("what is touched is told by its name, what it is made of, and the value beh
   expect(words(deforming, { segments: [liver] })).toBe("liver · liver soft · 743 HU");
 });
 
+test("on the smooth surface, where no voxel holds the probe yet, it is the segment behind", () => {
+  expect(words({ ...touching, touched: 0 }, { around: bone })).toBe("bone · rigid · 743 HU");
+  expect(words({ ...touching, touched: 0 }, { around: { ...bone, felt: false } })).toBe("a segment");
+  expect(words({ ...touching, touched: 0 })).toBe("a segment");
+});
+
 test("a segment that is not where the scan has it has no value", () => {
   const pose = [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] as unknown as Segment["pose"];
   expect(words(touching, { segments: [{ ...bone, pose }] })).toBe("bone · rigid");
