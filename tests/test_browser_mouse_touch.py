@@ -134,6 +134,51 @@ def test_with_a_tool_left_only_presses_and_x_or_shift_has_it_work(page: Browser)
     page.all_done()
 
 
+def test_one_finger_touches_and_two_turn_and_zoom(page: Browser) -> None:
+    page.do("fingers", **{"from": [[0, 0]]}, hold=True)
+    page.wait("window.palpate.state.contact")
+    assert newtons(page.settled()) == pytest.approx(1.0, rel=0.1)
+    page.do("fingersUp")
+    page.wait("window.palpate.state.contact === false")
+
+    before = page.read("window.palpate.camera")
+    page.do("fingers", **{"from": [[-40, 0], [40, 0]], "to": [[-20, 0], [60, 0]]})
+    turned = page.read("window.palpate.camera")
+    assert turned["back"] != before["back"]
+    assert turned["distance"] == pytest.approx(before["distance"])
+    page.do("fingers", **{"from": [[-40, 0], [40, 0]], "to": [[-80, 0], [80, 0]]})
+    near = page.read("window.palpate.camera")
+    assert near["distance"] == pytest.approx(turned["distance"] / 2, rel=0.01)
+    assert not page.read("window.palpate.state.contact")
+    page.read("window.palpate.setView('A')")
+
+
+def test_out_of_touch_mode_two_fingers_move_the_picture_and_zoom_about_their_middle(
+    page: Browser,
+) -> None:
+    page.do("press", key="Escape")
+    before = page.read("window.palpate.camera")
+    page.do("fingers", **{"from": [[60, 20], [100, 20]], "to": [[40, 20], [120, 20]]})
+    near = page.read("window.palpate.camera")
+    assert near["distance"] == pytest.approx(before["distance"] / 2, rel=0.01)
+    assert near["back"] == before["back"]
+    # what lay between them still does: right of the middle by 80 pixels
+    mm = page.read("window.palpate.pixelSizeAt(window.palpate.camera.target)")
+    right = np.subtract(near["target"], before["target"]) @ np.array(near["right"])
+    assert right == pytest.approx(80 * mm, rel=0.05)
+    page.do("press", key="t")
+    page.read("window.palpate.setView('A')")
+
+
+@pytest.mark.parametrize("force", [0.4, 0.9])
+def test_how_hard_a_pen_is_pressed_is_the_force(page: Browser, force: float) -> None:
+    page.do("pen", force=force)
+    page.wait("window.palpate.state.contact")
+    assert newtons(page.settled()) == pytest.approx(force, rel=0.1)
+    page.do("penUp")
+    page.wait("window.palpate.state.contact === false")
+
+
 def test_in_the_view_plane_every_move_leads_the_hand_and_the_choice_is_remembered(
     page: Browser,
 ) -> None:

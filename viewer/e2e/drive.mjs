@@ -14,6 +14,9 @@
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button too, "held": true: still
  *   {"do": "release"}                                         the left button
+ *   {"do": "fingers", "from": [[x, y], …], "to": [[x, y], …]}  on a touch screen, of the picture's middle; "hold": true
+ *   {"do": "pen", "x": …, "y": …, "force": 0..1}              presses a pen there and holds it; of the picture's middle
+ *   {"do": "penUp"}, {"do": "fingersUp"}
  *   {"do": "point", "x": …, "y": …}                           the mouse, in pixels of the page
  *   {"do": "clickAt", "testid": …, "x": …, "y": …}            in shares of an element; "doubleClickAt" too
  *   {"do": "wheelOver", "testid": …, "y": …}                  over an element's middle
@@ -60,6 +63,13 @@ page.on("console", (message) => {
 
 const byTestId = (testid) => page.locator(`[data-testid="${testid}"]`).first();
 const picture = () => byTestId("canvas");
+const middleOfPicture = async () => {
+  const { x, y, width, height } = await picture().boundingBox();
+  return [x + width / 2, y + height / 2];
+};
+// fingers and pens, which have no action of their own
+const devtools = await page.context().newCDPSession(page);
+let pen = null;
 
 const actions = {
   async open({ url, width = 720, height = 480, seconds = 120 }) {
@@ -174,6 +184,37 @@ const actions = {
     if (!hold) {
       await page.mouse.up({ button });
     }
+    return {};
+  },
+  async fingers({ from, to = from, steps = 10, hold = false }) {
+    const [middleX, middleY] = await middleOfPicture();
+    const touch = (type, share) =>
+      devtools.send("Input.dispatchTouchEvent", {
+        type,
+        touchPoints: from.map(([x, y], id) => ({
+          x: middleX + x + (to[id][0] - x) * share,
+          y: middleY + y + (to[id][1] - y) * share,
+          id,
+        })),
+      });
+    await touch("touchStart", 0);
+    for (let step = 1; step <= steps; ++step) {
+      await touch("touchMove", step / steps);
+    }
+    return hold ? {} : actions.fingersUp();
+  },
+  async fingersUp() {
+    await devtools.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    return {};
+  },
+  async pen({ x = 0, y = 0, force }) {
+    const [middleX, middleY] = await middleOfPicture();
+    pen = { x: middleX + x, y: middleY + y, pointerType: "pen", button: "left", force, clickCount: 1 };
+    await devtools.send("Input.dispatchMouseEvent", { ...pen, type: "mousePressed", buttons: 1 });
+    return {};
+  },
+  async penUp() {
+    await devtools.send("Input.dispatchMouseEvent", { ...pen, type: "mouseReleased", force: 0 });
     return {};
   },
   async touch({ x = 0, y = 0, depth = 0, steps = 10 }) {

@@ -21,6 +21,7 @@ export const gestures: Readonly<Record<Group, readonly HelpRow[]>> = {
       keys: "Alt + left drag",
       does: "window (sideways) and level (up and down) of what is seen; of an iso-surface its value",
     },
+    { keys: "Touch screen", does: "one finger turns, two move the picture and zoom" },
     { keys: "Click", does: "what is seen there, where, and its value; until the next click or Esc" },
   ],
   Slices: [
@@ -37,7 +38,8 @@ export const gestures: Readonly<Record<Group, readonly HelpRow[]>> = {
     { keys: "Double-click", does: "bring the probe to what is seen there; an object says its name" },
     { keys: "Left button held, touch mode", does: "press on what is drawn, slide along it; released it lifts off" },
     { keys: "Wheel, touch mode", does: "press harder (roll forward) or more gently; Ctrl + wheel nearer, farther" },
-    { keys: "Touch screen, pen", does: "one finger is the left button, two turn; a pen's pressure is the force" },
+    { keys: "Touch screen, touch mode", does: "one finger presses on what is drawn, two turn and zoom" },
+    { keys: "Pen, touch mode", does: "its pressure is the force, up to what the wheel has set" },
     { keys: "Right drag, Shift + move", does: "move the hand in the view plane" },
     { keys: "… with the wheel", does: "away from you, toward you" },
     { keys: "Arrows, Page Up, Page Down", does: "move the hand; with Alt finely" },

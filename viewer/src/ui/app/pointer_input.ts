@@ -6,11 +6,13 @@
  * hand in the view plane. Right drag or Shift + move always do that; meanwhile the wheel moves the hand in depth. Alt +
  * left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line.
  * With a tool chosen, Shift + left has it work. A click says what is seen there, sets a point of a mark, or grows a
- * region; a double click brings the probe to it. Of a touch screen one finger is the left button, two turn.
+ * region; a double click brings the probe to it. Of a touch screen one finger is the left button; two move the picture
+ * and zoom as they go apart, in touch mode, where one finger touches, they turn it and zoom.
  */
 import { orbit, pan, zoom } from "../../core/geometry/camera";
 import type { PickedOfTwo } from "../../core/picking/pick_scans";
 import { addScaled } from "../../core/geometry/vector";
+import { FingerPair, type PairMove } from "../../core/view/finger_pair";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Reading } from "../features/picking/readout.svelte";
 import type { Session } from "../state/session.svelte";
@@ -19,7 +21,7 @@ import { TouchPointer } from "./touch_pointer";
 import { clickReach, wheelPixels } from "../widgets/mouse";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 
-type Drag = "orbit" | "pan" | "hand" | "touch" | "tool" | "cut" | "look";
+type Drag = "orbit" | "pan" | "fingers" | "hand" | "touch" | "tool" | "cut" | "look";
 
 /** Turn per pixel [rad]. */
 const turnSpeed = 0.0075;
@@ -39,8 +41,7 @@ export class PointerInput {
   /** The last click has set a point of a mark: a second one makes no double click of it. */
   private marked = false;
   private last: readonly [number, number] | null = null;
-  /** Fingers on a touch screen, by their pointers. */
-  private readonly fingers = new Set<number>();
+  private readonly fingers = new FingerPair();
   private readonly touching: TouchPointer;
 
   constructor(
@@ -82,11 +83,11 @@ export class PointerInput {
     this.canvas.focus({ preventScroll: true });
     this.canvas.setPointerCapture(event.pointerId);
     if (event.pointerType === "touch") {
-      this.fingers.add(event.pointerId);
+      this.fingers.put(event.pointerId, this.placeOf(event));
     }
-    if (this.fingers.size > 1) {
+    if (this.fingers.count > 1) {
       this.finish(event);
-      this.drag = "orbit";
+      this.drag = "fingers";
       this.pressed = null;
       this.last = null;
       return;
@@ -119,7 +120,9 @@ export class PointerInput {
   }
 
   private move(event: PointerEvent): void {
-    if (this.fingers.size > 1 && !event.isPrimary) {
+    const pair = this.fingers.move(event.pointerId, this.placeOf(event));
+    if (this.drag === "fingers") {
+      this.lead(pair);
       return;
     }
     const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
@@ -159,6 +162,25 @@ export class PointerInput {
     }
   }
 
+  /** Two fingers zoom about the place between them, and move the picture; in touch mode they turn it. */
+  private lead(pair: PairMove | null): void {
+    const { camera, content, viewport } = this.stage.view;
+    if (pair === null || camera === null || content === null) {
+      return;
+    }
+    const { x, y, spread, middle } = pair;
+    const nearer = zoom(camera, 1 / spread, content);
+    const grown = camera.distance / nearer.distance;
+    this.stage.view.camera = this.hand.touchMode
+      ? orbit(nearer, x * turnSpeed, y * turnSpeed)
+      : pan(
+          nearer,
+          x + (1 - grown) * (middle[0] - viewport.width / 2),
+          y + (1 - grown) * (middle[1] - viewport.height / 2),
+          viewport,
+        );
+  }
+
   /** Whether the next click has a meaning of its own. */
   private get waitsForClick(): boolean {
     return this.stage.marks.placing !== null || this.stage.growing.armed;
@@ -170,7 +192,7 @@ export class PointerInput {
   }
 
   private release(event: PointerEvent): void {
-    this.fingers.delete(event.pointerId);
+    this.fingers.lift(event.pointerId);
     this.finish(event);
     if (this.canvas.hasPointerCapture(event.pointerId)) {
       this.canvas.releasePointerCapture(event.pointerId);
