@@ -29,6 +29,7 @@
  *   {"do": "drop", "paths": […]}                              files and folders onto the page, as from a file manager
  *   {"do": "fill", "testid": …, "text": …}                    a field; {"do": "type", "text": …} where the focus is
  *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
+ *   {"do": "key", "key": "я", "code": "KeyZ", "alt": true}    as on a keyboard of another layout; "repeats": so often
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
@@ -67,7 +68,7 @@ const middleOfPicture = async () => {
   const { x, y, width, height } = await picture().boundingBox();
   return [x + width / 2, y + height / 2];
 };
-// fingers and pens, which have no action of their own
+// what has no action of its own: fingers, pens, keyboards of other layouts, dropped files
 const devtools = await page.context().newCDPSession(page);
 let pen = null;
 
@@ -266,12 +267,10 @@ const actions = {
     await byTestId(testid).setInputFiles(path);
   },
   async drop({ paths }) {
-    const session = await page.context().newCDPSession(page);
     const data = { items: [], files: paths, dragOperationsMask: 1 };
     for (const type of ["dragEnter", "dragOver", "drop"]) {
-      await session.send("Input.dispatchDragEvent", { type, x: 300, y: 300, data });
+      await devtools.send("Input.dispatchDragEvent", { type, x: 300, y: 300, data });
     }
-    await session.detach();
     return {};
   },
   async fill({ testid, text }) {
@@ -298,6 +297,15 @@ const actions = {
   },
   async press({ key }) {
     await page.keyboard.press(key);
+    return {};
+  },
+  async key({ key, code, alt = false, control = false, shift = false, repeats = 0 }) {
+    const modifiers = Number(alt) + 2 * Number(control) + 8 * Number(shift);
+    for (let press = 0; press <= repeats; ++press) {
+      const autoRepeat = press > 0;
+      await devtools.send("Input.dispatchKeyEvent", { type: "rawKeyDown", key, code, modifiers, autoRepeat });
+    }
+    await devtools.send("Input.dispatchKeyEvent", { type: "keyUp", key, code, modifiers });
     return {};
   },
   async resize({ width, height }) {

@@ -33,6 +33,8 @@ export interface Action {
   readonly run: () => void;
   /** For an action that lasts as long as its key is held: ends it. Such a one is in no palette. */
   readonly end?: () => void;
+  /** Whether a key that is held does it again and again, as a step. */
+  readonly repeats?: boolean;
   /** Whether it means something now; always where it is left out. */
   readonly ready?: () => boolean;
 }
@@ -233,6 +235,7 @@ function feel({ session, hand }: ActionTargets): readonly Action[] {
       group,
       name: "Softer",
       keys: ["["],
+      repeats: true,
       ready,
       run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, -1, session.deviceLimits) })),
     },
@@ -240,6 +243,7 @@ function feel({ session, hand }: ActionTargets): readonly Action[] {
       group,
       name: "Stiffer",
       keys: ["]"],
+      repeats: true,
       ready,
       run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, 1, session.deviceLimits) })),
     },
@@ -247,6 +251,7 @@ function feel({ session, hand }: ActionTargets): readonly Action[] {
       group,
       name: "A smaller probe",
       keys: ["-"],
+      repeats: true,
       ready,
       run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, -1) })),
     },
@@ -254,6 +259,7 @@ function feel({ session, hand }: ActionTargets): readonly Action[] {
       group,
       name: "A larger probe",
       keys: ["+", "="],
+      repeats: true,
       ready,
       run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, 1) })),
     },
@@ -304,8 +310,8 @@ function touch({ session, stage, hand, page }: ActionTargets): readonly Action[]
       },
       end: () => { stage.objects.release(); },
     },
-    { group, name: "Turn what is grabbed to the left", keys: [","], ready: holds, run: turn(1) },
-    { group, name: "Turn what is grabbed to the right", keys: ["."], ready: holds, run: turn(-1) },
+    { group, name: "Turn what is grabbed to the left", keys: [","], repeats: true, ready: holds, run: turn(1) },
+    { group, name: "Turn what is grabbed to the right", keys: ["."], repeats: true, ready: holds, run: turn(-1) },
     { group, name: "Sound of contact on, off", keys: ["S"], run: page.sound },
     { group, name: "The guarantees: what is counted, what waits", keys: ["Shift+G"], run: page.guarantees },
     { group, name: "Record touch, stop recording", keys: ["Shift+R"], run: () => { session.toggleRecording(); } },

@@ -2,7 +2,7 @@
  * Keys of the page. Arrow and page keys move the hand while they are held, with Shift turn the view and come nearer or
  * farther, with Ctrl move the picture; the others do what the table of actions says.
  */
-import { shortcutsOf } from "../../core/base/shortcuts";
+import { shortcutsOf, showsLatin } from "../../core/base/shortcuts";
 import type { Action } from "./actions";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Session } from "../state/session.svelte";
@@ -30,6 +30,10 @@ const nearSpeed = 0.8;
 /** A key that is only touched counts as held this long [s]. */
 const shortest = 1 / 30;
 
+/** What concerns the page as a whole, also while a text is typed; so do undo and redo, where nothing is typed. */
+const ofPage: readonly string[] = ["Ctrl+S", "Ctrl+K", "Ctrl+O"];
+const ofSteps: readonly string[] = ["Ctrl+Z", "Ctrl+Shift+Z", "Ctrl+Y"];
+
 /** What the keys lead. */
 type Led = "hand" | "turn" | "picture";
 
@@ -38,6 +42,8 @@ export class KeyboardInput {
   private readonly held = new Set<string>();
   /** Actions that last as long as their keys are held, by their keys. */
   private readonly begun = new Map<string, Action>();
+  /** Whether the keyboard has Latin letters, as far as its keys have shown. */
+  private latin = true;
   /** A field in which something was typed that does not hold yet. */
   private typed: EventTarget | null = null;
   private fine = false;
@@ -78,7 +84,7 @@ export class KeyboardInput {
 
   private lift(event: KeyboardEvent): void {
     this.held.delete(event.key);
-    this.end(event.key.toLowerCase());
+    this.end(placeOf(event));
   }
 
   private end(key: string): void {
@@ -100,29 +106,53 @@ export class KeyboardInput {
   }
 
   /** Whether a key belongs to the control that has the focus: all to a text, some to a slider or a list. */
-  private belongs({ target, key, ctrlKey, metaKey }: KeyboardEvent): boolean {
+  private belongs(event: KeyboardEvent): boolean {
+    const { target, key } = event;
     if (!(target instanceof HTMLElement)) {
       return false;
     }
     if (target.matches("input[type=range], input[type=radio], [role=slider]")) {
       return key in moves;
     }
-    if ((ctrlKey || metaKey) && /^[yz]$/i.test(key) && target !== this.typed) {
+    const meant = this.shortcutsOf(event);
+    if (meant.some((shortcut) => ofPage.includes(shortcut))) {
+      this.settle(target);
+      return false;
+    }
+    if (meant.some((shortcut) => ofSteps.includes(shortcut)) && target !== this.typed) {
       // what was chosen or typed there holds: it is a step of the page
       return false;
     }
     return target.matches("input:not([type=checkbox]), textarea, select");
   }
 
-  /** Does what a key means; returns whether it means something. */
+  /** What was typed in a field holds from now on. */
+  private settle(field: HTMLElement): void {
+    if (field === this.typed) {
+      field.blur();
+      field.focus();
+    }
+  }
+
+  private shortcutsOf(event: KeyboardEvent): readonly string[] {
+    const { code, ctrlKey, key, metaKey, shiftKey } = event;
+    const altKey = event.altKey || event.getModifierState("AltGraph");
+    this.latin = showsLatin(event) ?? this.latin;
+    return shortcutsOf({ altKey, code, ctrlKey, key, metaKey, shiftKey }, this.latin);
+  }
+
+  /** Does what a key means, once for each press but for steps; returns whether it means something. */
   private act(event: KeyboardEvent): boolean {
-    const action = shortcutsOf(event).flatMap((shortcut) => this.byKey.get(shortcut) ?? [])[0];
+    const action = this.shortcutsOf(event).flatMap((shortcut) => this.byKey.get(shortcut) ?? [])[0];
     if (action === undefined || action.ready?.() === false) {
       return false;
     }
+    if (event.repeat && action.repeats !== true) {
+      return true;
+    }
     if (action.end !== undefined) {
       // with Shift or without: the key that is let go ends it
-      this.begun.set(event.key.toLowerCase(), action);
+      this.begun.set(placeOf(event), action);
     }
     action.run();
     return true;
@@ -173,3 +203,7 @@ export class KeyboardInput {
   }
 }
 
+/** Which key of the keyboard it is, with Shift or without. */
+function placeOf({ code, key }: KeyboardEvent): string {
+  return code === "" ? key.toLowerCase() : code;
+}
