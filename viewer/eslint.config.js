@@ -28,6 +28,7 @@ const rooms = {
   "core/view": ["core/geometry", "core/marks", "core/protocol", "core/scan", "core/slices"],
   "core/appearance": ["core/base", "core/geometry", "core/protocol", "core/scan", "core/segments", "core/view"],
   "core/second": ["core/appearance", "core/base", "core/geometry", "core/marks", "core/protocol", "core/scan"],
+  "core/tour": ["core/geometry", "core/protocol", "core/view"],
   "core/drawing": [
     ...["core/appearance", "core/base", "core/protocol", "core/second"],
     ...["core/segments", "core/view"],

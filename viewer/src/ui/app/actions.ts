@@ -58,6 +58,7 @@ export interface ActionTargets {
     readonly save: () => void;
     readonly help: () => void;
     readonly palette: () => void;
+    readonly tour: () => void;
     readonly sound: () => void;
     readonly guarantees: () => void;
     readonly panel: (side: "left" | "right") => void;
@@ -428,6 +429,7 @@ function work({ session, stage, undo, exporter, theme, page }: ActionTargets): r
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },
+    { group, name: "Show the tour", keys: [], run: page.tour },
     { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },
     { group, name: "Show or hide the right panel", keys: [], run: () => { page.panel("right"); } },
     ...themes.map(({ choice, name }) => ({ group, name, keys: [], run: () => { theme.choose(choice); } }) as const),
