@@ -130,6 +130,37 @@ def test_the_mouse_erases_what_volume_and_surface_show_and_undo_brings_it_back(
     page.wait(f"window.palpate.triangles[1] !== {triangles}")
 
 
+def test_tools_have_names_their_card_stands_beside_the_picture_and_tooltips_tell_the_key(
+    page: Browser,
+) -> None:
+    choose(page, "drill")
+    assert page.text("tool-drill").split() == ["Drill", "D"]
+    edges = page.read(
+        "(() => { const box = (id) => document.querySelector(`[data-testid=${id}]`)"
+        ".getBoundingClientRect(); return [box('canvas').right, box('tool-card').left]; })()"
+    )
+    assert edges[0] <= edges[1]
+    point_at(page, "tool-needle")
+    page.shows("tooltip", "/^Needle: .+I$/s.test(text)")
+    # the browser has nothing to tell of it a second time
+    assert page.read("document.querySelector('[data-testid=tool-needle]').title") == ""
+    page.do("screenshot", path=str(OUTPUT / "tools-card.png"))
+    point_at(page, "tool-eraser")
+    page.shows("tooltip", "/^Eraser: .+E$/s.test(text)")
+    told = page.read("document.querySelector('[data-testid=tool-needle]').title")
+    assert told.endswith("(I)")
+    page.do("click", testid="tool-eraser")
+    page.wait("document.querySelector('[data-testid=tooltip]') === null")
+
+
+def point_at(page: Browser, testid: str) -> None:
+    """Puts the mouse over an element."""
+    box = page.read(
+        f"document.querySelector('[data-testid={testid}]').getBoundingClientRect().toJSON()"
+    )
+    page.do("point", x=box["x"] + box["width"] / 2, y=box["y"] + box["height"] / 2)
+
+
 def test_a_stroke_does_not_turn_the_picture_and_a_drag_without_shift_does(page: Browser) -> None:
     choose(page, "eraser")
     before = page.read("window.palpate.camera.right")

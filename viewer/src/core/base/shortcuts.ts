@@ -60,6 +60,15 @@ export function shownShortcut(shortcut: string): string {
   return shortcut.length === 1 ? shortcut.replace("-", "\u2212") : shortcut.split("+").join(" + ");
 }
 
+/** Keys that stand at the end of what a control says of itself: "Show all (F)". */
+const atEnd = /^(.+) \(((?:Ctrl\+|Shift\+)*(?:.|Esc|Enter|Delete))\)$/s;
+
+/** A control's words, and the key that does the same; an empty one where none is said. */
+export function splitShortcut(title: string): { readonly text: string; readonly key: string } {
+  const [, text, key] = atEnd.exec(title) ?? [];
+  return text === undefined || key === undefined ? { text: title, key: "" } : { text, key };
+}
+
 /** What a key may be called, the likelier first. */
 function namesOf({ key, code, shiftKey }: KeyPress, latin: boolean): readonly string[] {
   const written = names[key] ?? (key.length === 1 ? key.toUpperCase() : key);
