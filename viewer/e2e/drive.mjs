@@ -17,6 +17,8 @@
  *   {"do": "fingers", "from": [[x, y], …], "to": [[x, y], …]}  on a touch screen, of the picture's middle; "hold": true
  *   {"do": "pen", "x": …, "y": …, "force": 0..1}              presses a pen there and holds it; of the picture's middle
  *   {"do": "penUp"}, {"do": "fingersUp"}
+ *   {"do": "mouse", "down": true}                             the left button where the mouse is; false lets it go
+ *   {"do": "hold", "key": "x"}                                a key, until the same with "up": true
  *   {"do": "point", "x": …, "y": …}                           the mouse, in pixels of the page
  *   {"do": "clickAt", "testid": …, "x": …, "y": …}            in shares of an element; "doubleClickAt" too
  *   {"do": "wheelOver", "testid": …, "y": …}                  over an element's middle
@@ -28,13 +30,15 @@
  *   {"do": "give", "testid": …, "path": …}                    a file to a chooser of files
  *   {"do": "drop", "paths": […]}                              files and folders onto the page, as from a file manager
  *   {"do": "fill", "testid": …, "text": …}                    a field; {"do": "type", "text": …} where the focus is
+ *   {"do": "film", "folder": …}                               films the page; the mouse is drawn as a dot
+ *   {"do": "cut"}                                             ends it → {"value": [[seconds, name of a JPEG file], …]}
  *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
  *   {"do": "key", "key": "я", "code": "KeyZ", "alt": true}    as on a keyboard of another layout; "repeats": so often
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
  */
-import { readFile } from "node:fs/promises";
+import { readFile, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { createInterface } from "node:readline";
 import { launchChromium } from "./chromium.mjs";
@@ -71,6 +75,24 @@ const middleOfPicture = async () => {
 // what has no action of its own: fingers, pens, keyboards of other layouts, dropped files
 const devtools = await page.context().newCDPSession(page);
 let pen = null;
+let film = null;
+
+/** Draws the mouse, which no film of a page shows, and rings where its button is held. */
+function drawMouse() {
+  const dot = document.createElement("div");
+  Object.assign(dot.style, {
+    position: "fixed", zIndex: "100000", pointerEvents: "none", width: "14px", height: "14px",
+    margin: "-7px 0 0 -7px", borderRadius: "50%", background: "#fffd", border: "2px solid #000a",
+  });
+  document.body.append(dot);
+  const follow = (event) => {
+    Object.assign(dot.style, { left: `${event.clientX}px`, top: `${event.clientY}px` });
+    dot.style.boxShadow = event.buttons === 0 ? "" : "0 0 0 5px #ffb3";
+  };
+  for (const type of ["pointermove", "pointerdown", "pointerup"]) {
+    window.addEventListener(type, follow, true);
+  }
+}
 
 const actions = {
   async open({ url, width = 720, height = 480, seconds = 120 }) {
@@ -155,6 +177,14 @@ const actions = {
   },
   async point({ x, y }) {
     await page.mouse.move(x, y);
+    return {};
+  },
+  async mouse({ down }) {
+    await (down ? page.mouse.down() : page.mouse.up());
+    return {};
+  },
+  async hold({ key, up = false }) {
+    await (up ? page.keyboard.up(key) : page.keyboard.down(key));
     return {};
   },
   async clickAt({ testid, x, y }) {
@@ -282,6 +312,26 @@ const actions = {
   async type({ text }) {
     await page.keyboard.type(text);
     return {};
+  },
+  async film({ folder }) {
+    await page.evaluate(drawMouse);
+    film = { frames: [], written: [] };
+    const { frames, written } = film;
+    film.take = ({ data, metadata, sessionId }) => {
+      const name = `${String(frames.length).padStart(5, "0")}.jpg`;
+      frames.push([metadata.timestamp, name]);
+      written.push(writeFile(`${folder}/${name}`, Buffer.from(data, "base64")));
+      void devtools.send("Page.screencastFrameAck", { sessionId });
+    };
+    devtools.on("Page.screencastFrame", film.take);
+    await devtools.send("Page.startScreencast", { format: "jpeg", quality: 85 });
+    return {};
+  },
+  async cut() {
+    await devtools.send("Page.stopScreencast");
+    devtools.off("Page.screencastFrame", film.take);
+    await Promise.all(film.written);
+    return { value: film.frames };
   },
   async axe() {
     await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
