@@ -52,6 +52,7 @@ from palpate.protocol.segments import (
     CutAlong,
     CutPreview,
     CutSegment,
+    EndIslands,
     EndPaint,
     Feel,
     FindTable,
@@ -59,6 +60,7 @@ from palpate.protocol.segments import (
     Grab,
     GrowSeeds,
     GrowSegment,
+    Islands,
     MovedPose,
     MoveSegment,
     NewSegment,
@@ -66,13 +68,17 @@ from palpate.protocol.segments import (
     Paint,
     RemoveFromScan,
     RemoveSegment,
+    RemoveTable,
     Segment,
     SegmentFeel,
     SegmentProperties,
     Segments,
     SegmentWork,
+    ShowIslands,
     StopSegmentWork,
+    SuggestTable,
     TableFound,
+    TableSuggested,
     Threshold,
     TurnGrabbed,
     WatchGap,
@@ -191,6 +197,7 @@ __all__ = [
     "Displaced",
     "DrawPicture",
     "DrawnPicture",
+    "EndIslands",
     "EndPaint",
     "Fading",
     "Feel",
@@ -211,6 +218,7 @@ __all__ = [
     "Hello",
     "Histogram",
     "Index",
+    "Islands",
     "Lift",
     "LightAmount",
     "LinearColour",
@@ -267,6 +275,7 @@ __all__ = [
     "RegistrationStart",
     "RemoveFromScan",
     "RemoveSegment",
+    "RemoveTable",
     "Safety",
     "Scan",
     "SecondScan",
@@ -288,6 +297,7 @@ __all__ = [
     "ShapeKind",
     "Share",
     "Shares",
+    "ShowIslands",
     "ShowParts",
     "ShowRegistration",
     "ShownAs",
@@ -297,9 +307,11 @@ __all__ = [
     "StopRegistration",
     "StopSegmentWork",
     "Stroke",
+    "SuggestTable",
     "SurfacePatch",
     "SurfaceSource",
     "TableFound",
+    "TableSuggested",
     "Threshold",
     "ThresholdPreset",
     "TissueName",
@@ -341,7 +353,9 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | Islands
     | TableFound
+    | TableSuggested
     | SecondScan
     | Registration
     | Passed
@@ -362,8 +376,12 @@ FromPage = (
     | GrowSegment
     | GrowSeeds
     | ChangeShape
+    | ShowIslands
+    | EndIslands
     | StopSegmentWork
     | FindTable
+    | SuggestTable
+    | RemoveTable
     | RemoveFromScan
     | CropScan
     | Register

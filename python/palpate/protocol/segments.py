@@ -27,6 +27,7 @@ __all__ = [
     "CutAlong",
     "CutPreview",
     "CutSegment",
+    "EndIslands",
     "EndPaint",
     "Feel",
     "FindTable",
@@ -34,6 +35,7 @@ __all__ = [
     "Grab",
     "GrowSeeds",
     "GrowSegment",
+    "Islands",
     "MoveSegment",
     "MovedPose",
     "NewSegment",
@@ -41,13 +43,17 @@ __all__ = [
     "Paint",
     "RemoveFromScan",
     "RemoveSegment",
+    "RemoveTable",
     "Segment",
     "SegmentFeel",
     "SegmentProperties",
     "SegmentWork",
     "Segments",
+    "ShowIslands",
     "StopSegmentWork",
+    "SuggestTable",
     "TableFound",
+    "TableSuggested",
     "Threshold",
     "TurnGrabbed",
     "WatchGap",
@@ -192,6 +198,21 @@ class TableFound(Message, frozen=True, tag="table_found"):
     id: SegmentId
 
 
+class SuggestTable(Message, frozen=True, tag="suggest_table"):
+    """Looks for a table beside all else: ``TableSuggested`` where there is one, else nothing.
+
+    It gives way to other work on segments, and is not begun while there is some.
+    """
+
+
+class TableSuggested(Message, frozen=True, tag="table_suggested"):
+    """Tells that the scan has a table in it, which is not shown as a segment."""
+
+
+class RemoveTable(Message, frozen=True, tag="remove_table"):
+    """Takes the table that was suggested out of the scan; undo brings it back."""
+
+
 class RemoveFromScan(Message, frozen=True, tag="remove_from_scan"):
     """Takes the voxels of a segment out of the scan, and removes the segment: one step of undo."""
 
@@ -220,6 +241,38 @@ class ChangeShape(Message, frozen=True, tag="change_shape"):
     kind: ShapeKind
     amount: Annotated[float, msgspec.Meta(ge=0.0, le=1e5)]
     other: SegmentId | None
+
+
+class ShowIslands(Message, frozen=True, tag="show_islands"):
+    """Shows which islands of a segment would go: ``Islands`` answers, and nothing is changed yet.
+
+    At most ``most`` stay, the largest ones, and none that is smaller than ``least_ml``.
+    """
+
+    id: SegmentId
+    most: Annotated[int, msgspec.Meta(ge=1, le=1_000_000)]
+    least_ml: Annotated[float, msgspec.Meta(ge=0.0, le=1e5)]
+
+
+class Islands(Message, frozen=True, tag="islands"):
+    """Tells how many islands segment ``id`` has, and which of them would go.
+
+    ``preview`` is a segment of those that would; null where all stay. ``largest_ml`` are the
+    volumes of the largest ones, in that order.
+    """
+
+    id: SegmentId
+    preview: SegmentId | None
+    count: int
+    stays: int
+    goes_ml: float
+    largest_ml: list[float]
+
+
+class EndIslands(Message, frozen=True, tag="end_islands"):
+    """Removes the islands that are shown, as one step of undo, or keeps them."""
+
+    removes: bool
 
 
 class NewSegment(Message, frozen=True, tag="new_segment"):

@@ -28,6 +28,7 @@ __all__ = [
     "drop_small",
     "filled",
     "hollow",
+    "island_numbers",
     "islands",
     "keep_largest",
     "margin",
@@ -208,6 +209,21 @@ def islands(mask: Mask) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     labels = sitk.ConnectedComponent(_image(mask), False)  # noqa: FBT003  # over faces
     numbers = _array(sitk.RelabelComponent(labels)).astype(np.int64)
     return numbers, np.bincount(numbers.ravel())
+
+
+def island_numbers(mask: Mask) -> tuple[NDArray[np.uint32], NDArray[np.int64]]:
+    """Numbers islands as ``islands`` does, in the memory that their box takes beside the answer.
+
+    Returns:
+        The number of each voxel, 0 outside of the mask, and how many voxels each island has.
+    """
+    numbers = np.zeros(mask.shape, np.uint32)
+    box = box_of(mask, 0.0, (1.0, 1.0, 1.0))
+    if not mask[box].size:
+        return numbers, np.zeros(0, np.int64)
+    part, there = _islands(mask[box], 0)
+    numbers[box] = np.where(there, part, 0)
+    return numbers, np.bincount(part[there].ravel())[1:]
 
 
 def _islands(mask: Mask, least: int) -> tuple[NDArray[np.uint32], Mask]:

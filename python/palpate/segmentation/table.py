@@ -80,10 +80,13 @@ def table(volume: Volume, *, progress: Progress = silent) -> Segment:
     """
     progress("finding the body", None)
     coarse = Coarse.of(volume)
+    progress("finding the body", None)
     matter = coarse.values > skin_value(volume)
     body = _body(matter, coarse.spacing)
+    progress("finding what it encloses", None)
+    inside = _enclosed(body, volume, coarse.spacing)
     progress("finding what lies outside of it", None)
-    found = _apart(matter & ~_enclosed(body, volume, coarse.spacing), body, coarse.spacing)
+    found = _apart(matter & ~inside, body, coarse.spacing)
     if np.count_nonzero(found) * float(np.prod(coarse.spacing)) < 1000.0 * LEAST_ML:
         raise EmptySegmentError(
             "nothing that is no part of the body was found outside of it; allowed: a scan with a "

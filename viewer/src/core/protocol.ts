@@ -782,10 +782,31 @@ export interface SegmentWork {
   readonly what: string | null;
 }
 
+/**
+ * Tells how many islands segment `id` has, and which of them would go.
+ *
+ * `preview` is a segment of those that would; null where all stay. `largest_ml` are the
+ * volumes of the largest ones, in that order.
+ */
+export interface Islands {
+  readonly type: "islands";
+  readonly id: SegmentId;
+  readonly preview: SegmentId | null;
+  readonly count: number;
+  readonly stays: number;
+  readonly goes_ml: number;
+  readonly largest_ml: readonly number[];
+}
+
 /** Tells which segment a table has become, for a person to decide on. */
 export interface TableFound {
   readonly type: "table_found";
   readonly id: SegmentId;
+}
+
+/** Tells that the scan has a table in it, which is not shown as a segment. */
+export interface TableSuggested {
+  readonly type: "table_suggested";
 }
 
 /**
@@ -1079,6 +1100,24 @@ export interface ChangeShape {
   readonly other: SegmentId | null;
 }
 
+/**
+ * Shows which islands of a segment would go: `Islands` answers, and nothing is changed yet.
+ *
+ * At most `most` stay, the largest ones, and none that is smaller than `least_ml`.
+ */
+export interface ShowIslands {
+  readonly type: "show_islands";
+  readonly id: SegmentId;
+  readonly most: number;
+  readonly least_ml: number;
+}
+
+/** Removes the islands that are shown, as one step of undo, or keeps them. */
+export interface EndIslands {
+  readonly type: "end_islands";
+  readonly removes: boolean;
+}
+
 /** Stops what `SegmentWork` reports and drops what is queued. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
@@ -1087,6 +1126,20 @@ export interface StopSegmentWork {
 /** Makes a segment of what lies outside of the body and does not touch it: `TableFound`. */
 export interface FindTable {
   readonly type: "find_table";
+}
+
+/**
+ * Looks for a table beside all else: `TableSuggested` where there is one, else nothing.
+ *
+ * It gives way to other work on segments, and is not begun while there is some.
+ */
+export interface SuggestTable {
+  readonly type: "suggest_table";
+}
+
+/** Takes the table that was suggested out of the scan; undo brings it back. */
+export interface RemoveTable {
+  readonly type: "remove_table";
 }
 
 /** Takes the voxels of a segment out of the scan, and removes the segment: one step of undo. */
@@ -1427,7 +1480,9 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | Islands
   | TableFound
+  | TableSuggested
   | SecondScan
   | Registration
   | Passed;
@@ -1448,8 +1503,12 @@ export type FromPage =
   | GrowSegment
   | GrowSeeds
   | ChangeShape
+  | ShowIslands
+  | EndIslands
   | StopSegmentWork
   | FindTable
+  | SuggestTable
+  | RemoveTable
   | RemoveFromScan
   | CropScan
   | Register
@@ -2107,9 +2166,23 @@ const isSegmentWork = record({
   what: nullable(text()),
 });
 
+const isIslands = record({
+  type: oneOf("islands"),
+  id: isSegmentId,
+  preview: nullable(isSegmentId),
+  count: whole(),
+  stays: whole(),
+  goes_ml: real(),
+  largest_ml: list(real()),
+});
+
 const isTableFound = record({
   type: oneOf("table_found"),
   id: isSegmentId,
+});
+
+const isTableSuggested = record({
+  type: oneOf("table_suggested"),
 });
 
 const isSecondScan = record({
@@ -2172,7 +2245,9 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["islands", isIslands],
   ["table_found", isTableFound],
+  ["table_suggested", isTableSuggested],
   ["second_scan", isSecondScan],
   ["registration", isRegistration],
   ["passed", isPassed],

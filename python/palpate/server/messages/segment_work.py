@@ -3,7 +3,8 @@
 It is done beside the event loop. Of thresholds that are dragged the latest goes first: while one is
 computed, newer ones for the same segment replace each other; so a drag of any speed costs at most
 one threshold at a time, and its last position always arrives. All other work is done in the order
-it was asked for, and can be stopped: what is not finished then changes nothing.
+it was asked for, and can be stopped: what is not finished then changes nothing. A look for a table
+that nobody has asked for gives way to all of it, and says nothing where it finds none.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -28,6 +30,7 @@ from palpate.segmentation.operations import (
 )
 from palpate.segmentation.table import skin_value, table
 from palpate.server.messages.segment_list import SegmentList
+from palpate.server.messages.shown_islands import ShownIslands
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.server.page_words import page_words
 from palpate.session.appearance import UNMOVED
@@ -42,7 +45,11 @@ Wanted = (
     | protocol.GrowSegment
     | protocol.GrowSeeds
     | protocol.ChangeShape
+    | protocol.ShowIslands
+    | protocol.EndIslands
     | protocol.FindTable
+    | protocol.SuggestTable
+    | protocol.RemoveTable
     | protocol.RemoveFromScan
     | protocol.CropScan
 )
@@ -104,12 +111,19 @@ class SegmentWork:
         self._waiting: deque[Wanted] = deque()
         self._filled = asyncio.Event()
         self._stops = 0
+        self._busy = False
+        self._table: Segment | None = None
+        self._islands = ShownIslands(session, segments)
         self._kinds: dict[type[Wanted], Callable[[Any, Told], None]] = {
             protocol.Otsu: self._otsu,
             protocol.GrowSegment: self._grow,
             protocol.GrowSeeds: self._grow_seeds,
             protocol.ChangeShape: self._change,
+            protocol.ShowIslands: self._show_islands,
+            protocol.EndIslands: self._end_islands,
             protocol.FindTable: self._find_table,
+            protocol.SuggestTable: self._suggest_table,
+            protocol.RemoveTable: self._remove_table,
             protocol.RemoveFromScan: self._remove_from_scan,
             protocol.CropScan: self._crop,
         }
@@ -122,8 +136,15 @@ class SegmentWork:
 
     def ask(self, wanted: Wanted) -> None:
         """Adds a piece of work; it is done after those that wait."""
+        if isinstance(wanted, protocol.SuggestTable) and self.is_busy:
+            return
         self._waiting.append(wanted)
         self._filled.set()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something is done or waits."""
+        return self._busy or bool(self._waiting)
 
     def stop(self) -> None:
         """Stops what is done as soon as it can be, and forgets what waits."""
@@ -136,7 +157,21 @@ class SegmentWork:
             await self._filled.wait()
             self._filled.clear()
             while self._waiting:
-                await asyncio.to_thread(self._work, self._waiting.popleft(), self._stops)
+                wanted = self._waiting.popleft()
+                work = self._look if isinstance(wanted, protocol.SuggestTable) else self._work
+                self._busy = True
+                await asyncio.to_thread(work, wanted, self._stops)
+                self._busy = False
+
+    def _look(self, wanted: Wanted, stops: int) -> None:
+        """Does work that nobody has asked for, as long as nothing else is wanted."""
+
+        def progress(_what: str, _share: float | None) -> None:
+            if self._waiting or self._stops != stops:
+                raise StoppedError
+
+        with suppress(StoppedError, PalpateError, RuntimeError, MemoryError):
+            self._kinds[type(wanted)](wanted, progress)
 
     def _work(self, wanted: Wanted, stops: int) -> None:
         """Does a piece of work, unless there are more ``stops`` meanwhile."""
@@ -165,12 +200,26 @@ class SegmentWork:
         for segment in made:
             self._segments.add(segment)
 
-    def _find_table(self, _: protocol.FindTable, progress: Told) -> None:
+    def _suggest_table(self, _: protocol.SuggestTable, progress: Told) -> None:
+        self._found_table(progress)
+        self._publish(protocol.TableSuggested())
+
+    def _remove_table(self, _: protocol.RemoveTable, progress: Told) -> None:
+        found = self._found_table(progress)
+        progress("removing the table from the scan", None)
+        self._session.remove_from_scan(found)
+
+    def _found_table(self, progress: Told) -> Segment:
+        """Returns the table of the scan as it was opened, if some of it is still there."""
         volume = self._session.scene.volume
-        found = table(volume, progress=progress)
+        self._table = self._table or table(volume, progress=progress)
         left = self._session.threshold(skin_value(volume), volume.range[1])
-        if not np.any(found.mask() & left.mask()):
+        if not np.any(self._table.mask() & left.mask()):
             raise OptionError("the table is not in the scan any more")
+        return self._table
+
+    def _find_table(self, _: protocol.FindTable, progress: Told) -> None:
+        found = self._found_table(progress)
         progress("adding the segment", None)
         number = self._segments.add_preview(found, colour=TABLE_COLOUR)
         self._publish(protocol.TableFound(number))
@@ -240,6 +289,14 @@ class SegmentWork:
             raise OptionError(f"{before.name} was changed meanwhile; allowed: to try again")
         else:
             self._session.replace_segment(wanted.id, after)
+
+    def _show_islands(self, wanted: protocol.ShowIslands, progress: Told) -> None:
+        progress(f"looking for islands of {self._segments.name_of(wanted.id)}", None)
+        self._publish(self._islands.show(wanted, progress))
+
+    def _end_islands(self, wanted: protocol.EndIslands, progress: Told) -> None:
+        progress("removing islands" if wanted.removes else "keeping all islands", None)
+        self._islands.end(removes=wanted.removes)
 
     def _smooth_together(self, wanted: protocol.ChangeShape, progress: Told) -> None:
         """Smooths a segment together with all that are shown and stand with it."""

@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 from palpate import protocol
+from palpate.base.errors import OptionError
 from palpate.segmentation import operations as segmentation
 from palpate.segmentation.mask_shape import margin
 from palpate.server.messages import segment_work as server_segment_work
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
+from palpate.server.messages.shown_islands import ShownIslands
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
+from palpate.volumes.volume import Volume, VolumeTraits
 from running_server import PATIENCE
 
 GROW = {"type": "grow_segment", "spread": 2.5, "passage": 4.0, "most_ml": 100.0}
@@ -286,3 +289,127 @@ def test_drags_of_two_segments_do_not_replace_each_other() -> None:
 def test_new_segments_are_all_made() -> None:
     new = [threshold(None, float(low)) for low in range(5)]
     assert thresholds_made(new) == new
+
+
+def lying() -> Scene:
+    """A body on a table that does not touch it, and all of both as a segment."""
+    z, y, x = np.indices((16, 60, 60), sparse=True)
+    values = np.full((16, 60, 60), -1000, np.int16)
+    values[((x - 30) / 22.0) ** 2 + ((y - 22) / 14.0) ** 2 + 0.0 * z < 1.0] = 40
+    values[:, 44:46, 4:56] = 700
+    volume = Volume(values, spacing=(3.0, 3.0, 3.0), traits=VolumeTraits(unit="HU"))
+    scene = Scene(volume)
+    scene.add(volume.threshold(-500.0, 1000.0, name="matter"))
+    return scene
+
+
+def asked_of(
+    scene: Scene, *asked: protocol.FromPage, also: Any = lambda _work: None
+) -> tuple[list[protocol.ToPage], list[int]]:
+    """Has work done; returns what was told, and the voxels of the first segment after each step."""
+    told: list[protocol.ToPage] = []
+    voxels: list[int] = []
+    with Session(scene, options=SessionOptions(real_time=False)) as session:
+
+        async def ask() -> None:
+            work = SegmentWork(session, SegmentList(session), told.append)
+            runner = asyncio.create_task(work.run())
+            for each in asked:
+                work.ask(each)  # type: ignore[arg-type]
+                also(work)
+                while work.is_busy:
+                    await asyncio.sleep(0.001)
+                voxels.append(session.segment(1).voxel_count)
+            runner.cancel()
+            session.undo()
+            voxels.append(session.segment(1).voxel_count)
+
+        asyncio.run(asyncio.wait_for(ask(), PATIENCE))
+    return told, voxels
+
+
+def test_a_table_is_suggested_without_a_change_and_goes_in_one_step_of_undo() -> None:
+    told, voxels = asked_of(lying(), protocol.SuggestTable(), protocol.RemoveTable())
+    both, removed, undone = voxels
+    assert told[0] == protocol.TableSuggested()
+    assert both - removed == 16 * 2 * 52
+    assert undone == both
+
+
+def test_a_scan_without_a_table_is_not_spoken_of(ball_scene: Scene) -> None:
+    told, _ = asked_of(ball_scene, protocol.SuggestTable())
+    assert told == []
+
+
+def test_a_look_for_a_table_gives_way_to_what_is_asked_for() -> None:
+    def more(work: SegmentWork) -> None:
+        work.ask(protocol.ChangeShape(id=1, kind="grow", amount=3.0, other=None))
+        # not begun beside it, nor after it
+        work.ask(protocol.SuggestTable())
+
+    told, _ = asked_of(lying(), protocol.SuggestTable(), also=more)
+    assert protocol.TableSuggested() not in told
+    assert [one for one in told if isinstance(one, protocol.SegmentWork)][-1].what is None
+
+
+def parts() -> Scene:
+    """Three boxes of 512, 64 and 8 voxels of 1 mm³, as one segment."""
+    values = np.zeros((20, 20, 40), np.int16)
+    for first, edge in ((2, 8), (16, 4), (30, 2)):
+        values[2 : 2 + edge, 2 : 2 + edge, first : first + edge] = 100
+    volume = Volume(values, spacing=(1.0, 1.0, 1.0))
+    scene = Scene(volume)
+    scene.add(volume.threshold(50.0, 100.0, name="boxes"))
+    return scene
+
+
+def shown_of(told: list[protocol.ToPage]) -> list[protocol.Islands]:
+    return [one for one in told if isinstance(one, protocol.Islands)]
+
+
+def test_islands_that_would_go_are_shown_before_and_go_in_one_step_of_undo() -> None:
+    look = protocol.ShowIslands(id=1, most=2, least_ml=0.0)
+    told, voxels = asked_of(parts(), look, protocol.EndIslands(removes=True))
+    (shown,) = shown_of(told)
+    assert (shown.count, shown.stays) == (3, 2)
+    assert shown.largest_ml == [0.512, 0.064, 0.008]
+    assert shown.goes_ml == pytest.approx(0.008)
+    # nothing changes while they are shown, and one undo brings all of it back
+    assert voxels == [584, 576, 584]
+
+
+def test_another_choice_takes_the_place_of_what_was_shown() -> None:
+    most = protocol.ShowIslands(id=1, most=1, least_ml=0.0)
+    least = protocol.ShowIslands(id=1, most=9, least_ml=0.05)
+    counts: list[int] = []
+    with Session(parts(), options=SessionOptions(real_time=False)) as session:
+        islands = ShownIslands(session, SegmentList(session))
+        for wanted in (most, least):
+            told = islands.show(wanted, lambda _what, _share: None)
+            assert told.preview is not None
+            counts.append(session.segment(told.preview).voxel_count)
+            assert len(session.segments()) == 2
+        assert counts == [72, 8]
+        islands.end(removes=False)
+        assert [each["voxels"] for each in session.segments()] == [584]
+        assert not session.undo()
+
+
+def test_a_step_that_was_made_meanwhile_is_not_undone_with_what_was_shown() -> None:
+    with Session(parts(), options=SessionOptions(real_time=False)) as session:
+        islands = ShownIslands(session, SegmentList(session))
+        islands.show(protocol.ShowIslands(id=1, most=1, least_ml=0.0), lambda _what, _share: None)
+        session.fill_box(1, low=(0, 0, 0), high=(1, 1, 1), solid=True)
+        with pytest.raises(OptionError, match="was changed meanwhile"):
+            islands.end(removes=True)
+        assert [each["voxels"] for each in session.segments()] == [585]
+
+
+def test_islands_that_all_stay_or_all_would_go_are_told() -> None:
+    all_stay = protocol.ShowIslands(id=1, most=3, least_ml=0.0)
+    all_go = protocol.ShowIslands(id=1, most=3, least_ml=1.0)
+    told, voxels = asked_of(parts(), all_stay, all_go)
+    assert [one.preview for one in shown_of(told)] == [None]
+    (notice,) = [one for one in told if isinstance(one, protocol.Notice)]
+    assert "nothing would be left of boxes" in notice.text
+    assert voxels[0] == voxels[1] == 584

@@ -85,6 +85,8 @@ export class Session {
   segmentWork = $state.raw<string | null>(null);
   /** The segment of a table that was found, until a person has decided on it. */
   tableFound = $state.raw<number | null>(null);
+  /** The engine has found a table in the scan, and nobody has decided on it. */
+  tableSuggested = $state.raw(false);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** Changes that an earlier session left, as long as nobody has decided about them. */
   offer = $state.raw<Offer | null>(null);
@@ -336,6 +338,9 @@ export class Session {
       case "table_found":
         this.tableFound = message.id;
         break;
+      case "table_suggested":
+        this.tableSuggested = true;
+        break;
       case "segment_work":
         this.segmentWork = message.what;
         break;
@@ -374,6 +379,7 @@ export class Session {
     this.greetings += 1;
     this.segmentWork = null;
     this.tableFound = null;
+    this.tableSuggested = false;
     // what was asked before is forgotten with the connection that it was asked on
     this.pass(this.fences, 0);
     this.recallSettings(hello);
