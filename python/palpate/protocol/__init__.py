@@ -48,6 +48,7 @@ from palpate.protocol.registration import (
 )
 from palpate.protocol.segments import (
     ChangeShape,
+    ChangeSteps,
     CropScan,
     CutAlong,
     CutPreview,
@@ -70,11 +71,14 @@ from palpate.protocol.segments import (
     SegmentFeel,
     SegmentProperties,
     Segments,
+    SegmentStep,
+    SegmentSteps,
     SegmentWork,
     StopSegmentWork,
     TableFound,
     Threshold,
     TurnGrabbed,
+    WantedStep,
     WatchGap,
 )
 from palpate.protocol.session import (
@@ -160,6 +164,7 @@ from palpate.protocol.types import (
     Share,
     ShownAs,
     SmoothingDegree,
+    StepKind,
     Stiffness,
     SurfaceSource,
     TissueName,
@@ -176,6 +181,7 @@ __all__ = [
     "Calibration",
     "ChangeSettings",
     "ChangeShape",
+    "ChangeSteps",
     "Changed",
     "ChangedVoxels",
     "Clutch",
@@ -276,6 +282,8 @@ __all__ = [
     "SegmentId",
     "SegmentMaterial",
     "SegmentProperties",
+    "SegmentStep",
+    "SegmentSteps",
     "SegmentSurface",
     "SegmentWork",
     "Segments",
@@ -293,6 +301,7 @@ __all__ = [
     "ShownAs",
     "SmoothingDegree",
     "State",
+    "StepKind",
     "Stiffness",
     "StopRegistration",
     "StopSegmentWork",
@@ -315,6 +324,7 @@ __all__ = [
     "Value",
     "Vector",
     "View",
+    "WantedStep",
     "WatchGap",
     "Wire",
     "WithdrawNeedle",
@@ -362,6 +372,7 @@ FromPage = (
     | GrowSegment
     | GrowSeeds
     | ChangeShape
+    | ChangeSteps
     | StopSegmentWork
     | FindTable
     | RemoveFromScan
