@@ -189,7 +189,8 @@ class KnownSteps:
         """
         places = [place for place, (one, _) in enumerate(line.lists) if one == made]
         if self._back is None:
-            return min(places, key=lambda place: abs(place - line.at), default=None)
+            # a list that was recorded for a change comes right after the last one
+            return min(places, key=lambda place: (abs(place - line.at), -place), default=None)
         onward = -1 if self._back else 1
         return min(
             places,

@@ -245,6 +245,8 @@ class SessionSteps:
         except BaseException:
             self._known.take_back(segment_id)
             raise
+        # what is done by hand from now on comes after this list
+        self._known.of(self._state(segment_id))
 
     def _check_unlocked(self, segment_id: int) -> None:
         """Refuses what is locked before work begins that may take long."""
