@@ -188,15 +188,16 @@ class SessionSteps:
         self._segments.replace_segment(segment_id, made)
         return ShapeChange(changed=True)
 
-    def kept_steps(self, *, all_of_them: bool = False) -> bytes:
-        """Returns the lists of all segments, for ``restore_steps``.
+    def kept_steps(self, *, all_of_them: bool = False) -> bytes | None:
+        """Returns the lists of all segments, for ``restore_steps``; None where there are none.
 
         Args:
             all_of_them: Whether those are among them that undo and redo can bring back.
         """
         for state in self._segments.segments():
             self._known.of(state)
-        return msgspec.msgpack.encode(self._known.kept(all_of_them=all_of_them))
+        kept = self._known.kept(all_of_them=all_of_them)
+        return msgspec.msgpack.encode(kept) if kept else None
 
     def restore_steps(self, kept: bytes) -> None:
         """Takes lists of steps that ``kept_steps`` returned.

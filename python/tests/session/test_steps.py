@@ -316,6 +316,7 @@ def test_lists_come_back_with_those_that_undo_brings_back(volume: Volume, sessio
     session.fill_box(1, low=(0, 0, 0), high=(3, 3, 3), solid=True)
     steps = session.steps(1)
     kept = session.kept_steps(all_of_them=True)
+    assert kept is not None
     with Session(Scene(volume, [volume.threshold(LOW)]), options=STILL) as again:
         again.restore_steps(kept)
         assert again.steps(1) == SegmentSteps((LOW, high(session)))

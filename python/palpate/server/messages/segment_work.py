@@ -184,6 +184,8 @@ class SegmentWork:
             self._kinds[type(wanted)](wanted, progress)
         except StoppedError:
             self._publish(protocol.Notice(level="info", text="Stopped: nothing was changed."))
+            # pages show again what is
+            self._segments.steps_changed()
         except (PalpateError, RuntimeError, MemoryError) as error:
             self._publish(
                 protocol.Notice(level="error", text=page_words(str(error)) or "not enough memory")
