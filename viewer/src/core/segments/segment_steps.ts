@@ -45,8 +45,8 @@ export function withoutStep(steps: readonly SegmentStep[], place: number): Wante
 /** The list with one step before the one that stands before it now. */
 export function movedUp(steps: readonly SegmentStep[], place: number): WantedStep[] {
   const wanted = wantedSteps(steps);
-  const [moved] = wanted.splice(place, 1);
-  return moved === undefined ? wanted : wanted.toSpliced(Math.max(0, place - 1), 0, moved);
+  wanted.splice(Math.max(0, place - 1), 0, ...wanted.splice(place, 1));
+  return wanted;
 }
 
 function inSentence(step: SegmentStep): string {
