@@ -12,6 +12,7 @@ import SimpleITK
 from browser import ROOT, Browser, browser, palpate
 from palpate import read
 from palpate.segmentation import changed_shape
+from reference_head import small_head
 
 pytestmark = pytest.mark.browser
 
@@ -265,8 +266,10 @@ def apply_shape(page: Browser, kind: str, amount: float) -> None:
     page.do("click", testid="shape-apply")
 
 
-def test_steps_follow_the_threshold_of_a_head(data_folder: Path) -> None:
-    head = data_folder / "cthead_stanford" / "CThead.mha"
+def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path) -> None:
+    head = tmp_path / "head.mha"
+    image = small_head(data_folder / "cthead_stanford" / "CThead.mha")
+    SimpleITK.WriteImage(image, str(head))
     with palpate("open", head, "--threshold", "1350") as command, browser() as page:
         assert page.do("open", url=command.url, **SIZE)["firstPicture"] is not None
         volume = read(head)
