@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
+from palpate import read
+from palpate.segmentation import changed_shape
+from reference_head import small_head
 
 pytestmark = pytest.mark.browser
 
@@ -248,3 +251,68 @@ def test_outlines_follow_edges_by_wire_and_by_level_and_what_they_enclose_is_pai
     page.do("press", key="Control+z")
     page.wait(f"{volume} === 0")
     page.do("click", testid="brush-way-brush")
+
+
+STEPS = (
+    "[...document.querySelectorAll('[data-testid=steps-1] .what')]"
+    ".map(({ textContent }) => textContent.trim()).join(', ')"
+)
+
+
+def apply_shape(page: Browser, kind: str, amount: float) -> None:
+    """Applies a change of shape to the segment that is open."""
+    page.do("choose", testid="shape-kind", value=kind)
+    page.do("fill", testid="shape-amount", text=str(amount))
+    page.do("click", testid="shape-apply")
+
+
+def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path) -> None:
+    head = tmp_path / "head.mha"
+    image = small_head(data_folder / "cthead_stanford" / "CThead.mha")
+    SimpleITK.WriteImage(image, str(head))
+    with palpate("open", head, "--threshold", "1350") as command, browser() as page:
+        assert page.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        volume = read(head)
+
+        def voxels(low: float, *steps: tuple[str, float]) -> str:
+            """Returns that the page tells the size of what operations make from scratch."""
+            made = volume.threshold(low)
+            for kind, amount in steps:
+                made = changed_shape(made, kind, amount=amount)  # type: ignore[arg-type]
+            digits = str(made.voxel_count)
+            return f"{SHOWN_SIZE}.split('·')[1].replace(/\\D/g, '') === '{digits}'"
+
+        if page.read("document.querySelector('[data-testid=shape-kind]') === null"):
+            page.do("clickText", text="Change shape")
+        apply_shape(page, "keep-largest", 1)
+        page.wait(f"{STEPS} === 'Keep largest islands'")
+        apply_shape(page, "smooth", 2)
+        page.wait(f"{STEPS} === 'Keep largest islands, Smooth'")
+        page.wait(voxels(1350, ("keep-largest", 1), ("smooth", 2)))
+        page.finish()
+        page.do("screenshot", path=str(OUTPUT / "segment_steps.png"))
+
+        # the threshold, whose steps follow
+        page.do("fill", testid="threshold", text="1500")
+        page.wait(voxels(1500, ("keep-largest", 1), ("smooth", 2)))
+        page.finish()
+        page.do("screenshot", path=str(OUTPUT / "segment_steps_followed.png"))
+        # the value of a step, in its place; its order; off; and all of it taken back
+        page.do("fill", testid="step-amount-1", text="1")
+        page.wait(voxels(1500, ("keep-largest", 1), ("smooth", 1)))
+        page.do("click", testid="step-up-1")
+        page.wait(f"{STEPS} === 'Smooth, Keep largest islands'")
+        page.wait(voxels(1500, ("smooth", 1), ("keep-largest", 1)))
+        page.do("click", testid="step-on-0")
+        page.wait(voxels(1500, ("keep-largest", 1)))
+        page.do("click", testid="step-remove-1")
+        page.wait(voxels(1500))
+        page.wait(f"{STEPS} === 'Smooth'")
+        for _ in range(3):
+            page.do("press", key="Control+z")
+        page.wait(f"{STEPS} === 'Keep largest islands, Smooth'")
+        page.wait(voxels(1500, ("keep-largest", 1), ("smooth", 1)))
+        page.do("press", key="Control+z")
+        page.do("press", key="Control+z")
+        page.wait(voxels(1350, ("keep-largest", 1), ("smooth", 2)))
+        page.wait("document.querySelector('[data-testid=threshold]').value === '1350'")

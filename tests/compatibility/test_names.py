@@ -21,7 +21,11 @@ def of(kind: str) -> dict[str, list[str]]:
     return {name: some for name, some in NAMES.items() if name.startswith(kind)}
 
 
-ADDED = {"state recent.json": ("[].frame",), "scene keys": ("labels",)}
+ADDED = {
+    "state recent.json": ("[].frame",),
+    "scene keys": ("labels",),
+    "scene members": ("steps.msgpack",),
+}
 """Names of newer versions, which readers of 0.1 pass over."""
 
 ADDED_LOOKS = {"touched_while_hidden"}

@@ -48,6 +48,7 @@ from palpate.protocol.registration import (
 )
 from palpate.protocol.segments import (
     ChangeShape,
+    ChangeSteps,
     CropScan,
     CutAlong,
     CutPreview,
@@ -73,6 +74,8 @@ from palpate.protocol.segments import (
     SegmentFeel,
     SegmentProperties,
     Segments,
+    SegmentStep,
+    SegmentSteps,
     SegmentWork,
     ShowIslands,
     StopSegmentWork,
@@ -81,6 +84,7 @@ from palpate.protocol.segments import (
     TableSuggested,
     Threshold,
     TurnGrabbed,
+    WantedStep,
     WatchGap,
 )
 from palpate.protocol.session import (
@@ -166,6 +170,7 @@ from palpate.protocol.types import (
     Share,
     ShownAs,
     SmoothingDegree,
+    StepKind,
     Stiffness,
     SurfaceSource,
     TissueName,
@@ -182,6 +187,7 @@ __all__ = [
     "Calibration",
     "ChangeSettings",
     "ChangeShape",
+    "ChangeSteps",
     "Changed",
     "ChangedVoxels",
     "Clutch",
@@ -285,6 +291,8 @@ __all__ = [
     "SegmentId",
     "SegmentMaterial",
     "SegmentProperties",
+    "SegmentStep",
+    "SegmentSteps",
     "SegmentSurface",
     "SegmentWork",
     "Segments",
@@ -303,6 +311,7 @@ __all__ = [
     "ShownAs",
     "SmoothingDegree",
     "State",
+    "StepKind",
     "Stiffness",
     "StopRegistration",
     "StopSegmentWork",
@@ -327,6 +336,7 @@ __all__ = [
     "Value",
     "Vector",
     "View",
+    "WantedStep",
     "WatchGap",
     "Wire",
     "WithdrawNeedle",
@@ -378,6 +388,7 @@ FromPage = (
     | ChangeShape
     | ShowIslands
     | EndIslands
+    | ChangeSteps
     | StopSegmentWork
     | FindTable
     | SuggestTable

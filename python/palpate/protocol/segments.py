@@ -15,6 +15,7 @@ from palpate.protocol.types import (
     Pose,
     SegmentId,
     ShapeKind,
+    StepKind,
     Stiffness,
     Value,
     Vector,
@@ -23,6 +24,7 @@ from palpate.volumes.appearance import SegmentAppearance
 
 __all__ = [
     "ChangeShape",
+    "ChangeSteps",
     "CropScan",
     "CutAlong",
     "CutPreview",
@@ -47,6 +49,8 @@ __all__ = [
     "Segment",
     "SegmentFeel",
     "SegmentProperties",
+    "SegmentStep",
+    "SegmentSteps",
     "SegmentWork",
     "Segments",
     "ShowIslands",
@@ -56,6 +60,7 @@ __all__ = [
     "TableSuggested",
     "Threshold",
     "TurnGrabbed",
+    "WantedStep",
     "WatchGap",
 ]
 
@@ -71,6 +76,33 @@ class Feel(msgspec.Struct, frozen=True):
     friction_kinetic: Friction | None
 
 
+StepAmount = Annotated[float, msgspec.Meta(ge=0.0, le=1e5)]
+
+
+class SegmentStep(msgspec.Struct, frozen=True):
+    """A step of a segment; ``amount`` as in ``ChangeShape``.
+
+    ``other`` is the name of the segment that was united, subtracted or intersected; its voxels are
+    those that it had then. A step that is not ``on`` is passed over.
+    """
+
+    kind: StepKind
+    amount: float
+    other: str | None
+    on: bool
+
+
+class SegmentSteps(msgspec.Struct, frozen=True):
+    """How a segment is made: its source, and steps in order.
+
+    ``range`` is the threshold of the source; null where the source is voxels that were drawn, grown
+    or read.
+    """
+
+    range: tuple[Value, Value] | None
+    steps: list[SegmentStep]
+
+
 class Segment(SegmentAppearance, frozen=True):
     """A segment of the scan.
 
@@ -84,7 +116,8 @@ class Segment(SegmentAppearance, frozen=True):
     scan's grid. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
     surface; ``ambient`` and ``specular`` are factors of its light. The voxels of a ``locked``
     segment cannot change. ``touchable`` is what is wanted; ``felt`` is whether the probe collides
-    with it: touchable, and visible or ``touched_while_hidden``.
+    with it: touchable, and visible or ``touched_while_hidden``. ``steps`` is how it is made; null
+    where nothing is known but its voxels.
     """
 
     id: SegmentId
@@ -103,6 +136,7 @@ class Segment(SegmentAppearance, frozen=True):
     pose: Pose | None
     bounds: tuple[GridPlace, GridPlace] | None
     grid: Pose | None
+    steps: SegmentSteps | None
 
 
 class MovedPose(msgspec.Struct, frozen=True):
@@ -239,7 +273,7 @@ class ChangeShape(Message, frozen=True, tag="change_shape"):
 
     id: SegmentId
     kind: ShapeKind
-    amount: Annotated[float, msgspec.Meta(ge=0.0, le=1e5)]
+    amount: StepAmount
     other: SegmentId | None
 
 
@@ -273,6 +307,22 @@ class EndIslands(Message, frozen=True, tag="end_islands"):
     """Removes the islands that are shown, as one step of undo, or keeps them."""
 
     removes: bool
+
+
+class WantedStep(msgspec.Struct, frozen=True):
+    """A step of ``Segment.steps`` as it is wanted: ``index`` is where it is there, from 0 on."""
+
+    index: Annotated[int, msgspec.Meta(ge=0, le=10_000)]
+    kind: StepKind
+    amount: StepAmount
+    on: bool
+
+
+class ChangeSteps(Message, frozen=True, tag="change_steps"):
+    """Makes a segment anew by steps of its list, in another order, with other values, or fewer."""
+
+    id: SegmentId
+    steps: Annotated[list[WantedStep], msgspec.Meta(max_length=10_000)]
 
 
 class NewSegment(Message, frozen=True, tag="new_segment"):

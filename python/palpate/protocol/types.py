@@ -40,6 +40,7 @@ __all__ = [
     "Share",
     "ShownAs",
     "SmoothingDegree",
+    "StepKind",
     "Stiffness",
     "SurfaceSource",
     "TissueName",
@@ -117,6 +118,9 @@ ShapeKind = Literal[
     "intersect",
 ]
 """Operation on the shape of a segment; see ``segmentation.changed_shape``."""
+
+StepKind = Literal[ShapeKind, "by-hand"]
+"""Step of a segment: a change of its shape, or what was painted, erased or drilled."""
 
 RegistrationKind = Literal["rigid", "affine", "bspline"]
 """Transform of a registration: rigid, affine, or deformable as well."""

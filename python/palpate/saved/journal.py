@@ -14,6 +14,7 @@ from threading import Lock
 
 from palpate.base.errors import OptionError, PalpateError
 from palpate.base.state_folder import state_folder
+from palpate.base.whole_file import whole_file
 from palpate.saved.second_scan_note import keep_second, kept_second, second_name
 from palpate.session.session import Session
 from palpate.volumes.scan_hash import scan_hash
@@ -70,6 +71,8 @@ class Journal:
         """The recovered second scan."""
         self.lost_second: str | None = None
         """Why the second scan was not recovered."""
+        self._steps: bytes | None = None
+        """Steps of segments as the file beside the journal has them."""
 
     @property
     def is_running(self) -> bool:
@@ -111,13 +114,15 @@ class Journal:
                     self._session.begin_journal(self.path, self._hash)
                 self._running = True
                 self.note_second(self.second)
+                self._note_steps()
             except (OSError, OptionError) as error:
                 self._give_up(error)
 
     def note(self, looks: bytes) -> None:
-        """Writes the appearance of segments into the journal."""
+        """Writes the appearance of segments into the journal, and their steps beside it."""
         if self._running:
             self._session.note_in_journal(looks)
+            self._note_steps()
 
     def note_second(self, second: SecondScan | None) -> None:
         """Notes the second scan and its place."""
@@ -140,6 +145,18 @@ class Journal:
             self._tell("Your changes are kept: the next start with this scan offers them.")
         else:
             self.path.unlink(missing_ok=True)
+            self._steps_path.unlink(missing_ok=True)
+
+    def _note_steps(self) -> None:
+        steps = self._session.kept_steps(all_of_them=True)
+        if steps is None or steps == self._steps:
+            return
+        try:
+            with whole_file(self._steps_path) as unfinished:
+                unfinished.write_bytes(steps)
+        except OSError as error:
+            self._tell(f"Steps of segments are not kept for a crash: {error}")
+        self._steps = steps
 
     def _look(self, *, wanted: bool) -> None:
         """Looks for changes to recover; one without steps counts only where it is ``wanted``."""
@@ -162,6 +179,19 @@ class Journal:
     @property
     def _second_path(self) -> Path:
         return self.path.with_suffix(".second")
+
+    @property
+    def _steps_path(self) -> Path:
+        return self.path.with_suffix(".steps")
+
+    def _bring_back_steps(self) -> None:
+        try:
+            self._session.restore_steps(self._steps_path.read_bytes())
+        except FileNotFoundError:
+            # written by an earlier version
+            return
+        except (OptionError, OSError) as error:
+            self._tell(f"Steps of segments were not brought back: {error}")
 
     def _bring_back_second(self) -> None:
         if not self._second_path.exists():
@@ -188,15 +218,17 @@ class Journal:
             self._tell(f"Not all could be brought back: {error}. The file was kept as {aside}.")
             return
         self.looks = notes[-1] if notes else None
+        self._bring_back_steps()
 
     def _keep_aside(self, *, held: bool) -> Path | None:
         """Makes room for a new file; one with changes (``held``) gets another name."""
         if not held:
-            self.path.unlink(missing_ok=True)
-            self._second_path.unlink(missing_ok=True)
+            for path in (self.path, self._second_path, self._steps_path):
+                path.unlink(missing_ok=True)
             return None
-        if self._second_path.exists():
-            self._put_aside(self._second_path)
+        for path in (self._second_path, self._steps_path):
+            if path.exists():
+                self._put_aside(path)
         return self._put_aside(self.path) if self.path.exists() else None
 
     def _put_aside(self, path: Path) -> Path:

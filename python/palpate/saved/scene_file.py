@@ -6,6 +6,7 @@ A zip archive with
   the page's view;
 - ``segments.journal``: voxels of segments, edits of the scan, poses and touch settings, as the head
   of a journal (``crates/tools/src/journal/file.rs``);
+- ``steps.msgpack``: how segments are made, where that is known (``palpate.session.steps``);
 - ``scan.i16``: the scan's stored values, x fastest, where the file is to be self-contained;
 - ``second.i16``: those of a second scan that is shown with it;
 - ``scan.exact``, ``second.exact``: the values themselves, where stored ones are rounded.
@@ -53,9 +54,12 @@ MOST_JSON_BYTES = 1 << 24
 """Most bytes of ``scene.json``; 255 segments take about 100 kB."""
 MOST_SEGMENTS_BYTES = 1 << 31
 """Most bytes of ``segments.journal``; all bones of a CT of the trunk take about 10 MB."""
+MOST_STEPS_BYTES = 1 << 28
+"""Most bytes of ``steps.msgpack``; the bones as a source of steps take about 2 MB."""
 
 SAVED = "a file that Palpate saved"
-ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
+ABOUT, SEGMENTS, STEPS = "scene.json", "segments.journal", "steps.msgpack"
+SCAN, SECOND = "scan.i16", "second.i16"
 
 
 class _About(SavedSoftTissue, frozen=True, kw_only=True):
@@ -117,6 +121,8 @@ class SavedScene:
             journal = Path(folder) / SEGMENTS
             with opened(self.path) as archive:
                 journal.write_bytes(member(self.path, archive, SEGMENTS))
+                has_steps = STEPS in archive.namelist()
+                steps = member(self.path, archive, STEPS) if has_steps else None
             # without this the scan's own edits are not reported
             session.picture_changes()
             try:
@@ -126,6 +132,8 @@ class SavedScene:
             session.end_journal()
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
+        if steps is not None:
+            session.restore_steps(steps)
         restore_soft_tissue(session, self.about)
         session.label_numbers.update(self.about.labels)
         for each in self.about.locked:
@@ -180,6 +188,8 @@ def save_scene(
         ):
             archive.writestr(ABOUT, msgspec.json.encode(about))
             archive.write(journal, SEGMENTS)
+            if (steps := session.kept_steps()) is not None:
+                archive.writestr(STEPS, steps)
             if copied:
                 _write_values(archive, SCAN, volume)
             if second is not None and second_copied:
@@ -248,7 +258,8 @@ def _write_values(archive: zipfile.ZipFile, name: str, volume: Volume) -> None:
 
 def _about(path: Path, archive: zipfile.ZipFile) -> _About:
     # before anything of it is unpacked
-    for name, most in ((ABOUT, MOST_JSON_BYTES), (SEGMENTS, MOST_SEGMENTS_BYTES)):
+    limits = {ABOUT: MOST_JSON_BYTES, SEGMENTS: MOST_SEGMENTS_BYTES, STEPS: MOST_STEPS_BYTES}
+    for name, most in limits.items():
         if any(each.filename == name and each.file_size > most for each in archive.filelist):
             raise SceneFormatError(f"{path}: {name} is too large for a scene")
     text = member(path, archive, ABOUT)

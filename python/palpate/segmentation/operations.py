@@ -32,6 +32,7 @@ __all__ = [
     "grown_from_seeds",
     "otsu",
     "smoothed_together",
+    "with_mask",
 ]
 
 ShapeKind = Literal[
@@ -135,11 +136,16 @@ def changed_shape(
         if not 1.0 <= amount <= 1000.0:
             raise OptionError(f"{amount:g} islands given; allowed: 1 to 1000")
         changed = mask_shape.keep_largest(mask, int(amount))
-    result = volume.segment(changed, name=segment.name)
-    result = result.as_object() if segment.has_own_grid else result
+    result = with_mask(segment, changed)
     told = told_of_shape(kind, amount, volume.spacing, masks=(mask, changed))
     result.warnings = (*segment.warnings, *told)
     return result
+
+
+def with_mask(segment: Segment, mask: Mask, *, name: str | None = None) -> Segment:
+    """Returns a segment of other voxels on the grid of ``segment``, by default under its name."""
+    made = segment.volume.segment(mask, name=name or segment.name)
+    return made.as_object() if segment.has_own_grid else made
 
 
 def smoothed_together(segments: Sequence[Segment], *, deviation: float) -> list[Segment]:
@@ -155,17 +161,15 @@ def smoothed_together(segments: Sequence[Segment], *, deviation: float) -> list[
     _check_length(deviation)
     first = segments[0]
     masks = [first.mask() != 0, *(_mask_of(other, first) for other in segments[1:])]
-    volume = first.volume
     smoothed = [
-        volume.segment(mask, name=segment.name)
+        with_mask(first, mask, name=segment.name)
         for mask, segment in zip(
-            smooth_together(masks, volume.spacing, deviation), segments, strict=True
+            smooth_together(masks, first.volume.spacing, deviation), segments, strict=True
         )
     ]
-    own = [each.as_object() for each in smoothed] if first.has_own_grid else smoothed
-    for each, segment in zip(own, segments, strict=True):
+    for each, segment in zip(smoothed, segments, strict=True):
         each.warnings = segment.warnings
-    return own
+    return smoothed
 
 
 def _check_length(amount: float) -> None:

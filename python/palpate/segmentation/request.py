@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from palpate.labels.labels import Labels
     from palpate.segmentation.operations import ShapeKind
     from palpate.segmentation.region_growing import Growing
+    from palpate.segmentation.segment_steps import SegmentSteps, ShapeStep
     from palpate.volumes.segment import Segment
     from palpate.volumes.volume import Volume
 
@@ -193,19 +194,21 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
             OptionError: It cannot be, or nothing is left of it.
         """
         from palpate.segmentation.operations import changed_shape, smoothed_together
+        from palpate.segmentation.segment_steps import apply_step
 
         made, warnings = self._found(volume, progress)
-        for kind, amount in self._changes():
-            progress(kind.replace("-", " "), None)
-            if kind == "joint":
-                made = smoothed_together(made, deviation=amount)
+        for change in self._changes():
+            step = change.kind.replace("-", " ")
+            progress(step, None)
+            if change.kind == "joint":
+                made = smoothed_together(made, deviation=change.amount)
             else:
-                made = [changed_shape(one, kind, amount=amount) for one in made]
+                made = [apply_step(one, change) for one in made]
             if not any(one.voxel_count for one in made):
-                step = kind.replace("-", " ")
-                allowed = "thicker walls" if "hollow" in kind else "smaller changes"
+                allowed = "thicker walls" if "hollow" in step else "smaller changes"
                 raise OptionError(
-                    f"nothing is left of the segment after {step} {amount:g}; allowed: {allowed}"
+                    f"nothing is left of the segment after {step} {change.amount:g}; "
+                    f"allowed: {allowed}"
                 )
         for kind, file in self._others():
             progress(f"{kind} with {file.name}", None)
@@ -254,6 +257,25 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
         points = [parse_point(point) for point in self.grow]
         return [grown(volume, points, growing=self._growing, progress=progress)], ()
 
+    def steps(self, volume: Volume) -> SegmentSteps:
+        """Returns what it asks for as a list of steps, for ``Session.set_steps``.
+
+        Raises:
+            OptionError: It asks for something else than a threshold and changes of its shape.
+        """
+        from palpate.segmentation.segment_steps import SegmentSteps
+
+        self.check()
+        bounds, changes = self._bounds(volume), tuple(self._changes())
+        alone = self.joint is None and not list(self._others())
+        if bounds is None or not alone:
+            raise OptionError(
+                "these options given as steps of one segment; allowed: a threshold and changes of "
+                "its shape, without other segments"
+            )
+        made = volume.threshold(*bounds)
+        return SegmentSteps(made.range or (bounds[0], volume.range[1]), changes)
+
     def _check_threshold(self) -> None:
         given = None if self.threshold is None else str(self.threshold)
         if given is not None and given[:1].isalpha():
@@ -298,17 +320,15 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
         union = np.logical_or.reduce(masks) if masks else np.zeros(volume.shape, bool)
         return volume.segment(union, name=file.name), read.warnings
 
-    def _changes(self) -> Iterator[tuple[ShapeKind, float]]:
+    def _changes(self) -> Iterator[ShapeStep]:
         """Lists what is to be done with the shape, in order."""
-        if self.keep_largest:
-            yield "keep-largest", 1.0
-        if self.drop_below is not None:
-            yield "drop-small", self.drop_below
-        if self.fill:
-            yield "fill-holes", 0.0
-        if self.between_slices:
-            yield "between-slices", 0.0
-        lengths: tuple[tuple[ShapeKind, float | None], ...] = (
+        from palpate.segmentation.segment_steps import ShapeStep
+
+        amounts: tuple[tuple[ShapeKind, float | None], ...] = (
+            ("keep-largest", 1.0 if self.keep_largest else None),
+            ("drop-small", self.drop_below),
+            ("fill-holes", 0.0 if self.fill else None),
+            ("between-slices", 0.0 if self.between_slices else None),
             ("smooth", self.smooth),
             ("median", self.median),
             ("joint", self.joint),
@@ -317,6 +337,6 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
             ("shrink" if (self.margin or 0.0) < 0.0 else "grow", self.margin),
             ("hollow-outside" if (self.hollow or 0.0) < 0.0 else "hollow-inside", self.hollow),
         )
-        for kind, length in lengths:
-            if length is not None:
-                yield kind, abs(length) if kind in SIGNED else length
+        for kind, amount in amounts:
+            if amount is not None:
+                yield ShapeStep(kind=kind, amount=abs(amount) if kind in SIGNED else amount)

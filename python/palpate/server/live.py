@@ -89,8 +89,8 @@ class Live:
         self._scene_of_now: object = None
         self._second = second_message(session.scene.volume, session.scene.second, version=0)
         # subjects of messages
-        self._thresholds = ThresholdJobs(self._make_threshold)
         self._segment_work = SegmentWork(session, self.segments, publish)
+        self._thresholds = ThresholdJobs(self._make_threshold, elsewhere=self._segment_work.takes)
         self._painter = Painter(session)
         self._pace = EditPace(session)
         self._parts = ModelParts(session)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from palpate.session.engine import Engine
 from palpate.session.felt import FeltSegments
+from palpate.session.known_steps import KnownSteps
 from palpate.session.regions import Regions
 from palpate.session.step_groups import StepGroup, StepGroups
 
@@ -15,11 +16,10 @@ __all__ = ["SessionHistory"]
 class SessionHistory:
     """Steps of undo and redo, some of them grouped."""
 
-    def __init__(self, engine: Engine, regions: Regions, felt: FeltSegments) -> None:
-        """Takes the engine, and what comes back with segments: their regions and their touch."""
+    def __init__(self, engine: Engine, kept: tuple[Regions, FeltSegments, KnownSteps]) -> None:
+        """Takes the engine, and what comes back with segments: regions, touch and steps."""
         self._engine = engine
-        self._regions = regions
-        self._felt = felt
+        self._regions, self._felt, self._known_steps = kept
         self._groups = StepGroups(self._voxel_count)
 
     def undo(self) -> bool:
@@ -28,7 +28,7 @@ class SessionHistory:
         Returns:
             Whether there was one.
         """
-        with self._regions.restored():
+        with self._known_steps.moving(back=True), self._regions.restored():
             undone = self._groups.undo(self._engine.undo)
         self._felt.hold()
         return undone
@@ -39,7 +39,7 @@ class SessionHistory:
         Returns:
             Whether there was one.
         """
-        with self._regions.restored():
+        with self._known_steps.moving(back=False), self._regions.restored():
             redone = self._groups.redo(self._engine.redo)
         self._felt.hold()
         return redone

@@ -9,6 +9,7 @@ from palpate.session.air import air_of
 from palpate.session.engine import Engine, Point, option_errors, triple
 from palpate.session.felt import FeltSegments, TouchWish
 from palpate.session.gap import Gap
+from palpate.session.known_steps import KnownSteps, made_of
 from palpate.session.painted_cut import PaintedCut
 from palpate.session.regions import Regions
 from palpate.session.segment_state import SegmentState
@@ -22,12 +23,14 @@ __all__ = ["SessionSegments"]
 class SessionSegments:
     """The segments of a session: their voxels, poses and touch settings."""
 
-    def __init__(self, engine: Engine, scene: Scene, kept: tuple[Regions, FeltSegments]) -> None:
+    def __init__(
+        self, engine: Engine, scene: Scene, kept: tuple[Regions, FeltSegments, KnownSteps]
+    ) -> None:
         """Takes the engine, the scene at the start, and what is kept of segments beside both."""
         self._engine = engine
         self._volume = scene.volume
         self._first = dict(enumerate(scene, start=1))
-        self._regions, self._felt = kept
+        self._regions, self._felt, self._known_steps = kept
         self.numbers = {
             segment_id: one.segment.number
             for segment_id, one in self._first.items()
@@ -61,10 +64,11 @@ class SessionSegments:
         """Forgets what an earlier segment of this id had; returns the id."""
         self.numbers.pop(segment_id, None)
         self._felt.begin(segment_id, wish)
+        self._known_steps.begin(segment_id)
         return self._regions.clear_for_new(segment_id)
 
     def replace_segment(self, segment_id: int, segment: Segment) -> None:
-        """Replaces the voxels of a segment.
+        """Replaces the voxels of a segment; its list of steps ends with that.
 
         Raises:
             OptionError: There is no such segment, it is locked, or the grids differ.
@@ -72,6 +76,15 @@ class SessionSegments:
         with option_errors():
             voxels = segment._internal  # noqa: SLF001
             self._engine.replace_segment(segment_id, voxels, segment.range)
+        self._end_steps(segment_id)
+
+    def _end_steps(self, segment_id: int) -> None:
+        """Lets the voxels that a segment has now stand for themselves, or for a threshold."""
+        state = next(each for each in self._engine.segments_state() if each["id"] == segment_id)
+        if state["range"] is None:
+            self._known_steps.amend(segment_id, made_of(self._engine, state), None)
+        else:
+            self._known_steps.of(state)
 
     def remove_segment(self, segment_id: int) -> None:
         """Removes a segment; ``undo`` restores it.
@@ -203,7 +216,7 @@ class SessionSegments:
     def cut(self, segment_id: int, point: Point, normal: Point) -> int:
         """Splits a segment by a plane of the scene; one step of undo.
 
-        The segment keeps the part behind the plane.
+        The segment keeps the part behind the plane; its list of steps ends with that.
 
         Args:
             segment_id: Number of the segment.
@@ -218,12 +231,13 @@ class SessionSegments:
         """
         with option_errors():
             part = self._engine.cut(segment_id, triple("point", point), triple("normal", normal))
-            return self._new(part, self._felt.of(segment_id))
+            return self._new_part(part, segment_id)
 
     def cut_along(self, segment_id: int, cut: PaintedCut) -> int:
         """Splits a segment along a line drawn on the picture; one step of undo.
 
-        The line is extruded along the lines of sight. The segment keeps the larger part.
+        The line is extruded along the lines of sight. The segment keeps the larger part; its list
+        of steps ends with that.
 
         Returns:
             The number of a new segment: the smaller part.
@@ -233,7 +247,14 @@ class SessionSegments:
         """
         with option_errors():
             part = self._engine.cut_along(segment_id, cut.given())
-            return self._new(part, self._felt.of(segment_id))
+            return self._new_part(part, segment_id)
+
+    def _new_part(self, part: int, segment_id: int) -> int:
+        """Lets a part that was cut off begin; returns its number."""
+        # a threshold or a step that changed later would bring some of the part back
+        for each in (self._new(part, self._felt.of(segment_id)), segment_id):
+            self._end_steps(each)
+        return part
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
         """Returns the volumes of the parts that ``cut_along`` would make.

@@ -16,6 +16,7 @@ from palpate.session.felt import FeltSegments, TouchWish
 from palpate.session.frame_state import FrameState, LatenessState
 from palpate.session.history import SessionHistory
 from palpate.session.journal import SessionJournal
+from palpate.session.known_steps import KnownSteps
 from palpate.session.part_method import PartMethod
 from palpate.session.picture import SessionPicture
 from palpate.session.probe import SessionProbe
@@ -24,6 +25,7 @@ from palpate.session.regions import Regions
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.segments import SessionSegments
 from palpate.session.soft_tissue import SessionSoftTissue
+from palpate.session.steps import SessionSteps
 from palpate.session.tools import SessionTools
 from palpate.session.touch_settings import TouchSettings
 from palpate.volumes.scene import Scene, require_scene
@@ -104,12 +106,14 @@ class Session:
             )
         regions = Regions(engine)
         felt = FeltSegments(engine, scene)
+        known = KnownSteps(engine)
         self._engine = engine
         self._probe = SessionProbe(engine)
-        self._segments = SessionSegments(engine, scene, (regions, felt))
+        self._segments = SessionSegments(engine, scene, (regions, felt, known))
+        self._steps = SessionSteps(engine, self._segments, known)
         self._soft_tissue = SessionSoftTissue(engine, regions, unit=scene.volume.unit)
         self._tools = SessionTools(engine, scene.volume)
-        self._history = SessionHistory(engine, regions, felt)
+        self._history = SessionHistory(engine, (regions, felt, known))
         self._picture = SessionPicture(engine)
         self._journal = SessionJournal(engine, felt)
         self._recorder = SessionRecorder(
@@ -195,6 +199,16 @@ class Session:
     preview_cut = PartMethod("_segments", SessionSegments.preview_cut)
     gap = PartMethod("_segments", SessionSegments.gap)
     fill_box = PartMethod("_segments", SessionSegments.fill_box)
+
+    # --- steps of segments ----------------------------------------------------------------
+
+    steps = PartMethod("_steps", SessionSteps.steps)
+    listed = PartMethod("_steps", SessionSteps.listed)
+    change_shape = PartMethod("_steps", SessionSteps.change_shape)
+    set_steps = PartMethod("_steps", SessionSteps.set_steps)
+    set_threshold = PartMethod("_steps", SessionSteps.set_threshold)
+    kept_steps = PartMethod("_steps", SessionSteps.kept_steps)
+    restore_steps = PartMethod("_steps", SessionSteps.restore_steps)
 
     # --- soft tissue ----------------------------------------------------------------------
 

@@ -21,6 +21,7 @@ from made_scans import make_ball
 from palpate.io.reading import read
 from palpate.protocol import SegmentProperties
 from palpate.saved.journal import Journal
+from palpate.segmentation.segment_steps import ShapeStep
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scan_hash import scan_hash
 from palpate.volumes.scene import Scene
@@ -76,6 +77,34 @@ def test_what_a_session_left_is_offered_and_brought_back_step_by_step(left: Path
         np.testing.assert_array_equal(session.segment(1).mask(), whole)
         assert not session.undo()
         assert session.segments()[0]["range"] == (0.0, 100.0)
+
+
+def test_steps_of_segments_are_brought_back_and_follow_undo(tmp_path: Path) -> None:
+    grow, shrink = (ShapeStep(kind=kind, amount=2.0) for kind in ("grow", "shrink"))
+    with Session(make_ball(), options=STILL) as session:
+        journal, _ = begun(session, tmp_path)
+        session.change_shape(1, grow)
+        session.change_shape(1, shrink)
+        journal.note(b"[]")
+        both = session.steps(1)
+    journal.close()
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, tmp_path, recover=True)
+        assert told == []
+        assert session.steps(1) == both
+        assert session.undo()
+        one = session.steps(1)
+        assert one is not None
+        assert one.steps == (grow,)
+        assert session.redo()
+        assert session.steps(1) == both
+    journal.close()
+    # what is damaged costs the steps, and nothing else
+    journal.path.with_suffix(".steps").write_bytes(b"damaged")
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, tmp_path, recover=True)
+        assert told[0].startswith("Steps of segments were not brought back: ")
+        assert session.frame()["can_undo"]
 
 
 def test_a_journal_goes_on_after_it_was_brought_back(left: Path) -> None:
@@ -177,6 +206,7 @@ import numpy as np
 sys.path.insert(0, sys.argv[2])
 from made_scans import make_ball
 from palpate.saved.journal import Journal
+from palpate.segmentation.segment_steps import ShapeStep
 from palpate.session.session import Session, SessionOptions
 
 session = Session(make_ball(), options=SessionOptions(real_time=False, start=(20.0, 20.0, 34.0)))

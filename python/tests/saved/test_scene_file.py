@@ -16,6 +16,7 @@ from palpate.base.errors import SceneFormatError
 from palpate.io.reading import read
 from palpate.saved import scene_file
 from palpate.saved.scene_file import open_scene, save_scene
+from palpate.segmentation.segment_steps import HandEdit, SegmentSteps, ShapeStep
 from palpate.session.model_options import ModelOptions, Prony
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.material import LinearMaterial, Material, Region
@@ -106,6 +107,48 @@ def test_a_scene_comes_back_as_it_was(scan: Path, tmp_path: Path, *, copy: bool)
         assert list(session.regions(1)) == REGIONS
         # what was done before it was saved is what there is
         assert not session.frame()["can_undo"]
+
+
+def test_steps_of_segments_come_back_and_can_change(scan: Path, tmp_path: Path) -> None:
+    path = tmp_path / "scene.palpate"
+    grow = ShapeStep(kind="grow", amount=1.0)
+    volume = read(scan)
+    with Session(Scene(volume, [volume.threshold(1500.0)]), options=STANDING) as session:
+        session.change_shape(1, grow)
+        drawn = session.add_segment(volume.segment(volume.array > 1800, name="drawn"))
+        session.change_shape(drawn, ShapeStep.with_other("unite", session.segment(1)))
+        session.fill_box(1, low=(0, 0, 0), high=(28, 24, 3), solid=False)
+        before = {number: session.steps(number) for number in (1, drawn)}
+        save_scene(path, session)
+    kept = before[1]
+    assert kept is not None
+    assert [type(step) for step in kept.steps] == [ShapeStep, HandEdit]
+    saved = open_scene(path)
+    with Session(Scene(saved.volume), options=STANDING) as session:
+        saved.restore(session)
+        assert {number: session.steps(number) for number in (1, drawn)} == before
+        session.set_threshold(1, 1700.0, volume.range[1])
+        cut = SegmentSteps((1700.0, volume.range[1]), kept.steps)
+        assert session.steps(1) == cut
+        assert not session.segment(1).mask()[:3].any()
+
+
+def test_steps_that_are_damaged_are_told_of(scan: Path, tmp_path: Path) -> None:
+    path = tmp_path / "scene.palpate"
+    with edited(read(scan, unit="HU")) as session:
+        session.change_shape(1, ShapeStep(kind="grow", amount=1.0))
+        save_scene(path, session)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in {**members, "steps.msgpack": b"damaged"}.items():
+            archive.writestr(name, content)
+    saved = open_scene(path)
+    with (
+        Session(Scene(saved.volume), options=STANDING) as session,
+        pytest.raises(SceneFormatError, match=r"steps of segments cannot be read|damaged"),
+    ):
+        saved.restore(session)
 
 
 def test_a_scene_is_found_when_it_moves_with_its_scan(scan: Path, tmp_path: Path) -> None:

@@ -60,6 +60,9 @@ export type SmoothingDegree = number;
 /** Operation on the shape of a segment; see `segmentation.changed_shape`. */
 export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "joint" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
 
+/** Step of a segment: a change of its shape, or what was painted, erased or drilled. */
+export type StepKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "joint" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect" | "by-hand";
+
 /** Transform of a registration: rigid, affine, or deformable as well. */
 export type RegistrationKind = "rigid" | "affine" | "bspline";
 
@@ -206,6 +209,30 @@ export interface MatterRegion {
 }
 
 /**
+ * A step of a segment; `amount` as in `ChangeShape`.
+ *
+ * `other` is the name of the segment that was united, subtracted or intersected; its voxels are
+ * those that it had then. A step that is not `on` is passed over.
+ */
+export interface SegmentStep {
+  readonly kind: StepKind;
+  readonly amount: number;
+  readonly other: string | null;
+  readonly on: boolean;
+}
+
+/**
+ * How a segment is made: its source, and steps in order.
+ *
+ * `range` is the threshold of the source; null where the source is voxels that were drawn, grown
+ * or read.
+ */
+export interface SegmentSteps {
+  readonly range: readonly [Value, Value] | null;
+  readonly steps: readonly SegmentStep[];
+}
+
+/**
  * A segment of the scan.
  *
  * `range` is the threshold (low, high) as long as the segment is exactly that threshold; null
@@ -218,7 +245,8 @@ export interface MatterRegion {
  * scan's grid. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
  * surface; `ambient` and `specular` are factors of its light. The voxels of a `locked`
  * segment cannot change. `touchable` is what is wanted; `felt` is whether the probe collides
- * with it: touchable, and visible or `touched_while_hidden`.
+ * with it: touchable, and visible or `touched_while_hidden`. `steps` is how it is made; null
+ * where nothing is known but its voxels.
  */
 export interface Segment {
   readonly name: Name;
@@ -247,6 +275,7 @@ export interface Segment {
   readonly pose: Pose | null;
   readonly bounds: readonly [GridPlace, GridPlace] | null;
   readonly grid: Pose | null;
+  readonly steps: SegmentSteps | null;
 }
 
 /** Settings of touch; `gain` is scene mm per mm of the device. */
@@ -1118,6 +1147,21 @@ export interface EndIslands {
   readonly removes: boolean;
 }
 
+/** A step of `Segment.steps` as it is wanted: `index` is where it is there, from 0 on. */
+export interface WantedStep {
+  readonly index: number;
+  readonly kind: StepKind;
+  readonly amount: number;
+  readonly on: boolean;
+}
+
+/** Makes a segment anew by steps of its list, in another order, with other values, or fewer. */
+export interface ChangeSteps {
+  readonly type: "change_steps";
+  readonly id: SegmentId;
+  readonly steps: readonly WantedStep[];
+}
+
 /** Stops what `SegmentWork` reports and drops what is queued. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
@@ -1505,6 +1549,7 @@ export type FromPage =
   | ChangeShape
   | ShowIslands
   | EndIslands
+  | ChangeSteps
   | StopSegmentWork
   | FindTable
   | SuggestTable
@@ -1705,6 +1750,8 @@ const isLightFactor = real({ ge: 0, le: 3 });
 
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
+const isStepKind = oneOf("keep-largest", "drop-small", "fill-holes", "between-slices", "grow", "shrink", "smooth", "median", "joint", "open", "close", "hollow-inside", "hollow-outside", "unite", "subtract", "intersect", "by-hand");
+
 const isRegistrationKind = oneOf("rigid", "affine", "bspline");
 
 const isRegistrationMetric = oneOf("automatic", "mutual-information", "correlation", "mean-squares");
@@ -1791,6 +1838,18 @@ const isMatterRegion = record({
   box: nullable(tuple(isGridPlace, isGridPlace)),
 });
 
+const isSegmentStep = record({
+  kind: isStepKind,
+  amount: real(),
+  other: nullable(text()),
+  on: flag,
+});
+
+const isSegmentSteps = record({
+  range: nullable(tuple(isValue, isValue)),
+  steps: list(isSegmentStep),
+});
+
 const isSegment = record({
   name: isName,
   colour: isColour,
@@ -1818,6 +1877,7 @@ const isSegment = record({
   pose: nullable(isPose),
   bounds: nullable(tuple(isGridPlace, isGridPlace)),
   grid: nullable(isPose),
+  steps: nullable(isSegmentSteps),
 });
 
 const isSettings = record({

@@ -68,6 +68,7 @@ export const segment: Segment = {
   pose: null,
   bounds: null,
   grid: null,
+  steps: null,
   shown_as: "volume",
   surface_from: "intensities",
   made_by: null,

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from palpate import protocol
 from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.server.messages.segment_steps import steps_message
 from palpate.server.messages.soft_tissue import material_of, regions_of
 from palpate.server.voxel_data import labels_of
 from palpate.session.appearance import (
@@ -30,6 +32,7 @@ from palpate.session.appearance import (
 )
 from palpate.session.segment_state import Bounds, SegmentState
 from palpate.session.session import Session
+from palpate.session.steps import ShapeChange
 from palpate.volumes.anatomical_colour import colour_of_name, first_colour
 from palpate.volumes.appearance import Colour, SegmentAppearance, SurfaceSource
 from palpate.volumes.scene import Scene, new_appearance
@@ -86,22 +89,30 @@ class SegmentList:
         self._show(wanted.id, look)
         self.keep()
 
-    def threshold(self, wanted: protocol.Threshold) -> None:
-        """Makes a segment of a range of values, or changes one.
+    def threshold(self, wanted: protocol.Threshold, *, progress: Progress = silent) -> ShapeChange:
+        """Makes a segment of a range of values, or changes one: the steps that it has follow.
 
         Raises:
-            PalpateError: The range selects nothing.
+            PalpateError: The range selects nothing, or nothing is left after the steps.
         """
-        segment = self._session.threshold(wanted.low, wanted.high, name=wanted.name)
         if wanted.id is None:
-            self.add(segment)
-            return
-        self._session.replace_segment(wanted.id, segment)
+            self.add(self._session.threshold(wanted.low, wanted.high, name=wanted.name))
+            return ShapeChange(changed=True)
+        change = self._session.set_threshold(
+            wanted.id, wanted.low, wanted.high, name=wanted.name, progress=progress
+        )
         look = self._appearance_of(wanted.id)
         colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=look.colour)
         self._set_appearance(
             wanted.id, replace(look, name=wanted.name, colour=colour, colour_chosen=chosen)
         )
+        self.keep()
+        return change
+
+    def steps_changed(self) -> None:
+        """Has pages told of lists of steps anew, and has them written to the journal."""
+        with self._lock:
+            self._appearances_version += 1
         self.keep()
 
     def add(self, segment: Segment, *, colour: Colour | None = None) -> None:
@@ -129,6 +140,13 @@ class SegmentList:
     def is_shown(self, segment_id: int) -> bool:
         """Returns whether pages show a segment."""
         return self._appearance_of(segment_id).visible
+
+    def has_steps(self, segment_id: int | None) -> bool:
+        """Returns whether pages were told of steps of a segment."""
+        return any(
+            each.id == segment_id and each.steps is not None and bool(each.steps.steps)
+            for each in self.message.segments
+        )
 
     def name_of(self, segment_id: int) -> str:
         """Returns what pages call a segment."""
@@ -310,6 +328,7 @@ class SegmentList:
             pose=state["pose"],
             bounds=_box_of(state["bounds"]),
             grid=state["grid"],
+            steps=steps_message(self._session.listed(state)),
         )
 
 

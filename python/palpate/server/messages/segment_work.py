@@ -22,19 +22,21 @@ from palpate.base.errors import OptionError, PalpateError
 from palpate.segmentation.crop import outside
 from palpate.segmentation.operations import (
     Growing,
-    changed_shape,
     grown,
     grown_from_seeds,
     otsu,
     smoothed_together,
 )
+from palpate.segmentation.segment_steps import ShapeStep
 from palpate.segmentation.table import skin_value, table
 from palpate.server.messages.segment_list import SegmentList
+from palpate.server.messages.segment_steps import wanted_steps
 from palpate.server.messages.shown_islands import ShownIslands
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.server.page_words import page_words
 from palpate.session.appearance import UNMOVED
 from palpate.session.session import Session
+from palpate.session.steps import ShapeChange
 from palpate.volumes.appearance import Colour
 from palpate.volumes.segment import Segment
 
@@ -47,6 +49,8 @@ Wanted = (
     | protocol.ChangeShape
     | protocol.ShowIslands
     | protocol.EndIslands
+    | protocol.ChangeSteps
+    | protocol.Threshold
     | protocol.FindTable
     | protocol.SuggestTable
     | protocol.RemoveTable
@@ -64,9 +68,18 @@ TABLE_COLOUR: Colour = (1.0, 0.62, 0.18)
 class ThresholdJobs:
     """Waiting thresholds, at most one per segment and any number of new ones."""
 
-    def __init__(self, work: Callable[[protocol.Threshold], None]) -> None:
-        """Takes the function that makes a threshold, which may take its time."""
+    def __init__(
+        self,
+        work: Callable[[protocol.Threshold], None],
+        *,
+        elsewhere: Callable[[protocol.Threshold], bool] = lambda _: False,
+    ) -> None:
+        """Takes the function that makes a threshold, which may take its time.
+
+        What is taken ``elsewhere`` is not made here.
+        """
         self._work = work
+        self._elsewhere = elsewhere
         self._waiting: list[protocol.Threshold] = []
         self._filled = asyncio.Event()
 
@@ -78,6 +91,8 @@ class ThresholdJobs:
         """Adds a threshold; it replaces one that waits for the same segment."""
         if threshold.id is not None:
             self._waiting = [other for other in self._waiting if other.id != threshold.id]
+        if self._elsewhere(threshold):
+            return
         self._waiting.append(threshold)
         self._filled.set()
 
@@ -121,6 +136,8 @@ class SegmentWork:
             protocol.ChangeShape: self._change,
             protocol.ShowIslands: self._show_islands,
             protocol.EndIslands: self._end_islands,
+            protocol.ChangeSteps: self._change_steps,
+            protocol.Threshold: self._threshold,
             protocol.FindTable: self._find_table,
             protocol.SuggestTable: self._suggest_table,
             protocol.RemoveTable: self._remove_table,
@@ -130,14 +147,31 @@ class SegmentWork:
 
     def add_to(self, rows: MessageTable) -> None:
         """Adds the rows of the work."""
-        for kind in self._kinds:
+        for kind in self._kinds.keys() - {protocol.Threshold}:
             rows.add(kind, lambda message, _: self.ask(message), runs=Runs.BESIDE)
         rows.add(protocol.StopSegmentWork, lambda _message, _: self.stop(), runs=Runs.ON_LOOP)
 
+    def takes(self, threshold: protocol.Threshold) -> bool:
+        """Takes a threshold where steps follow it, which can take long; says whether it did."""
+        if not self._segments.has_steps(threshold.id):
+            return False
+        self.ask(threshold)
+        return True
+
     def ask(self, wanted: Wanted) -> None:
-        """Adds a piece of work; it is done after those that wait."""
+        """Adds a piece of work; it is done after those that wait.
+
+        A threshold replaces one that waits for the same segment; nobody waits for a table that is
+        only suggested.
+        """
         if isinstance(wanted, protocol.SuggestTable) and self.is_busy:
             return
+        if isinstance(wanted, protocol.Threshold):
+            self._waiting = deque(
+                other
+                for other in self._waiting
+                if not isinstance(other, protocol.Threshold) or other.id != wanted.id
+            )
         self._waiting.append(wanted)
         self._filled.set()
 
@@ -186,6 +220,8 @@ class SegmentWork:
             self._kinds[type(wanted)](wanted, progress)
         except StoppedError:
             self._publish(protocol.Notice(level="info", text="Stopped: nothing was changed."))
+            # pages show again what is
+            self._segments.steps_changed()
         except (PalpateError, RuntimeError, MemoryError) as error:
             self._publish(
                 protocol.Notice(level="error", text=page_words(str(error)) or "not enough memory")
@@ -266,29 +302,36 @@ class SegmentWork:
             self._segments.add(segment)
 
     def _change(self, wanted: protocol.ChangeShape, progress: Told) -> None:
-        before = self._now(wanted.id)
-        progress(f"changing the shape of {before.name}", None)
         if wanted.kind == "joint":
             self._smooth_together(wanted, progress)
             return
-        other = None if wanted.other is None else self._now(wanted.other)
-        if other is not None and wanted.other is not None:
-            self._check_unmoved(wanted.id, wanted.other)
-        after = changed_shape(before, wanted.kind, amount=wanted.amount, other=other)
-        progress(f"changing the shape of {before.name}", None)
-        for sentence in after.warnings:
-            self._publish(protocol.Notice(level="warning", text=f"{before.name}: {sentence}."))
-        old = before.mask()
-        if np.array_equal(old, after.mask()):
-            self._publish(
-                protocol.Notice(level="info", text=f"Nothing of {before.name} changes by that.")
-            )
-        elif after.voxel_count == 0:
-            raise OptionError(f"nothing would be left of {before.name}; allowed: a smaller change")
-        elif not np.array_equal(old, self._now(wanted.id).mask()):
-            raise OptionError(f"{before.name} was changed meanwhile; allowed: to try again")
+        if wanted.other is None:
+            step = ShapeStep(kind=wanted.kind, amount=wanted.amount)
         else:
-            self._session.replace_segment(wanted.id, after)
+            self._check_unmoved(wanted.id, wanted.other)
+            step = ShapeStep.with_other(wanted.kind, self._now(wanted.other))
+        name = self._segments.name_of(wanted.id)
+        self._tell(
+            name,
+            self._session.change_shape(wanted.id, step, name=name, progress=progress),
+        )
+
+    def _change_steps(self, wanted: protocol.ChangeSteps, progress: Told) -> None:
+        name = self._segments.name_of(wanted.id)
+        now = self._session.steps(wanted.id, name=name, progress=progress)
+        steps = wanted_steps(now, wanted.steps, name=name)
+        self._tell(name, self._session.set_steps(wanted.id, steps, name=name, progress=progress))
+
+    def _threshold(self, wanted: protocol.Threshold, progress: Told) -> None:
+        self._tell(wanted.name, self._segments.threshold(wanted, progress=progress))
+
+    def _tell(self, name: str, change: ShapeChange) -> None:
+        """Tells pages what came of a change of shape."""
+        for sentence in change.warnings:
+            self._publish(protocol.Notice(level="warning", text=f"{name}: {sentence}."))
+        if not change.changed:
+            self._publish(protocol.Notice(level="info", text=f"Nothing of {name} changes by that."))
+        self._segments.steps_changed()
 
     def _show_islands(self, wanted: protocol.ShowIslands, progress: Told) -> None:
         progress(f"looking for islands of {self._segments.name_of(wanted.id)}", None)

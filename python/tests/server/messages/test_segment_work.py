@@ -11,8 +11,8 @@ import pytest
 from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.segmentation import operations as segmentation
+from palpate.segmentation import segment_steps
 from palpate.segmentation.mask_shape import margin
-from palpate.server.messages import segment_work as server_segment_work
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
 from palpate.server.messages.shown_islands import ShownIslands
@@ -166,7 +166,7 @@ def work_with(
         assert go_on.wait(PATIENCE)
         return shrink(segment, kind, **options)
 
-    monkeypatch.setattr(server_segment_work, "changed_shape", slow)
+    monkeypatch.setattr(segment_steps, "changed_shape", slow)
     with Session(ball_scene, options=SessionOptions(real_time=False)) as session:
 
         async def ask() -> None:

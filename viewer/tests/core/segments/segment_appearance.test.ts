@@ -28,6 +28,7 @@ const bone: Segment = {
   pose: null,
   bounds: null,
   grid: null,
+  steps: null,
   shown_as: "volume",
   opacity: 1,
   smoothing: 4,

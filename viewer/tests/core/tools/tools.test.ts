@@ -32,6 +32,7 @@ function segment(id: number, felt = true, range: Segment["range"] = null): Segme
     regions: [],
     pose: null,
     grid: null,
+    steps: null,
     bounds: null,
     shown_as: "volume",
     surface_from: "intensities",
