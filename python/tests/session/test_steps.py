@@ -10,9 +10,9 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 from palpate import PaintedCut, Scene, Session, SessionOptions, Volume
 from palpate.base.errors import EmptySegmentError, OptionError
-from palpate.segmentation import changed_shape
+from palpate.segmentation import HandEdit, SegmentSteps, ShapeStep, changed_shape
 from palpate.segmentation.request import SegmentRequest
-from palpate.segmentation.segment_steps import HandEdit, SegmentSteps, ShapeStep, Step
+from palpate.segmentation.segment_steps import Step
 from palpate.segmentation.voxel_set import VoxelSet, digest_of
 from palpate.volumes.segment import Segment
 from scipy.ndimage import gaussian_filter
