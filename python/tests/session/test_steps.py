@@ -345,3 +345,16 @@ def test_damaged_voxel_sets_are_refused() -> None:
     for damaged in (far, large, VoxelSet(kept.shape, kept.low, kept.size, b"nothing")):
         with pytest.raises(OptionError, match="damaged"):
             damaged.mask()
+
+
+def test_voxels_of_another_grid_are_refused(session: Session) -> None:
+    other = VoxelSet.of(np.ones((2, 2, 2), bool))
+    steps = session.steps(1)
+    assert steps is not None
+    for wrong in (
+        SegmentSteps(other),
+        steps.then(HandEdit(added=other, removed=other)),
+        steps.then(ShapeStep(kind="unite", other=other)),
+    ):
+        with pytest.raises(OptionError, match=r"voxels of a grid of \[2, 2, 2\] given"):
+            session.set_steps(1, wrong)
