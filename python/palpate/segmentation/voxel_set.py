@@ -55,10 +55,8 @@ class VoxelSet(msgspec.Struct, frozen=True):
         Raises:
             OptionError: They are on another grid, or come from a damaged file.
         """
-        if on not in (None, self.shape):
-            raise OptionError(
-                f"voxels of a grid of {list(self.shape)} given; allowed: {list(on or ())}"
-            )
+        if on is not None and on != self.shape:
+            raise OptionError(f"voxels of a grid of {list(self.shape)} given; allowed: {list(on)}")
         ends = np.add(self.low, self.size)
         count = prod(self.size)
         within = min(*self.low, *self.size) >= 0 and bool((ends <= self.shape).all())
