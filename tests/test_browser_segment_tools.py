@@ -270,7 +270,7 @@ def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path)
     head = tmp_path / "head.mha"
     image = small_head(data_folder / "cthead_stanford" / "CThead.mha")
     SimpleITK.WriteImage(image, str(head))
-    with palpate("open", head, "--threshold", "1350") as command, browser() as page:
+    with palpate("open", head, "--threshold", "330") as command, browser() as page:
         assert page.do("open", url=command.url, **SIZE)["firstPicture"] is not None
         volume = read(head)
 
@@ -282,37 +282,36 @@ def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path)
             digits = str(made.voxel_count)
             return f"{SHOWN_SIZE}.split('·')[1].replace(/\\D/g, '') === '{digits}'"
 
-        if page.read("document.querySelector('[data-testid=shape-kind]') === null"):
-            page.do("clickText", text="Change shape")
+        page.do("clickText", text="Change shape")
         apply_shape(page, "keep-largest", 1)
         page.wait(f"{STEPS} === 'Keep largest islands'")
-        apply_shape(page, "smooth", 2)
+        apply_shape(page, "smooth", 3)
         page.wait(f"{STEPS} === 'Keep largest islands, Smooth'")
-        page.wait(voxels(1350, ("keep-largest", 1), ("smooth", 2)))
+        page.wait(voxels(330, ("keep-largest", 1), ("smooth", 3)))
         page.finish()
         page.do("screenshot", path=str(OUTPUT / "segment_steps.png"))
 
         # the threshold, whose steps follow
-        page.do("fill", testid="threshold", text="1500")
-        page.wait(voxels(1500, ("keep-largest", 1), ("smooth", 2)))
+        page.do("fill", testid="threshold", text="500")
+        page.wait(voxels(500, ("keep-largest", 1), ("smooth", 3)))
         page.finish()
         page.do("screenshot", path=str(OUTPUT / "segment_steps_followed.png"))
         # the value of a step, in its place; its order; off; and all of it taken back
-        page.do("fill", testid="step-amount-1", text="1")
-        page.wait(voxels(1500, ("keep-largest", 1), ("smooth", 1)))
+        page.do("fill", testid="step-amount-1", text="2.5")
+        page.wait(voxels(500, ("keep-largest", 1), ("smooth", 2.5)))
         page.do("click", testid="step-up-1")
         page.wait(f"{STEPS} === 'Smooth, Keep largest islands'")
-        page.wait(voxels(1500, ("smooth", 1), ("keep-largest", 1)))
+        page.wait(voxels(500, ("smooth", 2.5), ("keep-largest", 1)))
         page.do("click", testid="step-on-0")
-        page.wait(voxels(1500, ("keep-largest", 1)))
+        page.wait(voxels(500, ("keep-largest", 1)))
         page.do("click", testid="step-remove-1")
-        page.wait(voxels(1500))
+        page.wait(voxels(500))
         page.wait(f"{STEPS} === 'Smooth'")
         for _ in range(3):
             page.do("press", key="Control+z")
         page.wait(f"{STEPS} === 'Keep largest islands, Smooth'")
-        page.wait(voxels(1500, ("keep-largest", 1), ("smooth", 1)))
+        page.wait(voxels(500, ("keep-largest", 1), ("smooth", 2.5)))
         page.do("press", key="Control+z")
         page.do("press", key="Control+z")
-        page.wait(voxels(1350, ("keep-largest", 1), ("smooth", 2)))
-        page.wait("document.querySelector('[data-testid=threshold]').value === '1350'")
+        page.wait(voxels(330, ("keep-largest", 1), ("smooth", 3)))
+        page.wait("document.querySelector('[data-testid=threshold]').value === '330'")

@@ -133,7 +133,10 @@ class SavedScene:
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
         if steps is not None:
-            session.restore_steps(steps)
+            try:
+                session.restore_steps(steps)
+            except PalpateError as error:
+                raise SceneFormatError(f"{self.path}: {STEPS} is damaged: {error}") from None
         restore_soft_tissue(session, self.about)
         session.label_numbers.update(self.about.labels)
         for each in self.about.locked:
@@ -206,7 +209,8 @@ def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
     with damage_as(SceneFormatError, f"{path} is damaged", allowed=SAVED), opened(path) as archive:
         about = _about(path, archive)
         # before a scan that is open makes room for this one
-        check_whole(path, archive, SEGMENTS)
+        for name in {SEGMENTS, STEPS} & {SEGMENTS, *archive.namelist()}:
+            check_whole(path, archive, name)
         volume = _scan(path, archive, about.scan, values=SCAN, progress=progress)
         second, missing = _second(path, archive, about.second, progress=progress)
     return SavedScene(path, volume, about.view, bytes(about.looks), about, second, missing)

@@ -15,12 +15,16 @@ if TYPE_CHECKING:
         ValueStatistics,
         statistics,
     )
+    from palpate.segmentation.segment_steps import HandEdit, SegmentSteps, ShapeStep
     from palpate.segmentation.watershed import grown_from_seeds
 
 __all__ = [
     "Growing",
+    "HandEdit",
     "SegmentStatistics",
+    "SegmentSteps",
     "ShapeKind",
+    "ShapeStep",
     "ValueStatistics",
     "changed_shape",
     "grown",
@@ -34,8 +38,11 @@ __getattr__ = lazy_exports(
     __name__,
     {
         "Growing": "region_growing",
+        "HandEdit": "segment_steps",
         "SegmentStatistics": "segment_statistics",
+        "SegmentSteps": "segment_steps",
         "ShapeKind": "operations",
+        "ShapeStep": "segment_steps",
         "ValueStatistics": "segment_statistics",
         "changed_shape": "operations",
         "grown": "operations",

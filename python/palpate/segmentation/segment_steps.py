@@ -115,11 +115,11 @@ def apply_step(segment: Segment, step: Step) -> Segment:
         OptionError: It does not fit.
     """
     if isinstance(step, HandEdit):
-        mask = segment.mask() != 0
-        return with_mask(segment, (mask | step.added.mask()) & ~step.removed.mask())
+        mask, grid = segment.mask() != 0, segment.volume.shape
+        return with_mask(segment, (mask | step.added.mask(on=grid)) & ~step.removed.mask(on=grid))
     if step.kind == "joint":
         raise OptionError("'joint' given as a step; allowed: changes of one segment")
     other = None
     if step.kind in LOGIC and step.other is not None:
-        other = with_mask(segment, step.other.mask(), name=step.other_name)
+        other = with_mask(segment, step.other.mask(on=segment.volume.shape), name=step.other_name)
     return changed_shape(segment, step.kind, amount=step.amount, other=other)

@@ -46,12 +46,17 @@ class VoxelSet(msgspec.Struct, frozen=True):
         """Whether there are none."""
         return prod(self.size) == 0
 
-    def mask(self) -> Mask:
+    def mask(self, *, on: Place | None = None) -> Mask:
         """Returns their mask, of the shape of the grid.
 
+        Args:
+            on: Shape of the grid that they must be on; None takes any.
+
         Raises:
-            OptionError: They come from a damaged file.
+            OptionError: They are on another grid, or come from a damaged file.
         """
+        if on is not None and on != self.shape:
+            raise OptionError(f"voxels of a grid of {list(self.shape)} given; allowed: {list(on)}")
         ends = np.add(self.low, self.size)
         count = prod(self.size)
         within = min(*self.low, *self.size) >= 0 and bool((ends <= self.shape).all())

@@ -214,7 +214,7 @@ class SessionSteps:
     def _made(self, steps: SegmentSteps, on_grid_of: Segment, progress: Progress) -> Segment:
         """Returns the segment that a list makes."""
         if isinstance(steps.source, VoxelSet):
-            source = with_mask(on_grid_of, steps.source.mask())
+            source = with_mask(on_grid_of, steps.source.mask(on=on_grid_of.volume.shape))
         else:
             progress(f"threshold of {on_grid_of.name}", None)
             source = self._segments.threshold(*steps.source, name=on_grid_of.name)

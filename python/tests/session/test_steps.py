@@ -10,9 +10,9 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 from palpate import PaintedCut, Scene, Session, SessionOptions, Volume
 from palpate.base.errors import EmptySegmentError, OptionError
-from palpate.segmentation import changed_shape
+from palpate.segmentation import HandEdit, SegmentSteps, ShapeStep, changed_shape
 from palpate.segmentation.request import SegmentRequest
-from palpate.segmentation.segment_steps import HandEdit, SegmentSteps, ShapeStep, Step
+from palpate.segmentation.segment_steps import Step
 from palpate.segmentation.voxel_set import VoxelSet, digest_of
 from palpate.volumes.segment import Segment
 from scipy.ndimage import gaussian_filter
@@ -345,3 +345,16 @@ def test_damaged_voxel_sets_are_refused() -> None:
     for damaged in (far, large, VoxelSet(kept.shape, kept.low, kept.size, b"nothing")):
         with pytest.raises(OptionError, match="damaged"):
             damaged.mask()
+
+
+def test_voxels_of_another_grid_are_refused(session: Session) -> None:
+    other = VoxelSet.of(np.ones((2, 2, 2), bool))
+    steps = session.steps(1)
+    assert steps is not None
+    for wrong in (
+        SegmentSteps(other),
+        steps.then(HandEdit(added=other, removed=other)),
+        steps.then(ShapeStep(kind="unite", other=other)),
+    ):
+        with pytest.raises(OptionError, match=r"voxels of a grid of \[2, 2, 2\] given"):
+            session.set_steps(1, wrong)

@@ -69,14 +69,19 @@ export function lookBeside<Look extends Omit<Appearance, "ranges">>(
  */
 export function feelsBone(segments: readonly Segment[], { bone, modality }: Anchored): boolean {
   const isCt = modality === "CT" || modality === "";
-  return isCt && segments.some(({ felt, made_by, range }) => felt && ((range ?? made_by)?.[1] ?? -Infinity) >= bone);
+  return isCt && segments.some((segment) => segment.felt && (thresholdOf(segment)?.[1] ?? -Infinity) >= bone);
+}
+
+/** The threshold that a segment comes from, whatever steps and edits did since; null where none made it. */
+function thresholdOf({ made_by, range, steps }: Segment): readonly [number, number] | null {
+  return range ?? made_by ?? steps?.range ?? null;
 }
 
 /** Ranges of what can be touched and is drawn by the transfer function: tissue in a colour, or as the scan. */
 function drawnByFunction(segments: readonly Segment[], modes: InsideModes): (readonly [number, number])[] {
-  return segments.flatMap(({ felt, id, made_by, range }) => {
-    const limits = range ?? made_by;
-    return felt && limits !== null && (modes[id] ?? "solid") !== "solid" ? [limits] : [];
+  return segments.flatMap((segment) => {
+    const limits = thresholdOf(segment);
+    return segment.felt && limits !== null && (modes[segment.id] ?? "solid") !== "solid" ? [limits] : [];
   });
 }
 

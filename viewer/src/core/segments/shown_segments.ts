@@ -60,6 +60,7 @@ export function drawnKey(segments: readonly Segment[]): string {
       segment.felt,
       segment.range,
       segment.made_by,
+      segment.steps?.range,
       segment.pose,
       segment.shown_as,
       segment.opacity,

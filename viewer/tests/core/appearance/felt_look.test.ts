@@ -61,6 +61,8 @@ test.each([
 
 test("an edited threshold counts by what made it, and an open range of all tissue counts too", () => {
   expect(feelsBone([{ ...bone, range: null, made_by: [700, 3071] }], scan)).toBe(true);
+  const steps = { range: [700, 3071], steps: [] } as const;
+  expect(feelsBone([{ ...bone, range: null, made_by: null, steps }], scan)).toBe(true);
   expect(feelsBone([{ ...bone, range: [-200, 3071] }], scan)).toBe(true);
 });
 

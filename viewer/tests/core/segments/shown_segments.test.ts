@@ -43,6 +43,7 @@ test("what the picture is handed stays the same where an edit only changed numbe
   const parts: readonly Partial<Segment>[] = [
     { range: null },
     { made_by: [1, 2] },
+    { steps: { range: [1, 2], steps: [] } },
     { colour: [0, 0, 1] },
     { visible: false },
     { shown_as: "both" },
