@@ -113,6 +113,7 @@ from palpate.protocol.soft_tissue import (
 )
 from palpate.protocol.touch import (
     ChangeSettings,
+    ChangeTouchClip,
     Clutch,
     DeviceLimits,
     Hand,
@@ -130,12 +131,14 @@ from palpate.protocol.touch import (
     Stroke,
     Tool,
     ToolState,
+    TouchClipChanged,
     View,
     WithdrawNeedle,
 )
 from palpate.protocol.types import (
     BeforeOrAfter,
     Calibration,
+    ClipPlanes,
     Colour,
     Coordinate,
     ForceSource,
@@ -174,7 +177,9 @@ __all__ = [
     "BeforeOrAfter",
     "Boxes",
     "Calibration",
+    "ClipPlanes",
     "ChangeSettings",
+    "ChangeTouchClip",
     "ChangeShape",
     "Changed",
     "ChangedVoxels",
@@ -307,6 +312,7 @@ __all__ = [
     "Tool",
     "ToolKind",
     "ToolState",
+    "TouchClipChanged",
     "TraceLevel",
     "Treatment",
     "TurnGrabbed",
@@ -331,6 +337,7 @@ ToPage = (
     | Changed
     | MatterParts
     | SettingsChanged
+    | TouchClipChanged
     | Recovery
     | Notice
     | Gap
@@ -394,6 +401,7 @@ FromPage = (
     | RecordSession
     | RemoveSegment
     | ChangeSettings
+    | ChangeTouchClip
     | Fence
     | Tool
     | WithdrawNeedle
