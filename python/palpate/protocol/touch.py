@@ -227,7 +227,7 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
 
 
 class ChangeTouchClip(Message, frozen=True, tag="change_touch_clip"):
-    """Cuts the scene for touch at planes; what lies before one is neither felt nor changed by tools.
+    """Cuts the scene for touch at planes; what lies before one is not felt, nor changed by tools.
 
     Each is a unit normal toward what is cut away, and ``normal · point`` of its points [mm].
     """

@@ -1,4 +1,4 @@
-"""Messages on touch: the hand, the view, the tool, its needle, the settings and what is cut away."""
+"""Messages on touch: the hand, the view, the tool, its needle, settings and what is cut away."""
 
 from __future__ import annotations
 
