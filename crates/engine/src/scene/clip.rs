@@ -18,8 +18,7 @@ impl Scene {
     }
 
     /// What is cut away of a segment's grid, where the segment is to stand.
-    #[must_use]
-    pub fn cut_away(&self, id: SegmentId) -> ClipMask {
+    fn cut_away(&self, id: SegmentId) -> ClipMask {
         let pose = self.properties_of(id).pose.unwrap_or_default();
         self.clip.mask(self.voxels.grid_of(id), pose)
     }
