@@ -175,3 +175,67 @@ def test_the_picture_changes_where_touch_does(page: Browser) -> None:
     page.do("press", key="Control+z")
     page.all_done()
     assert np.abs(parts(page, "again")[0] - strip).mean() < 0.02
+
+
+CUT = 34.5
+"""Where the clip box cuts the block along y [mm], 11 voxels deep."""
+
+
+@pytest.fixture
+def clipped(page: Browser) -> Iterator[Browser]:
+    """The page with the front of the scan cut away down into the block; nothing is, afterwards."""
+    if not is_there(page, "clip-box"):
+        page.do("clickText", text="Clip")
+    page.do("click", testid="clip-box")
+    page.do("slide", testid="clip-A", value=35)
+    assert page.text("clip-A-value") == "35.0 mm"
+    page.all_done()
+    yield page
+    page.do("release")
+    page.do("click", testid="clip-reset")
+    page.all_done()
+
+
+def sink(page: Browser) -> dict[str, Any]:
+    """Has the hand go from before the block to 3 mm behind the cut; returns the state at rest."""
+    page.read(f"window.palpate.place({[MIDDLE, SURFACE - 10, MIDDLE]})")
+    page.all_done()
+    page.read(f"window.palpate.hand({[MIDDLE, CUT + 3, MIDDLE]})")
+    page.wait("window.palpate.state.contact")
+    return page.settled()
+
+
+def test_what_the_clip_cuts_away_is_not_felt_and_the_cut_is(clipped: Browser) -> None:
+    page = clipped
+    felt = sink(page)
+    assert felt["proxy"][1] == pytest.approx(CUT, abs=0.1)
+    assert np.linalg.norm(felt["force"]) > 0.5
+    assert felt["safety"]["violations"] == 0
+    # switched off it is felt again, around the probe first: that is brought out
+    page.do("click", testid="clip-touch")
+    page.all_done()
+    assert sink(page)["proxy"][1] == pytest.approx(SURFACE, abs=0.1)
+    page.do("click", testid="clip-touch")
+    page.all_done()
+    assert sink(page)["proxy"][1] == pytest.approx(CUT, abs=0.1)
+    # the clip is a step of the page's undo, and touch goes with it
+    page.do("press", key="Control+z")
+    page.all_done()
+    assert sink(page)["proxy"][1] == pytest.approx(SURFACE, abs=0.1)
+    page.do("press", key="Control+Shift+z")
+    page.all_done()
+    assert sink(page)["proxy"][1] == pytest.approx(CUT, abs=0.1)
+
+
+def test_a_press_of_the_mouse_lands_on_the_cut_where_it_is_seen(clipped: Browser) -> None:
+    page = clipped
+    page.do("press", key="t")
+    page.do("dragElement", testid="canvas", **{"from": [0.0, 0.0]}, hold=True)
+    page.wait("window.palpate.state.contact")
+    state = page.settled()
+    page.do("release")
+    page.do("press", key="t")
+    assert state["proxy"][1] == pytest.approx(CUT, abs=0.2)
+    assert np.linalg.norm(state["force"]) == pytest.approx(1.0, rel=0.1)
+    assert state["safety"]["violations"] == 0
+    page.wait("!window.palpate.state.contact")

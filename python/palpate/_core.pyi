@@ -247,6 +247,12 @@ class Session:
     def view(self, right: _Triple, up: _Triple) -> None:
         """Turns the device's axes to those of the view; ``up`` is straightened."""
 
+    def set_clip(self, planes: Sequence[tuple[_Triple, float]]) -> None:
+        """Cuts the scene for touch; planes are (normal toward what is cut away, offset [mm])."""
+
+    def clip(self) -> list[tuple[_Triple, float]]:
+        """Returns the planes that cut the scene for touch."""
+
     def settings(self, changes: Mapping[str, str | float | None] | None = None) -> SettingsState:
         """Changes settings by the names of ``TouchSettings``; returns all that are in effect."""
 

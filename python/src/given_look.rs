@@ -192,7 +192,7 @@ fn control_point((value, colour, extinction): (f64, Colour, f32)) -> ControlPoin
     }
 }
 
-fn plane((normal, offset): (Triple, f64)) -> Plane {
+pub fn plane((normal, offset): (Triple, f64)) -> Plane {
     let normal: DVec3 = vector(normal);
     Plane { normal, offset }
 }

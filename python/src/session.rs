@@ -10,6 +10,7 @@ use palpate_engine::scene::{Properties, SurfaceOptions, SurfaceSource};
 use palpate_engine::session::{Session, SessionConfig};
 use palpate_engine::touch::{Settings, ThresholdRange, TouchFeel};
 use palpate_tools::journal::ScanHash;
+use palpate_volume::clip::Plane;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use pyo3::exceptions::PyRuntimeError;
@@ -20,6 +21,7 @@ use crate::arrays::{Triple, affine, triple, vector};
 use crate::device::{device_named, path_samples};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
+use crate::given_look::plane;
 use crate::material::{
     LinearTuple, OptionsTuple, RegionTuple, SolidTuple, constant_material, deformation_dict,
     force_source, linear_material, material_named, model_options, parts_dict, region,
@@ -141,6 +143,19 @@ impl PySession {
 
     fn view(&self, py: Python<'_>, right: Triple, up: Triple) -> Result<(), CoreError> {
         Ok(py.detach(|| self.session.view(vector(right), vector(up)))?)
+    }
+
+    /// Cuts the scene for touch at planes, each a normal toward what is cut away and an offset [mm].
+    fn set_clip(&self, py: Python<'_>, planes: Vec<(Triple, f64)>) -> Result<(), CoreError> {
+        let planes = planes.into_iter().map(plane).collect();
+        Ok(py.detach(|| self.session.set_clip(planes))?)
+    }
+
+    /// The planes that cut the scene for touch.
+    fn clip(&self, py: Python<'_>) -> Result<Vec<(Triple, f64)>, CoreError> {
+        let planes = py.detach(|| self.session.clip())?;
+        let told = |plane: Plane| (triple(plane.normal), plane.offset);
+        Ok(planes.into_iter().map(told).collect())
     }
 
     /// Changes the settings that are given by name; returns those that hold.

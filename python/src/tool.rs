@@ -7,6 +7,7 @@ use palpate_tools::drill::DrillSettings;
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::painter::PaintSettings;
 use palpate_tools::specific_energy::SpecificEnergy;
+use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::tissue::Tissue;
@@ -37,6 +38,7 @@ pub fn tool_settings(
         paint: PaintSettings { depth, overlaps },
         spared: SegmentSet::EMPTY,
         locked: SegmentSet::EMPTY,
+        cut_away: ClipMask::default(),
     })
 }
 

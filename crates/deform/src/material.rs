@@ -11,6 +11,9 @@ mod presets;
 
 pub use presets::{PRESETS, Preset, preset};
 
+use std::sync::Arc;
+
+use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use thiserror::Error;
@@ -338,7 +341,7 @@ pub enum Treatment {
 }
 
 /// Some of a segment's voxels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Region {
     /// The whole segment.
     Whole,
@@ -346,6 +349,8 @@ pub enum Region {
     Within(VoxelBox),
     /// What belongs to another segment too.
     Shared(SegmentId),
+    /// What is cut away of the scan.
+    CutAway(Arc<ClipMask>),
 }
 
 /// What one segment is made of.

@@ -44,6 +44,7 @@ pub fn solid_of(
         Region::Whole => true,
         Region::Within(box_of_voxels) => box_of_voxels.contains(voxel),
         Region::Shared(other) => matter.segments.contains(*other),
+        Region::CutAway(mask) => mask.cuts(voxel),
     };
     let treatment = of.regions.iter().rev().find(|(region, _)| inside(region));
     let treatment = treatment.map_or(Treatment::Deformable, |(_, treatment)| *treatment);

@@ -161,6 +161,9 @@ pub enum SessionError {
     /// No such box of a deformation model.
     #[error(transparent)]
     ModelOption(#[from] palpate_deform::registry::WrongOption),
+    /// Planes that are no clip.
+    #[error(transparent)]
+    Clip(#[from] palpate_volume::clip::ClipError),
     /// Voxels that do not fit.
     #[error(transparent)]
     Voxels(#[from] VoxelsError),

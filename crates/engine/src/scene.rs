@@ -14,6 +14,7 @@ use palpate_deform::material::MaterialLaw;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::clip::Clip;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::occupancy_fractions::OccupancyFractions;
 use palpate_volume::segment::Segment;
@@ -21,6 +22,7 @@ use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
+mod clip;
 mod cut;
 mod gap;
 mod gap_bodies;
@@ -93,6 +95,10 @@ pub struct Scene {
     punctured: SegmentSet,
     /// Where deformable segments are hard.
     rigid: BTreeMap<SegmentId, Bits>,
+    /// What of the scene is cut away from touch.
+    clip: Clip,
+    /// What it leaves of obstacles, of those that it cuts.
+    left: BTreeMap<SegmentId, Bits>,
     /// What was worked out of the occupancy fractions of masks.
     fractions: BTreeMap<SegmentId, Arc<OccupancyFractions>>,
     /// The model of soft tissue.
@@ -116,6 +122,8 @@ impl Scene {
             held: None,
             punctured: SegmentSet::EMPTY,
             rigid: BTreeMap::new(),
+            clip: Clip::default(),
+            left: BTreeMap::new(),
             fractions: BTreeMap::new(),
             model: None,
         }
@@ -313,7 +321,7 @@ impl Scene {
         self.obstacles()
             .filter(|(id, _, _)| self.stands(*id))
             .map(|(id, segment, _)| FractionalBits {
-                bits: segment.occupancy(),
+                bits: self.touched(id, segment),
                 fractions: self.fractions_of(id).map(|fractions| &**fractions),
             })
             .collect()
@@ -331,7 +339,7 @@ impl Scene {
         self.obstacles()
             .map(|(id, segment, properties)| Part {
                 id,
-                bits: segment.occupancy().clone(),
+                bits: self.touched(id, segment).clone(),
                 moved: properties.pose.map(|pose| MovedPart {
                     own_grid: segment.own_grid().copied(),
                     bounds: segment.bounding_box().unwrap_or(VoxelBox::EMPTY),

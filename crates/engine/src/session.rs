@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use palpate_device::DeviceLimits;
+use palpate_volume::clip::{Clip, Plane};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::Voxels;
 
@@ -183,6 +184,24 @@ impl Session {
     /// Where the session has ended.
     pub fn settings(&self) -> Result<Settings, SessionError> {
         self.ask(|simulation| simulation.settings())
+    }
+
+    /// Cuts the scene for touch at these planes, in the place of those before: what lies before one is
+    /// neither felt nor changed by tools. Voxels stay as they are.
+    ///
+    /// # Errors
+    /// Where they are no clip, or the session has ended.
+    pub fn set_clip(&self, planes: Vec<Plane>) -> Result<(), SessionError> {
+        let clip = Clip::new(planes)?;
+        self.ask(move |simulation| simulation.set_clip(clip))
+    }
+
+    /// The planes that cut the scene for touch.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn clip(&self) -> Result<Vec<Plane>, SessionError> {
+        self.ask(|simulation| simulation.clip().planes().to_vec())
     }
 
     /// Steps an offline session for so many seconds.

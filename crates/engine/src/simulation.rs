@@ -33,6 +33,7 @@ use crate::touch::{
     NeedleWatch, PLACEMENT_REACH, Settings, ThresholdRange, TouchFeel, check_radius, free_point,
 };
 
+mod clip;
 mod deformation;
 mod displacements;
 mod grip;
@@ -262,6 +263,10 @@ impl Simulation {
 
     /// Has touch follow a change of the scene.
     fn send_change(&mut self, change: &TouchChange) {
+        if let Some(moved) = self.scene.follow_clip(change) {
+            let cut = TouchChange::All(vec![moved]);
+            self.touch.send_change(&self.scene, &cut, Vec::new());
+        }
         let fractions = self.fractions.follow(&mut self.scene, change);
         self.touch.send_change(&self.scene, change, fractions);
     }

@@ -1,7 +1,8 @@
 //! How a scan is drawn: all but the camera. Values are in the unit of the scan, lengths in mm, colours
 //! linear RGB from 0 to 1.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
+pub use palpate_volume::clip::Plane;
 
 /// How the values along a ray become one colour.
 ///
@@ -140,15 +141,6 @@ pub struct ShownSurface {
     pub ambient: f32,
     /// Factor on specular light.
     pub specular: f32,
-}
-
-/// What lies before a plane is cut away. Frame: patient, LPS mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// Unit vector toward what is cut away.
-    pub normal: DVec3,
-    /// `normal · point` of its points [mm].
-    pub offset: f64,
 }
 
 /// Everything but the camera that decides how a scan is drawn.

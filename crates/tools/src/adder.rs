@@ -9,6 +9,7 @@
 use std::collections::BTreeSet;
 
 use glam::{DVec3, IVec3};
+use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
@@ -22,16 +23,18 @@ use crate::tool::{Tool, ToolInput, ToolReport, grid_of};
 pub struct Adder {
     radius: f64,
     segments: Vec<SegmentId>,
+    cut_away: ClipMask,
     /// Voxels swept over that must be free still, as z, y, x.
     waiting: BTreeSet<[i32; 3]>,
     report: ToolReport,
 }
 
 impl Adder {
-    pub(crate) fn new(radius: f64, segments: Vec<SegmentId>) -> Self {
+    pub(crate) fn new(radius: f64, segments: Vec<SegmentId>, cut_away: ClipMask) -> Self {
         Self {
             radius,
             segments,
+            cut_away,
             waiting: BTreeSet::new(),
             report: ToolReport::default(),
         }
@@ -81,7 +84,10 @@ impl Tool for Adder {
             boxes.extend(gone.iter().map(of_gone));
         }
 
-        let may_fill = |voxel| kept_free.as_ref().is_none_or(|ball| !ball.holds(voxel));
+        let may_fill = |voxel| {
+            let is_kept_free = kept_free.as_ref().is_some_and(|ball| ball.holds(voxel));
+            !is_kept_free && !self.cut_away.cuts(voxel)
+        };
         let wanted =
             |voxel: IVec3| sweep.holds(voxel) || gone.contains(&[voxel.z, voxel.y, voxel.x]);
         let edit = voxels.label_edit_of(&self.segments, &boxes, |_, voxel, was| {

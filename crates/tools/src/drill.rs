@@ -19,6 +19,7 @@
 //! A voxel edit. Frame: patient (LPS mm); work in N·mm.
 
 use glam::{DVec3, IVec3};
+use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -122,6 +123,7 @@ pub struct Drill {
     settings: DrillSettings,
     spared: SegmentSet,
     locked: SegmentSet,
+    cut_away: ClipMask,
     carried: f64,
     report: ToolReport,
 }
@@ -131,8 +133,8 @@ impl Drill {
         radius: f64,
         segments: Vec<SegmentId>,
         settings: DrillSettings,
-        spared: SegmentSet,
-        locked: SegmentSet,
+        [spared, locked]: [SegmentSet; 2],
+        cut_away: ClipMask,
     ) -> Self {
         Self {
             radius,
@@ -140,6 +142,7 @@ impl Drill {
             settings,
             spared,
             locked,
+            cut_away,
             carried: 0.0,
             report: ToolReport::default(),
         }
@@ -164,8 +167,8 @@ impl Drill {
         Some((work, [centre + back, centre]))
     }
 
-    /// Voxels of the cut segments that the burr reaches and that no locked one has, the nearest
-    /// first.
+    /// Voxels of the cut segments that the burr reaches, that no locked one has and that are not cut
+    /// away, the nearest first.
     fn reached(&self, voxels: &Voxels, segments: &[&Segment], way: &BurrWay) -> Vec<Reached> {
         let grid = voxels.grid();
         let reach = self.radius + grid.spacing().length();
@@ -180,6 +183,7 @@ impl Drill {
         let can_cut = |voxel| {
             segments.iter().any(|segment| segment.contains(voxel))
                 && !locked.iter().any(|(_, segment)| segment.contains(voxel))
+                && !self.cut_away.cuts(voxel)
         };
         let mut found = Vec::new();
         for voxel in sweep.boxes().iter().flat_map(|region| region.voxels()) {

@@ -2,6 +2,7 @@
 //!
 //! A label edit: the picture of the scan stays as it is.
 
+use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::{Voxels, VoxelsError};
@@ -15,14 +16,16 @@ use crate::tool::{Tool, ToolInput, ToolReport, grid_of};
 pub struct Eraser {
     radius: f64,
     segments: Vec<SegmentId>,
+    cut_away: ClipMask,
     report: ToolReport,
 }
 
 impl Eraser {
-    pub(crate) fn new(radius: f64, segments: Vec<SegmentId>) -> Self {
+    pub(crate) fn new(radius: f64, segments: Vec<SegmentId>, cut_away: ClipMask) -> Self {
         Self {
             radius,
             segments,
+            cut_away,
             report: ToolReport::default(),
         }
     }
@@ -36,7 +39,7 @@ impl Tool for Eraser {
         let grid = grid_of(voxels, &self.segments);
         let sweep = Sweep::new(grid, from, to, self.radius);
         let edit = voxels.label_edit_of(&self.segments, sweep.boxes(), |_, voxel, was| {
-            was && !sweep.holds(voxel)
+            was && (!sweep.holds(voxel) || self.cut_away.cuts(voxel))
         })?;
         Ok(self.report.noted(voxels, grid, edit, input.dt))
     }

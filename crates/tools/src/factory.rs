@@ -2,6 +2,7 @@
 //!
 //! A new tool is one more [`ToolKind`]. Lengths mm.
 
+use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment_set::SegmentSet;
@@ -82,6 +83,8 @@ pub struct ToolSettings {
     pub spared: SegmentSet,
     /// Segments whose voxels the drill leaves as they are, for other segments too.
     pub locked: SegmentSet,
+    /// Voxels of the segments' grid that are cut away: tools leave them as they are.
+    pub cut_away: ClipMask,
 }
 
 impl ToolSettings {
@@ -97,6 +100,7 @@ impl ToolSettings {
             paint: PaintSettings::default(),
             spared: SegmentSet::EMPTY,
             locked: SegmentSet::EMPTY,
+            cut_away: ClipMask::default(),
         }
     }
 
@@ -108,18 +112,21 @@ impl ToolSettings {
     pub fn build(&self, grid: &Grid) -> Result<Box<dyn Tool>, ToolError> {
         self.check(grid)?;
         let segments = self.segments.clone();
+        let cut_away = self.cut_away.clone();
         Ok(match self.kind {
-            ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
-            ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
+            ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments, cut_away)),
+            ToolKind::Adder => Box::new(Adder::new(self.radius, segments, cut_away)),
             ToolKind::Drill => Box::new(Drill::new(
                 self.radius,
                 segments,
                 self.drill,
-                self.spared,
-                self.locked,
+                [self.spared, self.locked],
+                cut_away,
             )),
             ToolKind::Needle => Box::new(Needle::default()),
-            ToolKind::Painter => Box::new(Painter::new(self.radius, segments, self.paint)),
+            ToolKind::Painter => {
+                Box::new(Painter::new(self.radius, segments, self.paint, cut_away))
+            }
         })
     }
 

@@ -11,6 +11,7 @@
 //! A label edit. Frame: patient (LPS mm).
 
 use glam::{DVec3, IVec3};
+use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -56,17 +57,24 @@ pub struct Painter {
     radius: f64,
     segments: Vec<SegmentId>,
     settings: PaintSettings,
+    cut_away: ClipMask,
     /// The probe was in contact in the pass before.
     touched: bool,
     report: ToolReport,
 }
 
 impl Painter {
-    pub(crate) fn new(radius: f64, segments: Vec<SegmentId>, settings: PaintSettings) -> Self {
+    pub(crate) fn new(
+        radius: f64,
+        segments: Vec<SegmentId>,
+        settings: PaintSettings,
+        cut_away: ClipMask,
+    ) -> Self {
         Self {
             radius,
             segments,
             settings,
+            cut_away,
             touched: false,
             report: ToolReport::default(),
         }
@@ -122,14 +130,15 @@ impl Tool for Painter {
             .iter()
             .map(find)
             .collect::<Result<Vec<_>, _>>()?;
-        let Some((painted, others)) = segments.split_first() else {
+        let Some((_, others)) = segments.split_first() else {
             return Ok(None);
         };
         let grid = grid_of(voxels, &self.segments);
         let sweep = Sweep::new(grid, from, to, self.radius);
-        let has =
-            |segments: &[&Segment], voxel: IVec3| segments.iter().any(|one| one.contains(voxel));
-        let solid = |voxel: IVec3| painted.contains(voxel) || has(others, voxel);
+        let has = |segments: &[&Segment], voxel: IVec3| {
+            segments.iter().any(|one| one.contains(voxel)) && !self.cut_away.cuts(voxel)
+        };
+        let solid = |voxel: IVec3| has(&segments, voxel);
         let layer = self.layer(grid, &sweep, input, solid);
         let reached = |voxel: IVec3| {
             let is_near = layer.as_ref().is_none_or(|layer| layer.holds(voxel));

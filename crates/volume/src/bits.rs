@@ -41,6 +41,19 @@ impl Bits {
         }
     }
 
+    /// The same grid with other bricks in the place of those that there are, made in parallel from
+    /// each and its voxels, which may reach beyond the border.
+    #[must_use]
+    pub fn with_bricks(
+        &self,
+        make: impl Fn(&Arc<BitBrick>, &VoxelBox) -> Option<Arc<BitBrick>> + Sync,
+    ) -> Self {
+        Self {
+            dimensions: self.dimensions,
+            bricks: self.bricks.with_bricks(make),
+        }
+    }
+
     /// Voxels along x, y and z.
     pub fn dimensions(&self) -> UVec3 {
         self.dimensions

@@ -72,6 +72,22 @@ impl<B> BrickGrid<B> {
         Self { size, bricks }
     }
 
+    /// The same grid with other bricks in the place of those that there are, made in parallel from
+    /// each and its box, which may reach beyond the border.
+    #[must_use]
+    pub fn with_bricks(&self, make: impl Fn(&Arc<B>, &VoxelBox) -> Option<Arc<B>> + Sync) -> Self
+    where
+        B: Send + Sync,
+    {
+        let other = |(index, brick): (usize, &Option<Arc<B>>)| {
+            make(brick.as_ref()?, &box_of(self.size, index as u32))
+        };
+        Self {
+            size: self.size,
+            bricks: self.bricks.par_iter().enumerate().map(other).collect(),
+        }
+    }
+
     /// Bricks along each axis.
     pub fn size(&self) -> UVec3 {
         self.size

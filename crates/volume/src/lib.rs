@@ -10,6 +10,7 @@ pub mod bits;
 pub mod block;
 pub mod bodies;
 pub mod brick_grid;
+pub mod clip;
 pub mod edit;
 mod edit_builder;
 pub mod first_solid;

@@ -7,6 +7,7 @@ mod bits;
 mod block;
 mod bodies;
 mod brick_grid;
+mod clip;
 mod first_solid;
 mod grid;
 mod intensities;

@@ -123,6 +123,7 @@ from palpate.protocol.soft_tissue import (
 )
 from palpate.protocol.touch import (
     ChangeSettings,
+    ChangeTouchClip,
     Clutch,
     DeviceLimits,
     Hand,
@@ -140,12 +141,14 @@ from palpate.protocol.touch import (
     Stroke,
     Tool,
     ToolState,
+    TouchClipChanged,
     View,
     WithdrawNeedle,
 )
 from palpate.protocol.types import (
     BeforeOrAfter,
     Calibration,
+    ClipPlanes,
     Colour,
     Coordinate,
     ForceSource,
@@ -188,8 +191,10 @@ __all__ = [
     "ChangeSettings",
     "ChangeShape",
     "ChangeSteps",
+    "ChangeTouchClip",
     "Changed",
     "ChangedVoxels",
+    "ClipPlanes",
     "Clutch",
     "Colour",
     "Constants",
@@ -328,6 +333,7 @@ __all__ = [
     "Tool",
     "ToolKind",
     "ToolState",
+    "TouchClipChanged",
     "TraceLevel",
     "Treatment",
     "TurnGrabbed",
@@ -353,6 +359,7 @@ ToPage = (
     | Changed
     | MatterParts
     | SettingsChanged
+    | TouchClipChanged
     | Recovery
     | Notice
     | Gap
@@ -423,6 +430,7 @@ FromPage = (
     | RecordSession
     | RemoveSegment
     | ChangeSettings
+    | ChangeTouchClip
     | Fence
     | Tool
     | WithdrawNeedle

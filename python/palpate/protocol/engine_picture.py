@@ -12,7 +12,7 @@ import msgspec
 
 from palpate.pictures.appearance import Mode, Shown, Tint
 from palpate.protocol.types import (
-    Coordinate,
+    ClipPlanes,
     LinearColour,
     Message,
     SegmentId,
@@ -134,7 +134,7 @@ class PictureLook(Message, frozen=True, tag="picture_look"):
     lighting: LookLight
     segments: Annotated[list[LookSegment], msgspec.Meta(max_length=255)]
     surfaces: Annotated[list[LookSurface], msgspec.Meta(max_length=255)]
-    clip: Annotated[list[tuple[Vector, Coordinate]], msgspec.Meta(max_length=16)]
+    clip: ClipPlanes
     second: LookSecond | None
 
 

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from palpate.protocol.types import (
+    ClipPlanes,
     Friction,
     Message,
     NeedleEventKind,
@@ -19,6 +20,7 @@ from palpate.protocol.types import (
 
 __all__ = [
     "ChangeSettings",
+    "ChangeTouchClip",
     "Clutch",
     "DeviceLimits",
     "Hand",
@@ -36,6 +38,7 @@ __all__ = [
     "Stroke",
     "Tool",
     "ToolState",
+    "TouchClipChanged",
     "View",
     "WithdrawNeedle",
 ]
@@ -171,6 +174,12 @@ class SettingsChanged(Message, frozen=True, tag="settings_changed"):
     settings: Settings
 
 
+class TouchClipChanged(Message, frozen=True, tag="touch_clip_changed"):
+    """The planes that cut the scene for touch, as ``ChangeTouchClip`` has them."""
+
+    planes: ClipPlanes
+
+
 class Hand(Message, frozen=True, tag="hand"):
     """Target to which the hand pulls the device [scene]; latest wins."""
 
@@ -215,6 +224,15 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
     """Requests new settings."""
 
     settings: Settings
+
+
+class ChangeTouchClip(Message, frozen=True, tag="change_touch_clip"):
+    """Cuts the scene for touch at planes; what lies before one is not felt, nor changed by tools.
+
+    Each is a unit normal toward what is cut away, and ``normal · point`` of its points [mm].
+    """
+
+    planes: ClipPlanes
 
 
 class Tool(Message, frozen=True, tag="tool"):

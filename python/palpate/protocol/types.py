@@ -15,6 +15,7 @@ from palpate.volumes import appearance
 __all__ = [
     "BeforeOrAfter",
     "Calibration",
+    "ClipPlanes",
     "Colour",
     "Coordinate",
     "ForceSource",
@@ -55,6 +56,9 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 
 Vector = tuple[Coordinate, Coordinate, Coordinate]
 """x, y, z in the scene frame, LPS [mm]; forces [N]."""
+
+ClipPlanes = Annotated[list[tuple[Vector, Coordinate]], msgspec.Meta(max_length=16)]
+"""Planes: a unit normal toward what is cut away, and ``normal · point`` of their points [mm]."""
 
 PointPair = tuple[Vector, Vector]
 """The same place in two scans."""

@@ -153,6 +153,8 @@ class Live:
             )
         )
         outbox.put(self.segments.message)
+        if self._touch.clip.planes:
+            outbox.put(self._touch.clip)
         if self._second.scan is not None:
             outbox.put(self._second)
             outbox.put(self.registration.message)

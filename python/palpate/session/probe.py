@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
+from palpate.base.errors import OptionError
 from palpate.session.engine import Engine, Point, option_errors, triple
 from palpate.session.segment_state import SettingsState
 from palpate.session.touch_settings import TouchSettings
 
-__all__ = ["SessionProbe"]
+__all__ = ["ClipPlane", "SessionProbe"]
+
+ClipPlane = tuple[Point, float]
+"""Unit normal toward what is cut away [scene], and ``normal · point`` of its points [mm]."""
 
 
 class SessionProbe:
@@ -87,6 +92,35 @@ class SessionProbe:
         """
         with option_errors():
             return self._engine.settings(asdict(changes or TouchSettings()))
+
+    def set_clip(self, planes: Sequence[ClipPlane]) -> None:
+        """Cuts the scene for touch at planes, instead of those before; none cut nothing.
+
+        A voxel whose centre lies before a plane is no obstacle, and no tool changes it. Moved
+        segments are cut where they stand, soft tissue too. Voxels, statistics, exports and undo
+        stay as they are; material that comes back leaves the probe free, as undo does.
+
+        Args:
+            planes: At most 16: unit normal toward what is cut away [scene], and
+                ``normal · point`` of the plane's points [mm].
+
+        Raises:
+            OptionError: They are not such planes.
+
+        Example:
+            >>> session.set_clip([((0.0, 0.0, 1.0), 20.0)])  # nothing above z = 20 mm
+        """
+        try:
+            given = [(triple("normal", normal), float(offset)) for normal, offset in planes]
+        except (TypeError, ValueError):
+            allowed = "pairs of a normal, x, y, z, and an offset [mm]"
+            raise OptionError(f"planes {planes!r} given; allowed: {allowed}") from None
+        with option_errors():
+            self._engine.set_clip(given)
+
+    def clip(self) -> list[tuple[tuple[float, float, float], float]]:
+        """Returns the planes that cut the scene for touch, as ``set_clip`` takes them."""
+        return self._engine.clip()
 
     def clutch(self, *, on: bool) -> None:
         """Decouples the device from the probe, or couples them again where both are then.

@@ -170,6 +170,8 @@ class Session:
     place = PartMethod("_probe", SessionProbe.place)
     view = PartMethod("_probe", SessionProbe.view)
     settings = PartMethod("_probe", SessionProbe.settings)
+    set_clip = PartMethod("_probe", SessionProbe.set_clip)
+    clip = PartMethod("_probe", SessionProbe.clip)
     clutch = PartMethod("_probe", SessionProbe.clutch)
 
     @property

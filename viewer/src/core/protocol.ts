@@ -15,6 +15,9 @@ export type Coordinate = number;
 /** x, y, z in the scene frame, LPS [mm]; forces [N]. */
 export type Vector = readonly [Coordinate, Coordinate, Coordinate];
 
+/** Planes: a unit normal toward what is cut away, and `normal · point` of their points [mm]. */
+export type ClipPlanes = readonly (readonly [Vector, Coordinate])[];
+
 /** The same place in two scans. */
 export type PointPair = readonly [Vector, Vector];
 
@@ -662,6 +665,12 @@ export interface SettingsChanged {
   readonly settings: Settings;
 }
 
+/** The planes that cut the scene for touch, as `ChangeTouchClip` has them. */
+export interface TouchClipChanged {
+  readonly type: "touch_clip_changed";
+  readonly planes: ClipPlanes;
+}
+
 /**
  * Changes of this scan that an earlier session left: their number, the time of the last.
  *
@@ -1020,7 +1029,7 @@ export interface PictureLook {
   readonly lighting: LookLight;
   readonly segments: readonly LookSegment[];
   readonly surfaces: readonly LookSurface[];
-  readonly clip: readonly (readonly [Vector, Coordinate])[];
+  readonly clip: ClipPlanes;
   readonly second: LookSecond | null;
 }
 
@@ -1456,6 +1465,16 @@ export interface ChangeSettings {
   readonly settings: Settings;
 }
 
+/**
+ * Cuts the scene for touch at planes; what lies before one is not felt, nor changed by tools.
+ *
+ * Each is a unit normal toward what is cut away, and `normal · point` of its points [mm].
+ */
+export interface ChangeTouchClip {
+  readonly type: "change_touch_clip";
+  readonly planes: ClipPlanes;
+}
+
 /** Requests an answer once all earlier requests of the page are done; `number` is returned. */
 export interface Fence {
   readonly type: "fence";
@@ -1514,6 +1533,7 @@ export type ToPage =
   | Changed
   | MatterParts
   | SettingsChanged
+  | TouchClipChanged
   | Recovery
   | Notice
   | Gap
@@ -1584,6 +1604,7 @@ export type FromPage =
   | RecordSession
   | RemoveSegment
   | ChangeSettings
+  | ChangeTouchClip
   | Fence
   | Tool
   | WithdrawNeedle
@@ -1727,6 +1748,8 @@ function record(fields: Readonly<Record<string, Check>>): Check {
 const isCoordinate = real({ ge: -1000000, le: 1000000 });
 
 const isVector = tuple(isCoordinate, isCoordinate, isCoordinate);
+
+const isClipPlanes = list(tuple(isVector, isCoordinate));
 
 const isValue = real({ ge: -1000000000, le: 1000000000 });
 
@@ -2134,6 +2157,11 @@ const isSettingsChanged = record({
   settings: isSettings,
 });
 
+const isTouchClipChanged = record({
+  type: oneOf("touch_clip_changed"),
+  planes: isClipPlanes,
+});
+
 const isOffer = record({
   steps: whole(),
   when: text(),
@@ -2295,6 +2323,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["changed", isChanged],
   ["matter_parts", isMatterParts],
   ["settings_changed", isSettingsChanged],
+  ["touch_clip_changed", isTouchClipChanged],
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],

@@ -100,6 +100,7 @@ impl RestVoxels<'_> {
                     other.is_some_and(|other| other.contains(voxel))
                 }
             },
+            Region::CutAway(mask) => mask.cuts(voxel),
         };
         let mut last_first = matter.regions.iter().rev();
         let found = last_first.find(|(region, _)| holds(region));

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMaterial, Treatment};
+use palpate_volume::clip::{Clip, ClipMask};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::segment_set::SegmentSet;
 
@@ -18,6 +20,8 @@ use crate::scene::Scene;
 pub struct DeformableSegments {
     regions: BTreeMap<SegmentId, Vec<(Region, Treatment)>>,
     laws: Vec<(SegmentId, Option<MaterialLaw>)>,
+    /// What is cut away of the scan; none where nothing is.
+    cut_away: Option<Arc<ClipMask>>,
     materials: Arc<Materials>,
 }
 
@@ -25,6 +29,13 @@ impl DeformableSegments {
     /// How regions of a segment take part; of several that hold a voxel the last counts.
     pub fn set_regions(&mut self, id: SegmentId, regions: Vec<(Region, Treatment)>) {
         self.regions.insert(id, regions);
+        self.laws.clear();
+    }
+
+    /// What a clip cuts away of a scan with this grid takes no part.
+    pub fn set_clip(&mut self, clip: &Clip, grid: &Grid) {
+        let mask = || Arc::new(clip.mask(grid, DAffine3::IDENTITY));
+        self.cut_away = (!clip.is_empty()).then(mask);
         self.laws.clear();
     }
 
@@ -64,13 +75,18 @@ impl DeformableSegments {
     }
 
     fn made(&self) -> Materials {
+        let cut_away = self.cut_away.iter().cloned().map(Region::CutAway);
+        let cut_away = cut_away.map(|region| (region, Treatment::Empty));
         let matter = |&(segment, law): &(SegmentId, Option<MaterialLaw>)| SegmentMaterial {
             segment,
             law: law.unwrap_or_else(hard),
             regions: match law {
                 Some(_) => self.regions(segment).to_vec(),
                 None => vec![(Region::Whole, Treatment::Rigid)],
-            },
+            }
+            .into_iter()
+            .chain(cut_away.clone())
+            .collect(),
         };
         // where a voxel belongs to several the last counts: what is hard stays hard
         let (soft, stiff): (Vec<_>, Vec<_>) = self.laws.iter().partition(|(_, law)| law.is_some());

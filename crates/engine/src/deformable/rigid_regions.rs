@@ -143,6 +143,9 @@ fn brick_of(voxels: &Voxels, region: &Region, bounds: &VoxelBox) -> BitBrick {
             let bricks = other.and_then(|other| other.occupancy().bricks().at(bounds.min));
             bricks.copied().unwrap_or_default()
         }
+        Region::CutAway(mask) => {
+            BitBrick::from_fn(size, |offset: IVec3| mask.cuts(bounds.min + offset))
+        }
     }
 }
 

@@ -169,6 +169,7 @@ impl Scene {
     fn remove(&mut self, id: SegmentId) -> Result<(Step, TouchChange), VoxelsError> {
         let segment = self.voxels.remove_segment(id)?;
         self.rigid.remove(&id);
+        self.left.remove(&id);
         let change = self.all_to_touch(id);
         let properties = self.properties.remove(&id).unwrap_or_default();
         let inverse = Step::Insert {

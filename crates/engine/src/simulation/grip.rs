@@ -307,10 +307,10 @@ fn others_of(scene: &Scene) -> Vec<Other<'_>> {
     };
     scene
         .obstacles()
-        .map(|(_, segment, properties)| {
+        .map(|(id, segment, properties)| {
             let (grid_from_scene, smallest_spacing) = other(segment, properties.pose);
             Other {
-                bits: segment.occupancy(),
+                bits: scene.touched(id, segment),
                 bounds: segment.bounding_box().unwrap_or(VoxelBox::EMPTY),
                 grid_from_scene,
                 smallest_spacing,

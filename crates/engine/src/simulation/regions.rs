@@ -22,7 +22,7 @@ impl Simulation {
     ) -> Result<(), SessionError> {
         let shared = regions.iter().filter_map(|(region, _)| match region {
             Region::Shared(other) => Some(*other),
-            Region::Whole | Region::Within(_) => None,
+            Region::Whole | Region::Within(_) | Region::CutAway(_) => None,
         });
         for id in shared.chain([id]) {
             if self.voxels().segment(id).is_none() {

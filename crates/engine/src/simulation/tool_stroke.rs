@@ -2,7 +2,8 @@
 //!
 //! Frame: scene. Where the chosen segments were moved, the tool works in their own frame, that
 //! of the first one; segments that stand elsewhere, or on another grid, are passed over, and a
-//! drill spares them. Those that are locked are passed over too.
+//! drill spares them. Those that are locked are passed over too, and so is what is cut away from
+//! touch.
 
 use std::collections::BTreeMap;
 
@@ -116,6 +117,7 @@ impl ToolStroke {
         }
         let all = scene.segments().map(|(id, ..)| id);
         settings.spared = all.filter(|id| !stands_there(*id)).collect();
+        settings.cut_away = scene.clip().mask(&grid, pose);
         self.pressed = Some(Pressed {
             tool: settings.build(&grid)?,
             kind: settings.kind,

@@ -1,5 +1,6 @@
-//! What a ray of the scene meets first of what can be touched: by the true voxels, of segments that
-//! were moved where they stand by now. Soft tissue counts as it is at rest.
+//! What a ray of the scene meets first of what can be touched: by the true voxels as far as they are
+//! not cut away, of segments that were moved where they stand by now. Soft tissue counts as it is at
+//! rest.
 //!
 //! Frame: scene [mm].
 
@@ -19,7 +20,7 @@ impl Rays for Simulation {
             let [start, end] = [from, to].map(|point| grid_from_scene.transform_point3(point));
             let (enters, leaves) = span_in(segment.bounding_box()?, start, end)?;
             let [near, far] = [enters, leaves].map(|share| start.lerp(end, share));
-            let hit = first_solid(segment.occupancy(), near, far)?;
+            let hit = first_solid(self.scene.touched(id, segment), near, far)?;
             Some(enters + (leaves - enters) * hit.fraction)
         });
         let nearest = hits.fold(f64::INFINITY, f64::min);

@@ -238,7 +238,7 @@ impl TouchSender {
             return self.send_root(scene, segments);
         }
         let swaps = changed().flat_map(|(id, segment, _)| {
-            let entries = segment.occupancy().bricks();
+            let entries = scene.touched(id, segment).bricks();
             bricks.iter().map(move |&index| {
                 let brick = entries.get(index).cloned();
                 (id, BrickSwap { index, brick })

@@ -5,11 +5,12 @@ use palpate_deform::material::{MaterialLaw, SolidSi};
 use palpate_engine::servo::HandTarget;
 use palpate_engine::touch::{Settings, TouchFeel};
 use palpate_haptics::smooth::Smoothing;
+use palpate_volume::clip::{Clip, Plane};
 use palpate_volume::edit::SegmentId;
 
 use super::*;
 
-/// An edit, a root, undo, a move, a placement, a view, settings, a feel, a material, a hand target, or
+/// An edit, a root, undo, a move, a clip, a placement, a view, settings, a feel, a material, a hand target, or
 /// nothing.
 pub fn change_something(rig: &mut Rig, ids: &[SegmentId; 2], random: &mut Random) {
     let id = ids[random.below(2) as usize];
@@ -74,6 +75,12 @@ pub fn change_something(rig: &mut Rig, ids: &[SegmentId; 2], random: &mut Random
             };
             let law = MaterialLaw::constant(solid).ok();
             simulation.set_material(id, law, true).unwrap();
+        }
+        24 => {
+            let normal = random.point(-1.0, 1.0).normalize_or(glam::DVec3::X);
+            let offset = normal.dot(random.point(8.0, 40.0));
+            let planes = (random.below(3) > 0).then_some(Plane { normal, offset });
+            simulation.set_clip(Clip::new(planes.into_iter().collect()).unwrap());
         }
         21 => rig.hand.write(HandTarget {
             point: random.point(0.0, 48.0),

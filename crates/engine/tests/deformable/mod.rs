@@ -4,4 +4,4 @@ mod floor;
 mod friction;
 mod lattice;
 mod regions;
-mod soft_block;
+pub mod soft_block;

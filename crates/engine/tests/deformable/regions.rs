@@ -54,7 +54,7 @@ fn regions_of_a_segment_can_be_rigid_or_as_if_they_were_not_there() {
         let mut rig = lattice_rig();
         let region = Region::Within(VoxelBox::new(IVec3::ZERO, IVec3::new(40, 40, 18)));
         rig.simulation
-            .set_regions(SOFT, vec![(region, treatment)])
+            .set_regions(SOFT, vec![(region.clone(), treatment)])
             .unwrap();
         assert_eq!(rig.simulation.regions(SOFT), [(region, treatment)]);
         go(&mut rig, 30.0, 21.0, 1000);

@@ -2,6 +2,7 @@
 
 mod admission;
 mod carried;
+mod clip;
 mod intensities;
 mod moving;
 mod needle;

@@ -1,4 +1,4 @@
-"""Messages on touch: the hand, the view, the tool, its needle, and the settings."""
+"""Messages on touch: the hand, the view, the tool, its needle, settings and what is cut away."""
 
 from __future__ import annotations
 
@@ -32,6 +32,8 @@ class TouchMessages:
         """Takes the settings that hold, and what publishes to all pages from any thread."""
         self.settings = settings
         """Those that hold."""
+        self.clip = protocol.TouchClipChanged(planes=[])
+        """What is cut away from touch."""
         self._session = session
         self._publish = publish
         self._pressed_by: Outbox | None = None
@@ -50,6 +52,7 @@ class TouchMessages:
         table.add(protocol.WithdrawNeedle, self._withdraw_needle, runs=Runs.IN_ORDER)
         table.add(protocol.Stroke, self._stroke, runs=Runs.IN_ORDER)
         table.add(protocol.ChangeSettings, self._change_settings, runs=Runs.IN_ORDER)
+        table.add(protocol.ChangeTouchClip, self._change_clip, runs=Runs.IN_ORDER)
 
     def leave(self, page: Outbox) -> None:
         """Releases the tool and lifts the hand where a page that has gone pressed them."""
@@ -106,6 +109,14 @@ class TouchMessages:
         finally:
             # a page shows what it asked for at once: refused, it must learn what holds
             self._publish(protocol.SettingsChanged(self.settings))
+
+    def _change_clip(self, message: protocol.ChangeTouchClip, _: Outbox) -> None:
+        try:
+            self._session.set_clip(message.planes)
+        finally:
+            # a page sends the next ones once it is answered
+            self.clip = protocol.TouchClipChanged(planes=self._session.clip())
+            self._publish(self.clip)
 
 
 class PublishedNeedle:

@@ -117,3 +117,22 @@ def test_a_pressure_that_no_mouse_has_is_refused(shared_server: Any, pressure: f
         shared_server.session.press((20.0, 20.0, 100.0), (0.0, 0.0, -1.0), pressure=pressure)
     with pytest.raises(ValueError, match="direction"):
         shared_server.session.press((20.0, 20.0, 100.0), (0.0, 0.0, 0.0), pressure=1.0)
+
+
+def test_all_pages_are_told_of_what_is_cut_away_from_touch(server: Any) -> None:
+    planes = [[[0.0, 0.0, 1.0], 20.0]]
+    with server.page() as page:
+        page.send({"type": "change_touch_clip", "planes": planes})
+        assert page.receive("touch_clip_changed")["planes"] == planes
+        # the ball's top is at 28 mm: what is above 20 mm is not there
+        page.send({"type": "place", "point": [20.0, 20.0, 34.0]})
+        page.send({"type": "hand", "target": [20.0, 20.0, 18.0]})
+        state = page.receive("state", until=lambda m: m["contact"] and m["force"][2] > 0.5)
+        assert state["proxy"][2] == pytest.approx(20.5, abs=0.51)
+        with server.page() as later:
+            assert later.receive("touch_clip_changed")["planes"] == planes
+        # refused, the page learns what holds
+        page.send({"type": "change_touch_clip", "planes": [[[0.0, 0.0, 3.0], 20.0]]})
+        assert page.receive("touch_clip_changed")["planes"] == planes
+        page.send({"type": "change_touch_clip", "planes": []})
+        assert page.receive("touch_clip_changed")["planes"] == []

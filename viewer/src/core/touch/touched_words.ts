@@ -2,9 +2,9 @@
  * What is touched, or why nothing is felt, in one line of plain words.
  */
 import { formatValue } from "../base/format";
-import { addScaled, type Vec3 } from "../geometry/vector";
+import { addScaled, dot, type Vec3 } from "../geometry/vector";
 import { tissueName } from "../picking/tissue_name";
-import type { Safety, Scan, Segment, State } from "../protocol";
+import type { ClipPlanes, Safety, Scan, Segment, State } from "../protocol";
 import { withoutNoise } from "../scan/stored_values";
 import { presetName } from "../tissue/tissue";
 
@@ -20,6 +20,15 @@ export interface Places {
   readonly valueAt: (point: Vec3) => number | null;
   /** The segment that a voxel belongs to, as far as it is known. */
   readonly segmentAt: (point: Vec3) => Segment | null;
+}
+
+/** What a state is told about. */
+interface About {
+  readonly scan: Told;
+  readonly segments: readonly Segment[];
+  readonly places: Places;
+  /** Planes that touch is cut at. */
+  readonly clip?: ClipPlanes;
 }
 
 type Told = Pick<Scan, "bone" | "slope" | "soft_tissue" | "spacing" | "unit">;
@@ -45,7 +54,7 @@ const held: Readonly<Record<Safety["force"], string | null>> = {
 /** "bone · rigid · 743 HU", or "Free: in bone, which is hidden". */
 export function touchedWords(
   state: TouchedState,
-  { scan, segments, places }: { readonly scan: Told; readonly segments: readonly Segment[]; readonly places: Places },
+  { scan, segments, places, clip = [] }: About,
 ): string {
   const nameOf = (id: number): string => segments.find((segment) => segment.id === id)?.name ?? "a segment";
   const { needle, safety } = state;
@@ -63,7 +72,10 @@ export function touchedWords(
   if (state.grabbed !== 0) {
     return `Holds ${nameOf(state.grabbed)}: what is held is not felt`;
   }
-  return state.clutched ? "Clutch: the device moves without the probe" : whyFree(state, { scan, segments, places });
+  if (state.clutched) {
+    return "Clutch: the device moves without the probe";
+  }
+  return whyFree(state, { scan, segments, places, clip });
 }
 
 function join(parts: readonly (string | null)[]): string {
@@ -113,15 +125,13 @@ function valueText(value: number | null, scan: Told): string | null {
   return value === null ? null : `${formatValue(withoutNoise(value, scan))}${scan.unit === "" ? "" : ` ${scan.unit}`}`;
 }
 
-function whyFree(
-  { proxy }: TouchedState,
-  { scan, segments, places }: { readonly scan: Told; readonly segments: readonly Segment[]; readonly places: Places },
-): string {
+function whyFree({ proxy }: TouchedState, { scan, segments, places, clip = [] }: About): string {
   if (segments.length === 0) {
     return "Free: there is no segment to touch";
   }
   const around = places.segmentAt(proxy);
-  const why = around === null ? null : whyUnfelt(around);
+  const isCut = clip.some(([normal, offset]) => dot(normal, proxy) > offset);
+  const why = around === null ? null : whyUnfelt(around, isCut);
   if (around !== null && why !== null) {
     return `Free: in ${around.name}, ${why}`;
   }
@@ -134,7 +144,10 @@ function whyFree(
     : `Free: in ${tissueName(value, scan)} of no segment`;
 }
 
-function whyUnfelt({ felt, pending, touchable }: Segment): string | null {
+function whyUnfelt({ felt, pending, touchable }: Segment, isCut: boolean): string | null {
+  if (felt && isCut) {
+    return "which is cut away here";
+  }
   if (felt) {
     return pending ? "which waits for the probe to leave" : null;
   }

@@ -166,6 +166,14 @@ function picture({ stage, page }: ActionTargets): readonly Action[] {
     },
     {
       group,
+      name: "Cut touch with the clip box and planes on, off",
+      keys: [],
+      run: () => {
+        stage.touchClip.switch(!stage.touchClip.on);
+      },
+    },
+    {
+      group,
       name: "Clip nothing",
       keys: [],
       ready: () => clips.cutting.length > 0,

@@ -26,6 +26,7 @@ import { ClipControl } from "../features/view/clip_control.svelte";
 import { DrawerControl } from "../features/view/drawer_control.svelte";
 import { QualityControl } from "../features/view/quality_control.svelte";
 import { StereoControl } from "../features/view/stereo_control.svelte";
+import { TouchClip } from "../features/view/touch_clip.svelte";
 import { ViewControl } from "../features/view/view_control.svelte";
 import { EngineSteps } from "../state/engine_steps.svelte";
 import { PageSteps } from "../state/page_steps.svelte";
@@ -61,6 +62,8 @@ interface ViewControls {
   readonly drawer: DrawerControl;
   /** What of the 3-D view is cut away. */
   readonly clips: ClipControl;
+  /** Whether touch is cut with it. */
+  readonly touchClip: TouchClip;
   /** How the scan is shown. */
   readonly appearance: AppearanceControl;
   /** What is taken out of the scan. */
@@ -110,13 +113,15 @@ function undoControls({ session }: Surroundings): UndoControls {
 function viewControls({ session, support }: Surroundings, { steps }: UndoControls): ViewControls {
   const view = new ViewControl(session);
   const slices = new SliceControl(steps, () => view.camera);
+  const clips = new ClipControl(steps);
   return {
     view,
     slices,
     stereo: new StereoControl(() => view.camera, () => slices.panes.view),
     quality: new QualityControl(support.software),
     drawer: new DrawerControl(support.software),
-    clips: new ClipControl(steps),
+    clips,
+    touchClip: new TouchClip(session, clips),
     appearance: new AppearanceControl(steps),
     removal: new RemovalControl(session),
     editRate: new EditRateControl(session),

@@ -8,6 +8,7 @@ import { recalled, remembered, sameSettings } from "../../core/touch/touch_setti
 import {
   PROTOCOL_VERSION,
   type Changed,
+  type ClipPlanes,
   type CutPreview,
   type DeformationModel,
   type DeviceLimits,
@@ -51,6 +52,7 @@ const passing: ReadonlySet<FromPage["type"]> = new Set([
   "view",
   "turn_grabbed",
   "fence",
+  "change_touch_clip",
   "picture_look",
   "draw_picture",
 ]);
@@ -65,6 +67,8 @@ export class Session {
   settings = $state.raw<Settings | null>(null);
   /** What `settings` were when the engine was started. */
   defaults = $state.raw<Settings | null>(null);
+  /** Planes that the engine cuts the scene at for touch. */
+  touchClip = $state.raw<ClipPlanes>([]);
   device = $state.raw("");
   deviceLimits = $state.raw<DeviceLimits | null>(null);
   /** Materials with a name, and deformation models. */
@@ -315,6 +319,9 @@ export class Session {
         this.answered = message.settings;
         this.settle();
         break;
+      case "touch_clip_changed":
+        this.touchClip = message.planes;
+        break;
       case "passed":
         this.pass(message.number, message.tick);
         this.settle();
@@ -370,6 +377,7 @@ export class Session {
     this.settings = hello.settings;
     this.settingsHold = true;
     this.defaults = hello.defaults;
+    this.touchClip = [];
     this.device = hello.device;
     this.deviceLimits = hello.device_limits;
     this.presets = hello.presets;

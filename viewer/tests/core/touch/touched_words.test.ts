@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { touchedWords, type Places, type TouchedState } from "../../../src/core/touch/touched_words";
-import type { Segment, State } from "../../../src/core/protocol";
+import type { ClipPlanes, Segment, State } from "../../../src/core/protocol";
 import { segment as bone } from "../../support/volumes";
 
 const scan = { bone: 250, slope: 1, soft_tissue: 40, spacing: [0.5, 0.5, 2], unit: "HU" } as const;
@@ -21,14 +21,15 @@ const touching: TouchedState = { ...free, contact: true, normal: [0, 0, 1], touc
 /** Air above the plane z = 0, and a value below it. */
 function words(
   state: TouchedState,
-  { segments = [bone], around = null, value = -1000 }: {
+  { segments = [bone], around = null, value = -1000, clip = [] }: {
     segments?: readonly Segment[];
     around?: Segment | null;
     value?: number;
+    clip?: ClipPlanes;
   } = {},
 ): string {
   const places: Places = { valueAt: ([, , z]) => (z < 0 ? 743 : value), segmentAt: () => around };
-  return touchedWords(state, { scan, segments, places });
+  return touchedWords(state, { scan, segments, places, clip });
 }
 
 test("what is touched is told by its name, what it is made of, and the value behind its surface", () => {
@@ -94,4 +95,12 @@ test("what is held, the clutch and a needle are told of", () => {
   });
   expect(words(needle(bone.id))).toBe("Needle in bone");
   expect(words(needle(0))).toBe("Needle in no segment");
+});
+
+test("before a plane that cuts touch, the segment around is cut away", () => {
+  const above: ClipPlanes = [[[0, 0, 1], 4]];
+  expect(words(free, { around: bone, clip: above })).toBe("Free: in bone, which is cut away here");
+  expect(words(free, { around: bone, clip: [[[0, 0, 1], 6]] })).toBe("Free: nothing is touched");
+  const hidden = { ...bone, felt: false };
+  expect(words(free, { around: hidden, clip: above })).toBe("Free: in bone, which is hidden");
 });
