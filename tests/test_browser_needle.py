@@ -6,7 +6,6 @@ The scan is a flat block, as in ``test_browser_tools.py``.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,14 +23,14 @@ NEEDLE = "window.palpate.state.needle"
 TISSUE = "document.querySelector('[data-testid=needle-tissue-1]')"
 
 
-@pytest.fixture
-def page(tmp_path: Path) -> Iterator[Browser]:
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     """The block on the page, seen from before, with the probe close to it."""
     import SimpleITK
 
     values = np.full((EDGE, EDGE, EDGE), -1000, np.int16)
     values[:, EDGE // 2 :, :] = 1000
-    block = tmp_path / "block.mha"
+    block = tmp_path_factory.mktemp("block") / "block.mha"
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(block))
     options = ("--threshold", "500", "--unit", "HU", "--port", "0")
     with palpate("open", block, *options) as command, browser() as opened:
@@ -81,3 +80,58 @@ def test_a_needle_goes_into_tissue_tells_of_it_and_is_withdrawn(page: Browser) -
     page.wait(f"!{NEEDLE}.inside")
     page.shows("needle-events", "text.includes('withdrawn')")
     page.wait(f"window.palpate.state.proxy[1] < {SURFACE}")
+
+
+def click_at(page: Browser, point: tuple[float, float, float]) -> None:
+    """Clicks a point of the axial slice through it."""
+    page.read(f"window.palpate.cross({list(point)})")
+    page.frames()
+    x, y = page.read(
+        "(() => { const { plane, rect } = window.palpate.slices.find(({name}) => name === 'axial');"
+        f" const off = {list(point)}.map((c, axis) => c - plane.centre[axis]);"
+        " const along = (axis) => off.reduce((sum, c, i) => sum + c * axis[i], 0) / plane.pixel;"
+        " return [0.5 + along(plane.right) / rect.width, 0.5 - along(plane.up) / rect.height];"
+        " })()"
+    )
+    page.do("clickAt", testid="slice-axial", x=x, y=y)
+
+
+def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page: Browser) -> None:
+    page.do("press", key="Shift+I")
+    page.wait("window.palpate.slices.length === 3")
+    assert "the target" in page.text("mark-bar")
+    click_at(page, (MIDDLE, SURFACE + 15, MIDDLE))
+    assert "goes in" in page.text("mark-bar") or "go in" in page.text("mark-bar")
+    click_at(page, (MIDDLE, SURFACE - 3, MIDDLE))
+    page.wait("window.palpate.marks.length === 1")
+    # to a pixel of the slice at each end
+    pixel = page.read("window.palpate.slices[0].plane.pixel")
+    page.shows("mark-value-1", "text.endsWith('mm')")
+    assert abs(float(page.text("mark-value-1").split()[0]) - 18.0) < 2.0 * pixel + 0.05
+    # all of the way before it goes in: air, then the block
+    page.shows("needle-way-planned", "text.includes('threshold')")
+
+    page.read(f"window.palpate.place({[MIDDLE, SURFACE - 2, MIDDLE]})")
+    page.all_done()
+    hold(page, on=True)
+    page.wait("window.palpate.state.tool.on")
+    page.read(f"window.palpate.hand({[MIDDLE, SURFACE + 13, MIDDLE]})")
+    page.wait(f"{NEEDLE}.inside && {NEEDLE}.depth > 5")
+    page.wait("document.querySelector('[data-testid=needle-axial]') !== null")
+    page.shows("tool-size", "text.endsWith('mm deep')")
+    page.shows("needle-way-passed", "text.includes('threshold')")
+    page.shows("needle-way-ahead", "text.includes('threshold')")
+    # straight in, on the line to within a voxel
+    page.shows("needle-off", "parseFloat(text) < 1")
+    page.shows("needle-angle", "parseFloat(text) < 5")
+    ahead = SURFACE + 15 - page.read("window.palpate.state.proxy[1]")
+    page.shows("needle-ahead", f"Math.abs(parseFloat(text) - {ahead}) < 1.5")
+    page.do("screenshot", path=str(OUTPUT / "needle-planned.png"))
+    hold(page, on=False)
+    page.do("click", testid="needle-withdraw")
+    page.wait(f"!{NEEDLE}.inside")
+    page.wait("document.querySelector('[data-testid=needle-axial]') === null")
+    # a plan is a mark: undo takes it back
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.marks.length === 0")
+    page.wait("document.querySelector('[data-testid=needle-off]') === null")

@@ -134,7 +134,7 @@ def test_tools_have_names_their_card_stands_beside_the_picture_and_tooltips_tell
     page: Browser,
 ) -> None:
     choose(page, "drill")
-    assert page.text("tool-drill").split() == ["Drill", "D"]
+    assert page.text("tool-drill") == "DrillD"
     edges = page.read(
         "(() => { const box = (id) => document.querySelector(`[data-testid=${id}]`)"
         ".getBoundingClientRect(); return [box('canvas').right, box('tool-card').left]; })()"
@@ -209,11 +209,13 @@ def test_what_is_touched_is_painted_and_touch_does_not_notice(page: Browser) -> 
     page.wait(f"{labelled(2)}.then(count => count === 0)")
 
 
-def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser) -> None:
+def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser, tmp_path: Path) -> None:
     choose(page, "drill")
     radius = page.read(f"{TOOL}.radius")
     page.wait(f"Math.abs(window.palpate.settings.probe_radius - {radius}) < 1e-6")
     hold(page, on=True)
+    page.wait(f"{TOOL}.on")
+    began = page.read("window.palpate.state.proxy")
     page.read(f"window.palpate.hand({[MIDDLE, SURFACE + 2, MIDDLE]})")
     page.read("void (window.__load = 0)")
     page.wait(
@@ -221,9 +223,25 @@ def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser) -> None:
     )
     page.shows("tool-volume", "!text.startsWith('0 ')")
     page.shows("tool-time", "parseFloat(text) > 0")
+    page.shows("tool-size", f"text === '⌀ {2 * radius:.1f} mm'")
     page.do("screenshot", path=str(OUTPUT / "tools-drill.png"))
     hold(page, on=False)
     page.wait(f"!{TOOL}.on")
+    page.shows("drill-report", "text.startsWith('Stroke 1') && !text.includes('…')")
+    page.wait("!document.querySelector('[data-testid=strokes-save]').disabled")
+    file = tmp_path / "strokes.csv"
+    assert page.do("download", testid="strokes-save", path=str(file))["name"].endswith(".csv")
+    head, row = (line.split(",") for line in file.read_text().splitlines())
+    told = dict(zip(head, map(float, row), strict=True))
+    counted = page.read(TOOL)
+    assert told["volume removed (mm3)"] == pytest.approx(counted["volume"], abs=1e-3)
+    assert told["energy (mJ)"] == pytest.approx(counted["energy"], abs=0.1)
+    assert 0.0 < told["mean force (N)"] <= told["peak force (N)"]
+    # at least the straight way, to a tenth that the probe may move before the stroke is known
+    way = float(np.linalg.norm(np.subtract(page.read("window.palpate.state.proxy"), began)))
+    assert told["path (mm)"] >= way - 0.1
+    page.do("click", testid="strokes-copy")
+    page.wait("document.body.textContent.includes('The table of strokes is copied')")
     choose(page, "none")
     # the probe is a point again, as it was
     page.wait("window.palpate.settings.probe_radius === 0")

@@ -130,7 +130,7 @@ def _is_number(word: str) -> bool:
 
 def _measured(kind: str, points: list[NDArray[np.float64]]) -> float | None:
     """Returns the length [mm] or the angle [degrees] of a mark; None where it has none."""
-    if kind == "distance" and len(points) == 2:
+    if kind in ("distance", "path") and len(points) == 2:
         return float(np.linalg.norm(points[1] - points[0]))
     if kind == "angle" and len(points) == 3:
         ways = [points[0] - points[1], points[2] - points[1]]

@@ -1,26 +1,35 @@
 /**
- * Marks that a person sets on a scan: single points, distances and angles, and what they measure.
+ * Marks that a person sets on a scan: single points, distances, angles and planned paths of a needle, and what they
+ * measure.
  *
  * Frame: scene, LPS [mm]; angles [rad].
  */
 import { distance, dot, isPoint, length, subtract, type Vec3 } from "../geometry/vector";
 
-export const markKinds = ["point", "distance", "angle"] as const;
+export const markKinds = ["point", "distance", "angle", "path"] as const;
 export type MarkKind = (typeof markKinds)[number];
 
 export interface Mark {
   readonly id: number;
   readonly kind: MarkKind;
   readonly name: string;
-  /** In the order in which they were set; of an angle the second is its vertex. */
+  /**
+   * In the order in which they were set; of an angle the second is its vertex, of a path of a needle its target comes
+   * first.
+   */
   readonly points: readonly Vec3[];
   readonly visible: boolean;
 }
 
 /** Points that make a mark whole. */
-export const pointsOf: Readonly<Record<MarkKind, number>> = { point: 1, distance: 2, angle: 3 };
+export const pointsOf: Readonly<Record<MarkKind, number>> = { point: 1, distance: 2, angle: 3, path: 2 };
 
-const kindNames: Readonly<Record<MarkKind, string>> = { point: "Point", distance: "Distance", angle: "Angle" };
+const kindNames: Readonly<Record<MarkKind, string>> = {
+  point: "Point",
+  distance: "Distance",
+  angle: "Angle",
+  path: "Needle path",
+};
 
 /** Longer names are cut. */
 const longestName = 80;
@@ -67,7 +76,7 @@ export function angleAt(vertex: Vec3, a: Vec3, b: Vec3): number {
 /** What a mark measures: a length [mm], an angle [rad], nothing of a point or while points are missing. */
 export function measured({ kind, points }: Pick<Mark, "kind" | "points">): number | null {
   const [first, second, third] = points;
-  if (kind === "distance" && first !== undefined && second !== undefined) {
+  if ((kind === "distance" || kind === "path") && first !== undefined && second !== undefined) {
     return distance(first, second);
   }
   if (kind === "angle" && first !== undefined && second !== undefined && third !== undefined) {

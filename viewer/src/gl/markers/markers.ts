@@ -10,11 +10,12 @@ import * as THREE from "three";
 import { srgbFromHex } from "../../core/base/colour";
 import type { ModelParticles } from "../../core/tissue/particles";
 import type { PathTrail } from "../../core/touch/path_trail";
-import { addScaled, distance, length, normalize, subtract, type Vec3 } from "../../core/geometry/vector";
+import { addScaled, distance, length, normalize, type Vec3 } from "../../core/geometry/vector";
 import { ForceGauge } from "./force_gauge";
+import { cone, cylinder, Marker, ring, usualGhost } from "./marker";
 import { ParticleDots } from "./particle_dots";
 import { PathRibbon } from "./path_ribbon";
-import { shaders } from "../shaders/shaders";
+import { around, sameTool, ToolShape, type ShownTool } from "./tool_shape";
 
 /** What of touch is drawn beside probe, device and force. */
 export interface Shown {
@@ -28,11 +29,6 @@ export interface Shown {
   readonly path: boolean;
 }
 
-export interface ToolBall {
-  readonly radius: number;
-  readonly colour: Vec3;
-}
-
 export interface MarkerState {
   readonly probe: Vec3;
   /** Of the probe's ball [mm]; 0 is a point. */
@@ -44,8 +40,8 @@ export interface MarkerState {
   /** Nodes or particles of the model of deformation; null where they are not shown. */
   readonly parts: ModelParticles | null;
   readonly show: Shown;
-  /** The ball of the tool in the hand: radius [mm], colour sRGB 0..1; null without one. */
-  readonly tool: ToolBall | null;
+  /** The tool in the hand; null without one. */
+  readonly tool: ShownTool | null;
   readonly device: Vec3;
   /** [N] */
   readonly force: Vec3;
@@ -67,94 +63,11 @@ const planeRadius = 13;
 
 /** How far a marker reaches beyond its points [pixels]. */
 export const markerMargin = 20;
-const usualGhost = 0.3;
 
 const accent = srgbFromHex("#5cc8ff");
 const pale = srgbFromHex("#dff3ff");
 const amber = srgbFromHex("#ffb454");
 const mint = srgbFromHex("#8ff0b5");
-
-/** One shape, its solid and its ghost. */
-class Marker {
-  readonly group = new THREE.Group();
-  private readonly colour = new THREE.Vector3();
-  private readonly toward = { value: 0 };
-
-  /**
-   * @param ghost how much of the opacity is left behind something.
-   * @param side which is seen: of a closed shape the front, of a flat one both.
-   */
-  constructor(
-    geometry: THREE.BufferGeometry,
-    opacity: number,
-    ghostOpacity = usualGhost,
-    private readonly side: THREE.Side = THREE.FrontSide,
-  ) {
-    const solid = new THREE.Mesh(geometry, this.material(opacity, THREE.LessEqualDepth, opacity === 1));
-    const ghost = new THREE.Mesh(geometry, this.material(opacity * ghostOpacity, THREE.GreaterDepth, false));
-    // ghosts first: a solid marker then covers the ghost of another one
-    ghost.renderOrder = 1;
-    solid.renderOrder = 2;
-    for (const mesh of [ghost, solid]) {
-      mesh.frustumCulled = false;
-      this.group.add(mesh);
-    }
-  }
-
-  /** Shows the shape with its local y axis from `from` to `to`, `thick` mm wide. */
-  span(from: Vec3, to: Vec3, thick: number): void {
-    const long = distance(from, to);
-    this.group.visible = long > 1e-6;
-    this.group.position.set(...from);
-    this.group.scale.set(thick, long, thick);
-    this.group.quaternion.setFromUnitVectors(
-      new THREE.Vector3(0, 1, 0),
-      new THREE.Vector3(...normalize(subtract(to, from))),
-    );
-  }
-
-  ball(centre: Vec3, radius: number): void {
-    this.group.position.set(...centre);
-    this.group.scale.setScalar(radius);
-  }
-
-  /** Shows a flat shape with its local y axis along a unit normal. */
-  plate(centre: Vec3, normal: Vec3, radius: number): void {
-    this.ball(centre, radius);
-    this.group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...normal));
-  }
-
-  /** Draws it nearer to the eye, where it would else lie in a surface [mm]. */
-  lift(toward: number): void {
-    this.toward.value = toward;
-  }
-
-  paint(colour: Vec3): void {
-    this.colour.set(...colour);
-  }
-
-  dispose(): void {
-    for (const child of this.group.children) {
-      const mesh = child as THREE.Mesh<THREE.BufferGeometry, THREE.Material>;
-      mesh.geometry.dispose();
-      mesh.material.dispose();
-    }
-  }
-
-  private material(opacity: number, depthFunc: THREE.DepthModes, depthWrite: boolean): THREE.RawShaderMaterial {
-    return new THREE.RawShaderMaterial({
-      glslVersion: THREE.GLSL3,
-      vertexShader: shaders.marker.vertex,
-      fragmentShader: shaders.marker.fragment,
-      uniforms: { colour: { value: this.colour }, opacity: { value: opacity }, toward: this.toward },
-      transparent: true,
-      premultipliedAlpha: true,
-      side: this.side,
-      depthFunc,
-      depthWrite,
-    });
-  }
-}
 
 export class Markers {
   readonly scene = new THREE.Scene();
@@ -164,7 +77,7 @@ export class Markers {
   private readonly shaft = new Marker(cylinder(), 1);
   private readonly head = new Marker(cone(), 1);
   private readonly ball = new Marker(new THREE.IcosahedronGeometry(1, 5), 0.42, 0.55);
-  private readonly toolBall = new Marker(new THREE.IcosahedronGeometry(1, 5), 0.34, 0.6);
+  private readonly tool = new ToolShape();
   private readonly dot = new Marker(new THREE.IcosahedronGeometry(1, 3), 1);
   private readonly plane = new Marker(ring(), 0.5, usualGhost, THREE.DoubleSide);
   private readonly normalShaft = new Marker(cylinder(), 1);
@@ -181,7 +94,7 @@ export class Markers {
     for (const marker of this.all) {
       this.scene.add(marker.group);
     }
-    this.scene.add(this.gauge.mesh, this.path.group, this.parts.group);
+    this.scene.add(this.tool.group, this.gauge.mesh, this.path.group, this.parts.group);
     this.device.paint(accent);
     this.line.paint(accent);
     this.shaft.paint(amber);
@@ -198,7 +111,7 @@ export class Markers {
     }
     this.shown = state;
     this.showProbe(state);
-    this.showTool(state);
+    this.tool.update(state.probe, state.tool, state.pixel);
     this.showForce(state);
     this.showContact(state);
     this.parts.update(state.parts);
@@ -214,14 +127,15 @@ export class Markers {
     if (this.shown === null) {
       return [];
     }
-    const { probe, device, radius, show, trail, tool } = this.shown;
-    const ball = around(probe, Math.max(show.ball ? radius : 0, tool?.radius ?? 0));
+    const { probe, device, radius, show, trail } = this.shown;
+    const ball = around(probe, show.ball ? radius : 0);
     return [
       probe,
       device,
       this.tip,
       this.normalTip,
       ...ball,
+      ...this.tool.outline,
       ...(show.path ? trail.points : []),
       ...this.parts.outline,
     ];
@@ -231,13 +145,15 @@ export class Markers {
     for (const marker of this.all) {
       marker.dispose();
     }
+    this.tool.dispose();
     this.gauge.dispose();
     this.path.dispose();
     this.parts.dispose();
   }
 
-  private showProbe({ probe, device, contact, pixel, radius, show }: MarkerState): void {
-    const ball = show.ball && radius > 0;
+  private showProbe({ probe, device, contact, pixel, radius, show, tool }: MarkerState): void {
+    // the tool's ball is what matters then: two balls cannot be told apart
+    const ball = show.ball && radius > 0 && tool === null;
     const colour = contact ? pale : accent;
     this.ball.group.visible = ball;
     this.ball.paint(colour);
@@ -251,16 +167,6 @@ export class Markers {
     this.device.ball(device, 4.5 * pixel);
     this.line.span(probe, device, pixel);
     this.device.group.visible = distance(probe, device) > 1.5 * pixel;
-  }
-
-  private showTool({ probe, tool }: MarkerState): void {
-    this.toolBall.group.visible = tool !== null;
-    if (tool !== null) {
-      this.toolBall.paint(tool.colour);
-      this.toolBall.ball(probe, tool.radius);
-      // the tool's ball is what matters then: two balls cannot be told apart
-      this.ball.group.visible = false;
-    }
   }
 
   private showForce({ probe, force, pixel, fullForce }: MarkerState): void {
@@ -298,7 +204,7 @@ export class Markers {
   }
 
   private get all(): readonly Marker[] {
-    const { ball, toolBall, dot, plane, normalShaft, normalHead } = this;
+    const { ball, dot, plane, normalShaft, normalHead } = this;
     return [
       this.probe,
       this.device,
@@ -306,7 +212,6 @@ export class Markers {
       this.shaft,
       this.head,
       ball,
-      toolBall,
       dot,
       plane,
       normalShaft,
@@ -328,31 +233,10 @@ function looksSame(a: MarkerState, b: MarkerState): boolean {
     // half a degree
     distance(a.normal, b.normal) < 0.01 &&
     a.radius === b.radius &&
-    a.tool?.radius === b.tool?.radius &&
-    a.tool?.colour === b.tool?.colour &&
+    sameTool(a.tool, b.tool) &&
     a.show === b.show &&
     a.parts === b.parts &&
     !(b.show.path && b.trail.alive) &&
     distance(a.force, b.force) < 0.002 * b.fullForce
   );
-}
-
-/** Radius 1, from y = 0 to y = 1. */
-function cylinder(): THREE.BufferGeometry {
-  return new THREE.CylinderGeometry(1, 1, 1, 20).translate(0, 0.5, 0);
-}
-
-function cone(): THREE.BufferGeometry {
-  return new THREE.ConeGeometry(1, 1, 28).translate(0, 0.5, 0);
-}
-
-/** In the plane y = 0, with a rim that is all there is of it. */
-function ring(): THREE.BufferGeometry {
-  return new THREE.RingGeometry(0.82, 1, 40).rotateX(-Math.PI / 2);
-}
-
-/** Points that a ball reaches along the axes. */
-function around(centre: Vec3, radius: number): readonly Vec3[] {
-  const axes: readonly Vec3[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
-  return axes.flatMap((axis) => [addScaled(centre, axis, radius), addScaled(centre, axis, -radius)]);
 }

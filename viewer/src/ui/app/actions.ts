@@ -373,6 +373,12 @@ function marks({ session, stage }: ActionTargets): readonly Action[] {
     { group, name: "Measure an angle", keys: ["Shift+M"], run: () => { stage.marks.start("angle"); } },
     {
       group,
+      name: "Plan a needle path: target, then entry",
+      keys: ["Shift+I"],
+      run: () => { stage.planPath(); },
+    },
+    {
+      group,
       name: "Set a point at the probe",
       keys: ["J"],
       ready: () => session.latest !== null,

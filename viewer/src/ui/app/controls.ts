@@ -21,6 +21,8 @@ import { StatisticsControl } from "../features/segments/statistics_control.svelt
 import { SurfaceExport } from "../features/segments/surface_export.svelte";
 import { ThresholdPreview } from "../features/segments/threshold_preview.svelte";
 import { SliceControl } from "../features/slices/slice_control.svelte";
+import { DrillStrokes } from "../features/tools/drill_strokes.svelte";
+import { NeedleGuide } from "../features/tools/needle_guide.svelte";
 import { TouchMarkers } from "../features/touch/touch_markers.svelte";
 import { ClipControl } from "../features/view/clip_control.svelte";
 import { DrawerControl } from "../features/view/drawer_control.svelte";
@@ -81,6 +83,10 @@ interface TouchControls {
   readonly player: Player;
   /** What of touch is drawn. */
   readonly touch: TouchMarkers;
+  /** The line of the needle, and the one that was planned. */
+  readonly needle: NeedleGuide;
+  /** What each stroke of the drill has done. */
+  readonly strokes: DrillStrokes;
 }
 
 interface SecondControls {
@@ -95,11 +101,12 @@ export interface Controls extends UndoControls, ViewControls, SegmentControls, T
 
 export function makeControls(surroundings: Surroundings): Controls {
   const undo = undoControls(surroundings);
+  const view = viewControls(surroundings, undo);
   return {
     ...undo,
-    ...viewControls(surroundings, undo),
+    ...view,
     ...segmentControls(surroundings, undo),
-    ...touchControls(surroundings),
+    ...touchControls(surroundings, view),
     ...secondControls(surroundings, undo),
   };
 }
@@ -143,9 +150,11 @@ function segmentControls({ session, token }: Surroundings, { steps }: UndoContro
   };
 }
 
-function touchControls({ session, support }: Surroundings): TouchControls {
+function touchControls({ session, support }: Surroundings, { marks }: ViewControls): TouchControls {
   const player = new Player(session);
-  return { player, touch: new TouchMarkers(session, player, support.software) };
+  const needle = new NeedleGuide(session, marks);
+  const strokes = new DrillStrokes(session);
+  return { player, touch: new TouchMarkers(session, { player, needle }, support.software), needle, strokes };
 }
 
 function secondControls({ session, support, token }: Surroundings, { steps }: UndoControls): SecondControls {

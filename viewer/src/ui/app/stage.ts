@@ -51,6 +51,8 @@ interface JointActs {
   readonly toggleBrush: () => void;
   /** Waits for clicks on pairs of points, and shows slices to set them in. */
   readonly placePairs: () => void;
+  /** Waits for clicks on target and entry of a needle, and shows slices to set them in. */
+  readonly planPath: () => void;
   /** Moves the picture so that the probe is in its middle. */
   readonly centreOnProbe: () => void;
 }
@@ -129,6 +131,12 @@ function jointActs({ session }: Surroundings, controls: Controls, opener: ScanOp
       marks.cancel();
       growing.armed = false;
       registration.startPair();
+      slices.reveal();
+    },
+    planPath: () => {
+      growing.armed = false;
+      registration.cancel();
+      marks.start("path");
       slices.reveal();
     },
     centreOnProbe: () => {

@@ -11,6 +11,7 @@ import {
   formatValue,
   formatWithin,
 } from "../../../src/core/base/format";
+import { splitShortcut } from "../../../src/core/base/shortcuts";
 import { farthestAhead, moveInDepth, moveInView } from "../../../src/core/touch/hand";
 import { histogramPath, shareWithin } from "../../../src/core/scan/histogram";
 import { scaleBar } from "../../../src/core/view/scale_bar";
@@ -111,4 +112,11 @@ test("numbers are written with units and a fixed number of digits", () => {
   expect([0, 7.99, 61, 754].map(formatSeconds)).toEqual(["0:00", "0:07", "1:01", "12:34"]);
   expect(formatBytes(15 * 2 ** 20)).toBe("15 MiB");
   expect(formatBytes(3 * 2 ** 30)).toBe("3.0 GiB");
+});
+
+test("the key at the end of a control's words is told apart, and no other word in brackets", () => {
+  expect(splitShortcut("Show all (F)")).toEqual({ text: "Show all", key: "F" });
+  expect(splitShortcut("Redo (Ctrl+Shift+Z)").key).toBe("Ctrl+Shift+Z");
+  expect(splitShortcut("No cut (Esc)").key).toBe("Esc");
+  expect(splitShortcut("Delete (Ctrl+Z brings it back)")).toEqual({ text: "Delete (Ctrl+Z brings it back)", key: "" });
 });

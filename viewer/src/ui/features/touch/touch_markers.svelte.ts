@@ -6,8 +6,10 @@ import { srgbFromHex } from "../../../core/base/colour";
 import { PathTrail } from "../../../core/touch/path_trail";
 import type { State } from "../../../core/protocol";
 import { toolColours } from "../../../core/tools/tools";
+import { toolLine, type GuidedNeedle } from "../../../core/tools/tool_line";
 import type { Vec3 } from "../../../core/geometry/vector";
-import type { Shown, ToolBall } from "../../../gl/markers/markers";
+import type { Shown } from "../../../gl/markers/markers";
+import type { ShownTool } from "../../../gl/markers/tool_shape";
 import type { Picture } from "../../../gl/picture/picture";
 import type { ShownTouch } from "../../../core/touch/shown_touch";
 import { recall, remember } from "../../state/remembered";
@@ -35,7 +37,7 @@ export class TouchMarkers {
   /** @param software whether the CPU draws: a long line is dear to draw again and again then. */
   constructor(
     private readonly session: Session,
-    private readonly player: Played,
+    private readonly held: { readonly player: Played; readonly needle: GuidedNeedle },
     software: boolean,
   ) {
     this.shown = recall("shown", { ...this.shown, path: !software });
@@ -61,7 +63,7 @@ export class TouchMarkers {
   /** Moves what is drawn to where it is by now. */
   pass(picture: Picture, camera: Camera, viewport: Viewport): void {
     const { latest, parts, settings } = this.session;
-    const state: ShownTouch | null = this.player.shown ?? latest;
+    const state: ShownTouch | null = this.held.player.shown ?? latest;
     if (latest === null || state === null || state === this.drawn) {
       return;
     }
@@ -74,7 +76,7 @@ export class TouchMarkers {
       trail: this.trail,
       parts,
       show: this.shown,
-      tool: this.player.showing ? null : toolBall(latest),
+      tool: this.held.player.showing ? null : shownTool(latest, camera, this.held.needle),
       device: state.device,
       force: state.force,
       contact: state.contact,
@@ -92,6 +94,7 @@ const toolPaints = {
   needle: srgbFromHex(toolColours.needle),
 } as const;
 
-function toolBall({ tool }: State): ToolBall | null {
-  return tool.kind === "none" ? null : { radius: tool.radius, colour: toolPaints[tool.kind] };
+function shownTool(state: State, camera: Camera, needle: GuidedNeedle): ShownTool | null {
+  const { kind, radius } = state.tool;
+  return kind === "none" ? null : { radius, colour: toolPaints[kind], line: toolLine(state, camera, needle) };
 }
