@@ -24,7 +24,15 @@ from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.growing_cells import Box, Cells, connected, eroded, grown_by
 from palpate.segmentation.mask_shape import Mask, box_of
 
-__all__ = ["Region", "regions", "seed_value", "span_of"]
+__all__ = [
+    "Region",
+    "measured",
+    "regions",
+    "seed_value",
+    "slopes_of",
+    "span_of",
+    "without_holes",
+]
 
 HALVES = (0.01, 0.017, 0.027, 0.043, 0.067, 0.107)
 """Halves of ranges that are tried, as shares of the scan's values without the outermost ones."""
@@ -95,7 +103,7 @@ def regions(cells: Cells, *, most: int) -> list[Region]:
     """
     middle = seed_value(cells)
     span, noise = span_of(cells, middle), _noise(cells.values)
-    slopes = _slopes(cells.values)
+    slopes = slopes_of(cells.values)
     halves = [float(np.hypot(share * span, NOISE * noise)) for share in HALVES]
 
     def work(tried: tuple[float, bool]) -> list[Region]:
@@ -106,12 +114,32 @@ def regions(cells: Cells, *, most: int) -> list[Region]:
         for steps, mask, box in _followed(in_range, list(cells.seeds)):
             count = int(np.count_nonzero(mask))
             if count <= most and not (found and count == found[-1].count):
-                border = _border(mask, slopes[box])
-                found.append(Region(mask, box, half, above, steps, count, *border))
+                found.append(measured(mask, box, slopes, half=half, above=above, steps=steps))
         return found
 
     with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
         return [one for some in pool.map(work, product(halves, (False, True))) for one in some]
+
+
+def measured(
+    mask: Mask,
+    box: Box,
+    slopes: NDArray[np.float32],
+    *,
+    half: float,
+    above: bool = False,
+    steps: int = 0,
+) -> Region:
+    """Returns a region, of which a box is given, with how well it ends at an edge of all cells."""
+    tight = box_of(mask)
+    part = mask[tight]
+    begin, middle, end = (
+        slice(whole.start + own.start, whole.start + min(own.stop, length))
+        for whole, own, length in zip(box, tight, mask.shape, strict=True)
+    )
+    held = (begin, middle, end)
+    count = int(np.count_nonzero(part))
+    return Region(part, held, half, above, steps, count, *_border(part, slopes[held]))
 
 
 def _followed(in_range: Mask, seeds: list[tuple[int, ...]]) -> Iterator[tuple[int, Mask, Box]]:
@@ -122,7 +150,7 @@ def _followed(in_range: Mask, seeds: list[tuple[int, ...]]) -> Iterator[tuple[in
     box = box_of(there)
     start = np.array([side.start for side in box])
     inside = [tuple(int(c) for c in np.array(seed) - start) for seed in seeds if there[seed]]
-    held = _filled(there[box])
+    held = without_holes(there[box])
     layers = [held]
     for step in range(STEPS):
         layers.append(eroded(layers[-1], step))
@@ -151,7 +179,8 @@ def _nearest(mask: Mask, seed: tuple[int, ...], reach: int) -> tuple[int, ...] |
     return tuple(int(c) for c in found[int(off.argmin())] + low)
 
 
-def _filled(mask: Mask) -> Mask:
+def without_holes(mask: Mask) -> Mask:
+    """Returns a mask with what it encloses."""
     sitk = simpleitk()
     image = sitk.BinaryFillhole(sitk.GetImageFromArray(mask.astype(np.uint8)))
     found: Mask = sitk.GetArrayFromImage(image).view(bool)
@@ -165,7 +194,7 @@ def _noise(values: NDArray[np.float32]) -> float:
     return 1.4826 * float(np.median(np.abs(np.diff(values, axis=0)))) / math.sqrt(2.0)
 
 
-def _slopes(values: NDArray[np.float32]) -> NDArray[np.float32]:
+def slopes_of(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Returns how much values change around each cell [unit by cell]."""
     sitk = simpleitk()
     image = sitk.GetImageFromArray(values)
