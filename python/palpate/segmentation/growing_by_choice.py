@@ -27,6 +27,8 @@ SIDE = 2.5
 """Of the first cells [mm]."""
 REACH = 88
 """How many cells the region may reach from the seeds."""
+TUBE_REACH = 180
+"""The same of a tube: an aorta that is clicked at its upper end."""
 FEW = 600
 """Regions of fewer cells are looked for again, in finer ones."""
 LEAST_DEPTH = 3
@@ -74,7 +76,7 @@ def grown_by_choice(
     if found is None:
         raise OptionError(why)
     progress("finding the border", None)
-    return at_voxels(volume, cells, found, seeds=places, fill=fill)
+    return at_voxels(volume, cells, found, seeds=places, fill=fill, within_range=why is not None)
 
 
 def _body(
@@ -83,7 +85,7 @@ def _body(
     """Returns cells, the best region among them, and why it would leak, if it would."""
     side = SIDE
     while True:
-        cells, most = _cells(volume, places, side=side, most_ml=most_ml)
+        cells, most = _cells(volume, places, side=side, reach=REACH, most_ml=most_ml)
         found = regions(cells, most=most)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
@@ -121,7 +123,7 @@ def _tube(
     """Returns cells, and the tube that most ranges and necks agree on, if they do."""
     side = SIDE
     while True:
-        cells, most = _cells(volume, places, side=side, most_ml=most_ml)
+        cells, most = _cells(volume, places, side=side, reach=TUBE_REACH, most_ml=most_ml)
         found = tubes(cells, most=most)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
@@ -141,10 +143,10 @@ def _tube(
 
 
 def _cells(
-    volume: Volume, places: list[NDArray[np.int64]], *, side: float, most_ml: float
+    volume: Volume, places: list[NDArray[np.int64]], *, side: float, reach: int, most_ml: float
 ) -> tuple[Cells, int]:
     """Returns cells around seeds, and how many of them a region may have."""
-    cells = cells_around(volume, places, side=side, reach=REACH * side)
+    cells = cells_around(volume, places, side=side, reach=reach * side)
     return cells, int(most_ml * 1000.0 / side**3) + 1
 
 

@@ -15,15 +15,17 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_cells import Cells, connected
+from palpate.segmentation.growing_cells import Box, Cells, connected, eroded, grown_by
 from palpate.segmentation.growing_choice import (
     Region,
+    in_box,
     measured,
     seed_value,
     slopes_of,
@@ -85,31 +87,40 @@ class _Pieces:
 
 
 def tubes(cells: Cells, *, most: int) -> list[Region]:
-    """Returns the tubes of all ranges and necks that hold the first seed, of so many cells at most.
-
-    Those that end where the cells end, and not the scan, are left out.
-    """
-    middle, slopes = seed_value(cells), slopes_of(cells.values)
+    """Returns the tubes of all ranges and necks that hold the seeds, of so many cells at most."""
+    middle = seed_value(cells)
     span = span_of(cells, middle)
-    found: list[Region] = []
-    for half in (share * span for share in HALVES):
-        there = connected(
-            (cells.values >= middle - half) & (cells.values <= middle + half), list(cells.seeds)
-        )
-        if not all(there[seed] for seed in cells.seeds):
-            continue
-        box = box_of(there)
-        seeds = [
-            tuple(place - side.start for place, side in zip(seed, box, strict=True))
-            for seed in cells.seeds
-        ]
-        pieces = _pieces(without_holes(there[box]))
-        for neck in NECKS:
-            mask = pieces.reached(int(pieces.numbers[seeds[0]]), neck)
-            count = int(np.count_nonzero(mask))
-            if count <= most and all(mask[seed] for seed in seeds):
-                found.append(measured(mask, box, slopes, half=half))
-    return found
+    found = [
+        (mask, box, half)
+        for half in (share * span for share in HALVES)
+        for mask, box in _masks(cells, middle - half, middle + half)
+        if np.count_nonzero(mask) <= most
+    ]
+    slopes = slopes_of(cells.values, [box for _, box, _ in found])
+    return [measured(mask, box, slopes, half=half) for mask, box, half in found]
+
+
+def _masks(cells: Cells, low: float, high: float) -> Iterator[tuple[Mask, Box]]:
+    """Yields the tubes of a range of values that hold the seeds, for all necks, in their boxes."""
+    there = connected((cells.values >= low) & (cells.values <= high), list(cells.seeds))
+    if not all(there[seed] for seed in cells.seeds):
+        return
+    box = box_of(there)
+    pieces = _pieces(without_holes(there[box]))
+    seeds = [
+        tuple(place - side.start for place, side in zip(seed, box, strict=True))
+        for seed in cells.seeds
+    ]
+    for neck in NECKS:
+        mask = _without_films(pieces.reached(int(pieces.numbers[seeds[0]]), neck), seeds)
+        if all(mask[seed] for seed in seeds):
+            yield in_box(mask, box)
+
+
+def _without_films(mask: Mask, seeds: list[tuple[int, ...]]) -> Mask:
+    """Returns a mask without what is no more than two cells thick, such as rims of other bodies."""
+    fits = eroded(mask, 0)
+    return grown_by(connected(fits, seeds), 0) & mask
 
 
 def is_tube(region: Region) -> bool:

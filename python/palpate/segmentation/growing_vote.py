@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.segmentation.growing_cells import Cells, connected
-from palpate.segmentation.growing_choice import Region, measured, slopes_of
+from palpate.segmentation.growing_choice import Region, in_box, measured, slopes_of
 
 __all__ = ["ALIKE", "agreed", "best_of"]
 
@@ -46,8 +46,9 @@ def agreed(cells: Cells, best: Region, found: list[Region]) -> Region:
     for one in alike:
         votes[one.box] += one.score * one.mask
     most = connected(votes > 0.5 * sum(one.score for one in alike), list(cells.seeds))
-    whole = tuple(slice(0, length) for length in most.shape)
-    return measured(most, (whole[0], whole[1], whole[2]), slopes_of(cells.values), half=best.half)
+    first, second, third = (slice(0, length) for length in most.shape)
+    mask, box = in_box(most, (first, second, third))
+    return measured(mask, box, slopes_of(cells.values, [box]), half=max(one.half for one in alike))
 
 
 def _alike(one: Region, other: Region) -> bool:
