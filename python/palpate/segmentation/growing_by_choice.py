@@ -7,6 +7,8 @@ values it would leak, and is refused.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,11 +16,11 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.growing_border import at_voxels
-from palpate.segmentation.growing_cells import Box, Cells, cells_around
+from palpate.segmentation.growing_cells import Box, Cells, cells_around, connected
 from palpate.segmentation.growing_choice import Region, regions
 from palpate.segmentation.growing_tube import is_tube, tubes
 from palpate.segmentation.growing_vote import ALIKE, agreed, best_of
-from palpate.segmentation.mask_shape import Mask
+from palpate.segmentation.mask_shape import Mask, opened
 from palpate.volumes.volume import Volume
 
 __all__ = ["grown_by_choice"]
@@ -76,7 +78,11 @@ def grown_by_choice(
     if found is None:
         raise OptionError(why)
     progress("finding the border", None)
-    return at_voxels(volume, cells, found, seeds=places, fill=fill, within_range=why is not None)
+    if why is None:
+        return at_voxels(volume, cells, found, seeds=places, fill=fill)
+    box, region = at_voxels(volume, cells, found, seeds=places, fill=fill, within_range=True)
+    starts = [tuple(int(c) for c in place - [side.start for side in box]) for place in places]
+    return box, _without_films(region, starts, spacing=volume.spacing, radius=cells.side)
 
 
 def _body(
@@ -127,7 +133,8 @@ def _tube(
         found = tubes(cells, most=most)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
-        if finest or chosen is None or chosen[0].depth >= LEAST_DEPTH:
+        thin = chosen is not None and is_tube(chosen[0]) and chosen[0].depth < LEAST_DEPTH
+        if finest or not thin:
             break
         side = max(FINER * side, FINEST * min(volume.spacing))
     if chosen is None:
@@ -140,6 +147,14 @@ def _tube(
         and not cells.cut_off(best.box, volume.shape)
     )
     return cells, agreed(cells, best, found) if good else None
+
+
+def _without_films(
+    region: Mask, starts: list[tuple[int, ...]], *, spacing: Sequence[float], radius: float
+) -> Mask:
+    """Returns what hangs together with the seeds where a ball fits, such as no rim of a vein."""
+    thick = opened(region, spacing, radius)
+    return connected(thick, starts) if all(thick[start] for start in starts) else region
 
 
 def _cells(
