@@ -119,9 +119,7 @@ def regions(cells: Cells, *, most: int) -> list[Region]:
         for steps, mask, box in _followed(in_range, list(cells.seeds)):
             count = int(np.count_nonzero(mask))
             if count <= most and not (found and count == found[-1].count):
-                found.append(
-                    measured(*in_box(mask, box), slopes, half=half, above=above, steps=steps)
-                )
+                found.append(measured(mask, box, slopes, half=half, above=above, steps=steps))
         return found
 
     with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
