@@ -2,7 +2,8 @@
 
 It is looked for among cells first (``growing_choice.py``), finer ones where it is small; then its
 border is found at the scan's voxels (``growing_border.py``). Where no region ends at an edge of
-values it would leak, and is refused.
+values it would leak; then a tube is looked for (``growing_tube.py``). Where there is none either,
+the click is refused.
 """
 
 from __future__ import annotations
