@@ -34,9 +34,19 @@ SURE = 3.0
 
 
 def at_voxels(
-    volume: Volume, cells: Cells, region: Region, *, seeds: list[NDArray[np.int64]], fill: bool
+    volume: Volume,
+    cells: Cells,
+    region: Region,
+    *,
+    seeds: list[NDArray[np.int64]],
+    fill: bool,
+    within_range: bool = False,
 ) -> tuple[Box, Mask]:
-    """Returns a box of the scan, and the voxels of a region in it."""
+    """Returns a box of the scan, and the voxels of a region in it.
+
+    Within its range no voxel beside it is taken that has another value: where what lies beside it
+    is partly brighter and partly darker, the mean of both is no measure.
+    """
     edges = np.array(volume.spacing[::-1])
     whole = np.zeros(cells.values.shape, bool)
     whole[region.box] = region.mask
@@ -49,20 +59,23 @@ def at_voxels(
         cells.first + [side.start * cells.side for side in near],
     )
     mask = whole[near]
-    within, beside, place = _sides(part.values, mask)
+    mean, beside, place = _sides(part.values, mask)
     own = tuple(slice(0, length) for length in mask.shape)
     box = part.voxels_of((own[0], own[1], own[2]), 0, edges)
-    level = part.at(0.5 * (within + beside), box, edges)
-    contrast = part.at(within - beside, box, edges)
+    level = part.at(0.5 * (mean + beside), box, edges)
+    contrast = part.at(mean - beside, box, edges)
     soft = part.at(part.values, box, edges)
     state = part.at(place, box, edges)
     raw = volume.intensities(box)
     solid = state > 0.0
     noise = _noise(raw, state > 1.0)
     clear = np.abs(contrast) > CLEAR * noise
-    over = np.where(clear, raw, soft) >= level
-    slight = np.abs(contrast) < SLIGHT * span_of(cells, seed_value(cells))
-    inside = np.where(slight, solid, over == (contrast > 0.0))
+    values = np.where(clear, raw, soft)
+    middle = seed_value(cells)
+    slight = np.abs(contrast) < SLIGHT * span_of(cells, middle)
+    inside = np.where(slight, solid, (values >= level) == (contrast > 0.0))
+    if within_range:
+        inside &= np.abs(values - middle) <= region.half
     inside = (inside | (state > 0.99 * SURE)) & (state > -0.5 * SURE)
     starts = [tuple(int(c) for c in seed - [one.start for one in box]) for seed in seeds]
     for start in starts:

@@ -2,10 +2,13 @@
 
 It is looked for among cells first (``growing_choice.py``), finer ones where it is small; then its
 border is found at the scan's voxels (``growing_border.py``). Where no region ends at an edge of
-values it would leak, and is refused.
+values it would leak; then a tube is looked for (``growing_tube.py``). Where there is none either,
+the click is refused.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +17,11 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.growing_border import at_voxels
-from palpate.segmentation.growing_cells import Box, cells_around
+from palpate.segmentation.growing_cells import Box, Cells, cells_around, connected
 from palpate.segmentation.growing_choice import Region, regions
-from palpate.segmentation.mask_shape import Mask
+from palpate.segmentation.growing_tube import is_tube, tubes
+from palpate.segmentation.growing_vote import ALIKE, agreed, best_of
+from palpate.segmentation.mask_shape import Mask, opened
 from palpate.volumes.volume import Volume
 
 __all__ = ["grown_by_choice"]
@@ -25,8 +30,12 @@ SIDE = 2.5
 """Of the first cells [mm]."""
 REACH = 88
 """How many cells the region may reach from the seeds."""
+TUBE_REACH = 180
+"""The same of a tube: an aorta that is clicked at its upper end."""
 FEW = 600
 """Regions of fewer cells are looked for again, in finer ones."""
+LEAST_DEPTH = 3
+"""Tubes less deep are looked for again, in finer ones [cells]."""
 FINER = 0.5
 """Side of the next finer cells."""
 FINEST = 0.75
@@ -37,16 +46,12 @@ LEAST_SIDE = 0.7
 """Share of the region that the seed's side of its necks has."""
 GOOD = 0.93
 """Score by the best one of a region that is nearly as good."""
-VOTES = 6
-"""Power of a region's score that it counts with."""
 LEAST_SHARE = 0.5
 """Of all regions, so weighted, that are like the chosen one."""
 UNANIMOUS = 0.95
 """Share of votes from which edges within, such as that of a core, are less of a doubt."""
 LEAST_AGREED_EDGE = 0.6
 """Share of a border at an edge, of a region that is unanimous."""
-ALIKE = 1.4
-"""Volume by that of the best region of one that is about as large."""
 MANY = 20_000
 """Of larger regions every second cell is enough to see necks."""
 LEAST_EDGE = 0.8
@@ -66,71 +71,99 @@ def grown_by_choice(
     Raises:
         OptionError: Every region would leak, or none is small enough.
     """
+    progress("trying ranges of values and passages", None)
+    cells, found, why = _body(volume, places, most_ml=most_ml)
+    if why is not None:
+        progress("looking for a tube", None)
+        cells, found = _tube(volume, places, most_ml=most_ml)
+    if found is None:
+        raise OptionError(why)
+    progress("finding the border", None)
+    if why is None:
+        return at_voxels(volume, cells, found, seeds=places, fill=fill)
+    box, region = at_voxels(volume, cells, found, seeds=places, fill=fill, within_range=True)
+    starts = [tuple(int(c) for c in place - [side.start for side in box]) for place in places]
+    return box, _without_films(region, starts, spacing=volume.spacing, radius=cells.side)
+
+
+def _body(
+    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float
+) -> tuple[Cells, Region | None, str | None]:
+    """Returns cells, the best region among them, and why it would leak, if it would."""
     side = SIDE
     while True:
-        progress("trying ranges of values and passages", None)
-        cells = cells_around(volume, places, side=side, reach=REACH * side)
-        found = regions(cells, most=int(most_ml * 1000.0 / side**3) + 1)
-        chosen = _best(found)
+        cells, most = _cells(volume, places, side=side, reach=REACH, most_ml=most_ml)
+        found = regions(cells, most=most)
+        chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
         if finest or (chosen is not None and chosen[0].count >= FEW):
             break
         side = max(FINER * side, FINEST * min(volume.spacing))
     if chosen is None:
-        raise OptionError(
+        why = (
             f"the region becomes larger than {most_ml:g} ml; allowed: another place, a smaller "
             "spread, wider passages that are not entered, or a larger volume"
         )
-    best, share = chosen
-    _check(best, share, found=found, seed=cells.seeds[0])
-    progress("finding the border", None)
-    return at_voxels(volume, cells, best, seeds=places, fill=fill)
+        return cells, None, why
+    return cells, chosen[0], _leak(*chosen, found=found, seed=cells.seeds[0])
 
 
-def _check(best: Region, share: float, *, found: list[Region], seed: tuple[int, ...]) -> None:
-    """Refuses what would leak."""
-    why = None
+def _leak(best: Region, share: float, *, found: list[Region], seed: tuple[int, ...]) -> str | None:
+    """Returns why a region would leak, if it would."""
     if best.edge < (LEAST_EDGE if share < UNANIMOUS else LEAST_AGREED_EDGE):
         why = "no edge of values holds it"
     elif share < LEAST_SHARE or _goes_on(best, found):
         why = "nearly the same range of values gives a region of another size"
     elif _has_neck(best, seed):
         why = "it goes on through a neck"
-    if why is not None:
-        raise OptionError(
-            f"the region would leak: {why}; allowed: another place, or a spread and a passage "
-            "that suit it"
-        )
-
-
-def _best(found: list[Region]) -> tuple[Region, float] | None:
-    """Returns the region that most of the good ones are like, and their share of all."""
-    if not found:
+    else:
         return None
-    weights = [one.score**VOTES for one in found]
-    shares = [
-        sum(weight for other, weight in zip(found, weights, strict=True) if _alike(one, other))
-        for one in found
-    ]
-
-    def rank(number: int) -> tuple[float, int]:
-        return round(shares[number] * found[number].score, 3), found[number].count
-
-    best = max(range(len(found)), key=rank)
-    return found[best], shares[best] / sum(weights)
+    return (
+        f"the region would leak: {why}; allowed: another place, or a spread and a passage "
+        "that suit it"
+    )
 
 
-def _alike(one: Region, other: Region) -> bool:
-    """Returns whether two regions are about as large, and in about the same place."""
-    # the border of a small body is a large part of it
-    most = max(ALIKE, (1.0 + 1.0 / one.depth) ** 3)
-    if not 1.0 / most < other.count / one.count < most:
-        return False
-    both, either = 1, 1
-    for own, its in zip(one.box, other.box, strict=True):
-        both *= max(0, min(own.stop, its.stop) - max(own.start, its.start))
-        either *= max(own.stop, its.stop) - min(own.start, its.start)
-    return both * most * most > either
+def _tube(
+    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float
+) -> tuple[Cells, Region | None]:
+    """Returns cells, and the tube that most ranges and necks agree on, if they do."""
+    side = SIDE
+    while True:
+        cells, most = _cells(volume, places, side=side, reach=TUBE_REACH, most_ml=most_ml)
+        found = tubes(cells, most=most)
+        chosen = best_of(found)
+        finest = side <= FINEST * min(volume.spacing)
+        thin = chosen is not None and is_tube(chosen[0]) and chosen[0].depth < LEAST_DEPTH
+        if finest or not thin:
+            break
+        side = max(FINER * side, FINEST * min(volume.spacing))
+    if chosen is None:
+        return cells, None
+    best, share = chosen
+    good = (
+        share >= LEAST_SHARE
+        and best.edge >= LEAST_EDGE
+        and is_tube(best)
+        and not cells.cut_off(best.box, volume.shape)
+    )
+    return cells, agreed(cells, best, found) if good else None
+
+
+def _without_films(
+    region: Mask, starts: list[tuple[int, ...]], *, spacing: Sequence[float], radius: float
+) -> Mask:
+    """Returns what hangs together with the seeds where a ball fits, such as no rim of a vein."""
+    thick = opened(region, spacing, radius)
+    return connected(thick, starts) if all(thick[start] for start in starts) else region
+
+
+def _cells(
+    volume: Volume, places: list[NDArray[np.int64]], *, side: float, reach: int, most_ml: float
+) -> tuple[Cells, int]:
+    """Returns cells around seeds, and how many of them a region may have."""
+    cells = cells_around(volume, places, side=side, reach=reach * side)
+    return cells, int(most_ml * 1000.0 / side**3) + 1
 
 
 def _goes_on(best: Region, found: list[Region]) -> bool:

@@ -59,6 +59,15 @@ class Cells:
         found: NDArray[np.float32] = sitk.GetArrayFromImage(sampled)
         return found
 
+    def cut_off(self, box: Box, shape: tuple[int, ...]) -> bool:
+        """Returns whether a box of cells ends where the cells end, and the scan goes on."""
+        return any(
+            (own.start == 0 and whole.start > 0) or (own.stop >= length and whole.stop < most)
+            for own, whole, length, most in zip(
+                box, self.box, self.values.shape, shape, strict=True
+            )
+        )
+
     def voxels_of(self, box: Box, around: int, edges: NDArray[np.float64]) -> Box:
         """Returns the voxels of the scan in a box of cells, with so many cells around."""
         found = []

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import product
@@ -24,7 +24,16 @@ from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.growing_cells import Box, Cells, connected, eroded, grown_by
 from palpate.segmentation.mask_shape import Mask, box_of
 
-__all__ = ["Region", "regions", "seed_value", "span_of"]
+__all__ = [
+    "Region",
+    "in_box",
+    "measured",
+    "regions",
+    "seed_value",
+    "slopes_of",
+    "span_of",
+    "without_holes",
+]
 
 HALVES = (0.01, 0.017, 0.027, 0.043, 0.067, 0.107)
 """Halves of ranges that are tried, as shares of the scan's values without the outermost ones."""
@@ -40,6 +49,10 @@ THIN = 4
 """Thinner tubes are not told from ragged sheets [cells]."""
 NOISE = 3.0
 """Half of the narrowest range at least, in standard deviations of the noise of cells."""
+SLOPE = 0.7
+"""Standard deviation of the Gaussian that slopes are of [cells]."""
+FAR = 4
+"""How far from a border values do not count for a slope [cells]."""
 MOST_THREADS = 4
 """That try ranges side by side."""
 INNER = 90.0
@@ -95,7 +108,7 @@ def regions(cells: Cells, *, most: int) -> list[Region]:
     """
     middle = seed_value(cells)
     span, noise = span_of(cells, middle), _noise(cells.values)
-    slopes = _slopes(cells.values)
+    slopes = slopes_of(cells.values)
     halves = [float(np.hypot(share * span, NOISE * noise)) for share in HALVES]
 
     def work(tried: tuple[float, bool]) -> list[Region]:
@@ -106,12 +119,35 @@ def regions(cells: Cells, *, most: int) -> list[Region]:
         for steps, mask, box in _followed(in_range, list(cells.seeds)):
             count = int(np.count_nonzero(mask))
             if count <= most and not (found and count == found[-1].count):
-                border = _border(mask, slopes[box])
-                found.append(Region(mask, box, half, above, steps, count, *border))
+                found.append(measured(mask, box, slopes, half=half, above=above, steps=steps))
         return found
 
     with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
         return [one for some in pool.map(work, product(halves, (False, True))) for one in some]
+
+
+def in_box(mask: Mask, box: Box) -> tuple[Mask, Box]:
+    """Returns a mask of a box of cells in the smallest box that shows its border, and that box."""
+    tight = box_of(mask)
+    first, second, third = (
+        slice(whole.start + own.start, whole.start + min(own.stop, length))
+        for whole, own, length in zip(box, tight, mask.shape, strict=True)
+    )
+    return mask[tight], (first, second, third)
+
+
+def measured(
+    mask: Mask,
+    box: Box,
+    slopes: NDArray[np.float32],
+    *,
+    half: float,
+    above: bool = False,
+    steps: int = 0,
+) -> Region:
+    """Returns a region in a box of cells with how well it ends at an edge; slopes are of all."""
+    count = int(np.count_nonzero(mask))
+    return Region(mask, box, half, above, steps, count, *_border(mask, slopes[box]))
 
 
 def _followed(in_range: Mask, seeds: list[tuple[int, ...]]) -> Iterator[tuple[int, Mask, Box]]:
@@ -122,7 +158,7 @@ def _followed(in_range: Mask, seeds: list[tuple[int, ...]]) -> Iterator[tuple[in
     box = box_of(there)
     start = np.array([side.start for side in box])
     inside = [tuple(int(c) for c in np.array(seed) - start) for seed in seeds if there[seed]]
-    held = _filled(there[box])
+    held = without_holes(there[box])
     layers = [held]
     for step in range(STEPS):
         layers.append(eroded(layers[-1], step))
@@ -151,7 +187,8 @@ def _nearest(mask: Mask, seed: tuple[int, ...], reach: int) -> tuple[int, ...] |
     return tuple(int(c) for c in found[int(off.argmin())] + low)
 
 
-def _filled(mask: Mask) -> Mask:
+def without_holes(mask: Mask) -> Mask:
+    """Returns a mask with what it encloses."""
     sitk = simpleitk()
     image = sitk.BinaryFillhole(sitk.GetImageFromArray(mask.astype(np.uint8)))
     found: Mask = sitk.GetArrayFromImage(image).view(bool)
@@ -165,12 +202,23 @@ def _noise(values: NDArray[np.float32]) -> float:
     return 1.4826 * float(np.median(np.abs(np.diff(values, axis=0)))) / math.sqrt(2.0)
 
 
-def _slopes(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Returns how much values change around each cell [unit by cell]."""
+def slopes_of(
+    values: NDArray[np.float32], boxes: Sequence[Box] | None = None
+) -> NDArray[np.float32]:
+    """Returns how much values change around each cell, or each in some boxes [unit by cell]."""
     sitk = simpleitk()
-    image = sitk.GetImageFromArray(values)
-    slopes: NDArray[np.float32] = sitk.GetArrayFromImage(
-        sitk.GradientMagnitudeRecursiveGaussian(image, 0.7)
+    box = tuple(slice(0, length) for length in values.shape)
+    if boxes is not None:
+        box = tuple(
+            slice(
+                max(0, min((one[axis].start for one in boxes), default=0) - FAR),
+                max((one[axis].stop for one in boxes), default=1) + FAR,
+            )
+            for axis in range(3)
+        )
+    slopes = np.zeros(values.shape, np.float32)
+    slopes[box] = sitk.GetArrayFromImage(
+        sitk.GradientMagnitudeRecursiveGaussian(sitk.GetImageFromArray(values[box]), SLOPE)
     )
     return slopes
 

@@ -118,3 +118,35 @@ def test_a_body_with_a_bright_core_is_found_from_around_the_core() -> None:
     both = Volume(values, spacing=volume.spacing)
     found = grown(both, [(x + 9.0, y, z)]).voxel_count
     assert found == pytest.approx(np.count_nonzero(ball), rel=0.05)
+
+
+def vessel_between_chambers() -> tuple[Volume, NDArray[np.bool_], NDArray[np.bool_]]:
+    """A bent vessel of 8 mm radius that opens into chambers of 20 mm, and both as voxels."""
+    z, y, x = np.indices((200, 50, 60)) * 1.2 + 0.6
+    bend = 36.0 + 8.0 * np.sin(z / 30.0)
+    ends = [(z - end) ** 2 + (y - 30.0) ** 2 + (x - bend) ** 2 <= 20.0**2 for end in (25.0, 215.0)]
+    chambers = ends[0] | ends[1]
+    vessel = (np.hypot(y - 30.0, x - bend) <= 8.0) & (abs(z - 120.0) <= 95.0) & ~chambers
+    noise = np.random.default_rng(5).normal(0.0, 6.0, x.shape)
+    values = 50.0 + 200.0 * (vessel | chambers) + noise
+    return Volume(np.rint(values).astype(np.int16), spacing=(1.2, 1.2, 1.2)), vessel, chambers
+
+
+def test_a_vessel_is_found_up_to_the_chambers_that_it_opens_into() -> None:
+    volume, vessel, chambers = vessel_between_chambers()
+    for z in (90.0, 140.0):
+        grid = np.array([36.0 + 8.0 * np.sin(z / 30.0), 30.0, z]) / 1.2
+        x, y, height, _ = volume.patient_from_grid @ [*grid, 1.0]
+        found = grown(volume, [(float(x), float(y), float(height))]).mask() != 0
+        assert dice(found, vessel) > 0.85
+        assert np.count_nonzero(found & chambers) < 0.1 * np.count_nonzero(chambers)
+
+
+def test_a_click_into_a_chamber_gives_the_chamber_without_its_vessel() -> None:
+    volume, vessel, chambers = vessel_between_chambers()
+    grid = np.array([36.0 + 8.0 * np.sin(25.0 / 30.0), 30.0, 25.0]) / 1.2
+    x, y, z, _ = volume.patient_from_grid @ [*grid, 1.0]
+    found = grown(volume, [(float(x), float(y), float(z))]).mask() != 0
+    chambers[100:] = False
+    assert dice(found, chambers) > 0.9
+    assert np.count_nonzero(found & vessel) < 0.1 * np.count_nonzero(vessel)
