@@ -158,6 +158,46 @@ def test_over_a_slow_line_pictures_are_small_and_look_the_same(page: Browser, wa
 
 
 @pytest.mark.data
+def test_a_view_that_turns_is_followed_before_the_engine_has_drawn_it(
+    page: Browser, way: SlowWay
+) -> None:
+    page.finish()
+    before = canvas(page, "turned-before")
+    numbers = page.read("window.palpate.bench.numbers")
+    way.rate = 0.0
+    try:
+        page.read("window.palpate.bench.turn(0.1)")
+        page.wait(f"window.palpate.bench.numbers.turns > {numbers['turns']}")
+        page.frames()
+        turned = canvas(page, "turned")
+        # no picture has come, and what stands in for one is not taken for it
+        assert page.read("window.palpate.bench.numbers.shown") == numbers["shown"]
+        assert not page.read("window.palpate.finished")
+    finally:
+        way.rate = None
+    page.finish()
+    true = page.picture(OUTPUT / "drawn-by-engine-turned-true.png")
+    moved = np.abs(true - before).mean()
+    assert np.abs(turned - before).mean() > 0.5 * moved
+    # coarse as it is, it is nearer to the true picture than the one before
+    assert np.abs(turned - true).mean() < 0.7 * moved
+    # the same view without a turned picture before it
+    page.draw_by("browser")
+    page.draw_by("engine")
+    again = page.picture(OUTPUT / "drawn-by-engine-turned-again.png")
+    assert np.abs(again - true).mean() < 0.5 / 255
+    page.read("window.palpate.bench.turn(-0.1)")
+    page.finish()
+
+
+def canvas(page: Browser, name: str) -> NDArray[np.float64]:
+    """Returns the 3-D view as it is now, finished or not."""
+    path = OUTPUT / f"drawn-by-engine-{name}.png"
+    page.do("screenshot", path=str(path), testid="canvas")
+    return pixels_of(path)
+
+
+@pytest.mark.data
 def test_a_resized_view_keeps_its_picture_and_without_answers_the_browser_draws(
     page: Browser, way: SlowWay
 ) -> None:

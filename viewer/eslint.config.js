@@ -42,7 +42,7 @@ const rooms = {
     ...["core/tissue", "core/tools"],
   ],
   "gl/shaders": [],
-  "gl/base": ["gl/shaders"],
+  "gl/base": ["core", "gl/shaders"],
   "gl/markers": ["core", "gl/shaders"],
   "gl/textures": ["core", "gl/base"],
   "gl/march": ["core", "gl/base", "gl/shaders", "gl/textures"],

@@ -13,7 +13,7 @@ import { byteTexture, labelColours } from "../../src/gl/textures/lookup_textures
 import { PictureTarget } from "../../src/gl/base/picture_target";
 import { RayMarcher } from "../../src/gl/march/ray_marcher";
 import { Surfaces } from "../../src/gl/surfaces/surfaces";
-import { ThreeCamera } from "../../src/gl/picture/three_camera";
+import { ThreeCamera } from "../../src/gl/base/three_camera";
 import { ballSurface } from "../support/ball_surface";
 import { segment } from "../support/volumes";
 import { edge, fieldOf, labelsOfBall, appearanceOf, outlineOf, viewport, type MarchTest } from "./scenes_page";

@@ -144,10 +144,15 @@ def turned_figures(notes: Watched) -> dict[str, float]:
     if turning.pictures:
         figures["coarsest"] = max(one.divisor for one in turning.pictures)
     # what the last moves changed may be shown after them
-    latencies = notes.latencies(notes.moves)
-    if latencies:
-        middle, tail = np.quantile(latencies, [0.5, 0.95])
-        figures |= {"mouse median": middle / 1e3, "mouse p95": tail / 1e3}
+    if turning.turns:
+        figures["turned rate"] = 1e3 * len(turning.turns) / (rested - begin)
+    for name, latencies in (
+        ("mouse", notes.latencies(notes.moves)),
+        ("turned", notes.turned_latencies()),
+    ):
+        if latencies:
+            middle, tail = np.quantile(latencies, [0.5, 0.95])
+            figures |= {f"{name} median": middle / 1e3, f"{name} p95": tail / 1e3}
     last = notes.moves[-1].requested
     for name, finished in (("rest sharp", False), ("rest final", True)):
         at = _shown_after(resting, last, finished=finished)

@@ -3,8 +3,10 @@
 A script, put into the page before its own, looks at it with every frame: when a picture stands on
 the screen, by what its resolution is divided, and which request it answers. Pointer events and
 edits are noted with the number of the last request before the frame after them, in which the page
-takes them: the first picture with a higher one shows what they changed. Times are from the opening
-of the page [ms]; a picture counts from the frame after the one in which it was drawn.
+takes them: the first picture with a higher one shows what they changed. Between its pictures the
+page turns the last one to the present view: such turned pictures are noted apart, and a picture of
+the engine counts as shown whether it is turned or not. Times are from the opening of the page [ms];
+a picture counts from the frame after the one in which it was drawn.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ __all__ = [
     "NotedKey",
     "NotedMove",
     "NotedPicture",
+    "NotedTurn",
     "Watched",
     "press_until",
     "watched",
@@ -46,11 +49,22 @@ class NotedPicture(msgspec.Struct, frozen=True, kw_only=True):
     """Number of the request that it answers; None of a picture that the browser drew."""
 
 
+class NotedTurn(msgspec.Struct, frozen=True, kw_only=True):
+    """A picture on the screen that was turned to the view of the frame before; no true picture."""
+
+    at: float
+    turns: int
+    """How many were drawn by then."""
+
+
 class NotedMove(msgspec.Struct, frozen=True, kw_only=True):
-    """A pointer event; ``requested`` is the number of the last request before the next frame."""
+    """A pointer event; both numbers are of what was before the next frame."""
 
     at: float
     requested: int | None
+    """Number of the last request."""
+    turns: int | None
+    """How many turned pictures were drawn."""
 
 
 class NotedEdit(msgspec.Struct, frozen=True, kw_only=True):
@@ -72,6 +86,7 @@ class Watched(msgspec.Struct, frozen=True, kw_only=True):
 
     now: float
     pictures: list[NotedPicture]
+    turns: list[NotedTurn]
     moves: list[NotedMove]
     edits: list[NotedEdit]
     keys: list[NotedKey]
@@ -81,6 +96,7 @@ class Watched(msgspec.Struct, frozen=True, kw_only=True):
         return Watched(
             now=self.now,
             pictures=[one for one in self.pictures if begin <= one.at < end],
+            turns=[one for one in self.turns if begin <= one.at < end],
             moves=[one for one in self.moves if begin <= one.at < end],
             edits=[one for one in self.edits if begin <= one.at < end],
             keys=[one for one in self.keys if begin <= one.at < end],
@@ -116,6 +132,21 @@ class Watched(msgspec.Struct, frozen=True, kw_only=True):
                 found.append(shown - event.at)
         return found
 
+    def turned_latencies(self) -> list[float]:
+        """Returns the times from moves to the turned pictures that show them [ms].
+
+        Moves that no turned picture showed before the end of the notes have none.
+        """
+        found = []
+        for move in self.moves:
+            showing = (
+                one.at for one in self.turns if move.turns is not None and one.turns > move.turns
+            )
+            shown = next(showing, None)
+            if shown is not None:
+                found.append(shown - move.at)
+        return found
+
     def key_delay(self) -> float | None:
         """Returns the 95th percentile of the keys' delays [ms]; None without keys."""
         delays = [one.delay for one in self.keys]
@@ -137,15 +168,21 @@ def press_until(page: Page, seconds: float, until: str) -> None:
 
 
 NOTING = """(() => {
-  const pictures = [], moves = [], edits = [], keys = [];
-  let drawn = null, lastEdit = 0, lastMove = 0;
+  const pictures = [], turns = [], moves = [], edits = [], keys = [];
+  let drawn = null, lastEdit = 0, lastMove = 0, lastTurn = 0;
   const note = () => {
-    const requested = window.palpate?.bench.numbers?.requested ?? null;
-    // what they change is requested in this frame at the earliest
-    for (; lastMove < moves.length; lastMove += 1) moves[lastMove].requested = requested;
+    const numbers = window.palpate?.bench.numbers ?? null, requested = numbers?.requested ?? null;
+    // what they change is requested, or shown by a turn, in this frame at the earliest
+    for (; lastMove < moves.length; lastMove += 1) {
+      Object.assign(moves[lastMove], { requested, turns: numbers?.turns ?? null });
+    }
+    if (numbers !== null && numbers.turns > lastTurn) {
+      lastTurn = numbers.turns;
+      turns.push({ at: performance.now(), turns: lastTurn });
+    }
     const { palpate } = window, shown = palpate?.shown ?? null;
     if (shown !== null && palpate.firstPicture !== null && shown.divisor > 0) {
-      const { divisor, finished } = shown, { numbers, pieces } = palpate.bench;
+      const { divisor, finished } = shown, { pieces } = palpate.bench;
       if (drawn?.pieces !== pieces || drawn.divisor !== divisor || drawn.finished !== finished) {
         drawn = { pieces, divisor, finished };
         const answers = numbers?.shown ?? null;
@@ -160,12 +197,12 @@ NOTING = """(() => {
   };
   requestAnimationFrame(note);
   addEventListener("pointermove", ({ timeStamp }) => {
-    moves.push({ at: timeStamp, requested: null });
+    moves.push({ at: timeStamp, requested: null, turns: null });
   }, true);
   addEventListener("keydown", ({ timeStamp }) => {
     keys.push({ at: timeStamp, delay: performance.now() - timeStamp });
   }, true);
-  window.watched = () => ({ now: performance.now(), pictures, moves, edits, keys });
+  window.watched = () => ({ now: performance.now(), pictures, turns, moves, edits, keys });
 })()"""
 """Notes everything of ``Watched``; it runs first in every frame, since it asked for frames first.
 

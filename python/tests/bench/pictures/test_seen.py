@@ -10,6 +10,7 @@ from palpate.bench.pictures.watched_pictures import (
     NotedKey,
     NotedMove,
     NotedPicture,
+    NotedTurn,
     Watched,
 )
 
@@ -24,14 +25,19 @@ def picture(
 
 def notes(
     *pictures: NotedPicture,
-    moves: tuple[tuple[float, int | None], ...] = (),
+    moves: tuple[tuple[float, int | None] | tuple[float, int | None, int], ...] = (),
+    turns: tuple[tuple[float, int], ...] = (),
     edits: tuple[tuple[float, int | None], ...] = (),
     keys: tuple[tuple[float, float], ...] = (),
 ) -> Watched:
     return Watched(
         now=9e9,
         pictures=list(pictures),
-        moves=[NotedMove(at=at, requested=requested) for at, requested in moves],
+        turns=[NotedTurn(at=at, turns=count) for at, count in turns],
+        moves=[
+            NotedMove(at=at, requested=requested, turns=drawn[0] if drawn else None)
+            for at, requested, *drawn in moves
+        ],
         edits=[NotedEdit(at=at, requested=requested) for at, requested in edits],
         keys=[NotedKey(at=at, delay=delay) for at, delay in keys],
     )
@@ -73,6 +79,22 @@ def test_a_turn_counts_from_its_first_move_to_its_last() -> None:
     )
 
 
+def test_turned_pictures_are_counted_apart_from_true_ones() -> None:
+    turned = notes(
+        picture(1250, 4, 1),
+        picture(2300, 4, 2),
+        # the first turned one was drawn before the second move
+        turns=((1030, 1), (1480, 2), (2020, 3)),
+        moves=((1000, 0, 0), (1400, 1, 1), (2000, 1, 2)),
+    )
+    figures = turned_figures(turned)
+    # 30, 80 and 20 ms; true ones come after 250, 900 and 300 ms
+    assert figures["turned median"] == pytest.approx(0.03)
+    assert figures["mouse median"] == pytest.approx(0.3)
+    assert figures["turned rate"] == pytest.approx(2.0)
+    assert figures["rate"] == pytest.approx(1.0)
+
+
 def test_the_browsers_pictures_answer_no_requests_and_have_no_latencies() -> None:
     turned = notes(
         picture(1100, 4), picture(2300, 1, finished=True), moves=((1000, None), (2000, None))
@@ -102,7 +124,8 @@ def test_every_figure_has_its_row_where_the_engine_draws() -> None:
             notes(
                 picture(1.5, 3, 1),
                 picture(3, 1, 2, finished=True),
-                moves=((1, 0), (2, 1)),
+                moves=((1, 0, 0), (2, 1, 1)),
+                turns=((1.5, 1), (2.5, 2)),
                 keys=((1, 1), (3, 1)),
             )
         ),

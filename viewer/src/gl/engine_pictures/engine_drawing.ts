@@ -1,18 +1,28 @@
 /**
  * Draws the 3-D view with pictures of the engine instead of the ray caster: into the same cached picture with its
- * depth, so that all that stands over it goes on as it is.
+ * depth, so that all that stands over it goes on as it is. Between them the last one is turned to the present view.
  */
 import type * as THREE from "three";
 import type { Appearance } from "../../core/appearance/appearance";
+import { drawsSolids } from "../../core/appearance/optics";
 import { engineLook, type LookedSegments } from "../../core/drawing/engine_look";
+import type { Camera } from "../../core/geometry/camera";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { SecondAppearance } from "../../core/second/second_scan";
 import type { Plane } from "../../core/view/clip";
+import { turnedView } from "../../core/view/turned_view";
 import { everywhere, type Region } from "../../core/view/region";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { EnginePass } from "./engine_pass";
 import { EnginePictures, type ArrivedPicture, type EngineView } from "./engine_pictures";
+import { TurnedPicture } from "./turned_picture";
+
+/**
+ * Between two pictures of the engine, turned ones have no more than one part of so many of the time: where one CPU
+ * draws all, the engine's pictures would come later for them. A picture that has just come is turned at once.
+ */
+const partsOfTime = 4;
 
 export class EngineDrawing {
   readonly pictures: EnginePictures;
@@ -28,19 +38,41 @@ export class EngineDrawing {
   /** The picture on display, and the size of the target that it was drawn into. */
   private last: ArrivedPicture | null = null;
   private drawnSize: readonly [number, number] = [0, 0];
+  /** The least and the largest depth of what it shows [mm]. */
+  private span: readonly [number, number] = [0, 0];
+  private readonly turned: TurnedPicture;
+  /** What is on display is the last picture, turned. */
+  private isTurned = false;
+  /** The camera that it was turned toward last. */
+  private turnedFor: Camera | null = null;
+  /** When the screen was drawn last, and how long it took from there to the next frame [ms]. */
+  private drawnAt = -Infinity;
+  private took = 0;
+  private awaitsFrame = false;
+  /** Turned pictures that showed the present view. */
+  turns = 0;
+  /** Off: between two pictures more than the view changes, so that the last one is not turned. */
+  mayTurn = true;
 
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     marcher: RayMarcher,
+    halfFloat: boolean,
     send: (message: DrawPicture | PictureLook) => void,
   ) {
     this.pass = new EnginePass(marcher);
     this.partPass = new EnginePass(marcher);
+    this.turned = new TurnedPicture(halfFloat);
     this.pictures = new EnginePictures(send);
   }
 
   async prepare(): Promise<void> {
-    await Promise.all([this.pass.prepare(this.renderer), this.partPass.prepare(this.renderer)]);
+    await Promise.all([this.pass, this.partPass, this.turned].map((each) => each.prepare(this.renderer)));
+  }
+
+  /** What stands on the screen in place of the cached picture; null where that does. */
+  get standIn(): PictureTarget | null {
+    return this.isTurned ? this.turned.target : null;
   }
 
   setAppearance(appearance: Appearance): void {
@@ -75,22 +107,80 @@ export class EngineDrawing {
   /** Another drew meanwhile: no picture of the engine is on display. */
   leave(): void {
     this.last = null;
+    this.isTurned = false;
     this.pictures.cover();
   }
 
   /**
-   * Asks for what is due, and draws what has come; returns where the cached picture has changed, null where nowhere. In
+   * Asks for what is due, and draws what has come; returns where what is on display has changed, null where nowhere. In
    * a target of another size the last picture stands in until one of that size has come.
    *
    * @param changed the view or what is seen has changed since the last call.
-   * @param aim turns markers to a view.
+   * @param aim turns the cached picture to a view, and what stands over it.
+   * @param look turns what stands over the picture on display to a view.
    */
-  advance({ changed, view, target, aim }: {
+  advance({ changed, view, target, aim, look }: {
     readonly changed: boolean;
     readonly view: EngineView;
     readonly target: PictureTarget;
     readonly aim: (view: EngineView) => void;
+    readonly look: (view: EngineView) => void;
   }): Region | null {
+    const now = performance.now();
+    this.took = this.awaitsFrame ? now - this.drawnAt : this.took;
+    const drawn = this.bring(changed, view, target, aim);
+    const isTurned = this.turn(drawn, view, target, look, now);
+    this.awaitsFrame = isTurned || drawn !== null;
+    this.drawnAt = this.awaitsFrame ? now : this.drawnAt;
+    return isTurned ? everywhere : drawn;
+  }
+
+  dispose(): void {
+    this.pass.dispose();
+    this.partPass.dispose();
+    this.turned.dispose();
+  }
+
+  /** Shows the last picture as the present view is, or as it was drawn; true where that is another than before. */
+  private turn(
+    drawn: Region | null,
+    view: EngineView,
+    target: PictureTarget,
+    look: (view: EngineView) => void,
+    now: number,
+  ): boolean {
+    this.turned.isStale ||= drawn !== null;
+    const { last } = this;
+    const isDue = now - this.drawnAt >= partsOfTime * this.took;
+    if (last === null || (drawn === null && (view.camera === this.turnedFor || !isDue))) {
+      return false;
+    }
+    this.turnedFor = view.camera;
+    const camera = this.turnedCamera(last, view.camera);
+    if (camera !== null && camera !== last.view.camera) {
+      const nearby = { ...view, camera };
+      this.turned.draw(this.renderer, { target, view: last.view, span: this.span }, nearby);
+      this.turns += camera === view.camera ? 1 : 0;
+      this.isTurned = true;
+      look(nearby);
+      return true;
+    }
+    if (this.isTurned && (drawn !== null || camera !== null)) {
+      this.isTurned = false;
+      look(last.view);
+      return true;
+    }
+    // a turned one stays until a picture has come
+    return false;
+  }
+
+  /** Asks for what is due, and draws what has come into the cached picture; returns where that has changed. */
+  private bring(
+    changed: boolean,
+    view: EngineView,
+    target: PictureTarget,
+    aim: (view: EngineView) => void,
+  ): Region | null {
     const size = [target.target.width, target.target.height] as const;
     this.pictures.ask(changed, view, size);
     const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
@@ -99,11 +189,13 @@ export class EngineDrawing {
     }
     const next = this.pictures.next(size);
     if (next?.picture.part) {
+      this.widen(next.picture);
       return this.drawPart(next, next.picture.part, target);
     }
     if (next !== null) {
       this.pass.take(next);
       this.last = next;
+      this.span = [next.picture.nearest, next.picture.farthest];
     }
     if (this.last === null || (next === null && !isResized)) {
       return null;
@@ -113,9 +205,12 @@ export class EngineDrawing {
     return everywhere;
   }
 
-  dispose(): void {
-    this.pass.dispose();
-    this.partPass.dispose();
+  /** To what the last picture can be turned; null where it would show what is not. */
+  private turnedCamera({ view }: ArrivedPicture, now: Camera): Camera | null {
+    const { appearance, mayTurn, pictures } = this;
+    // in other modes a pixel shows all of its ray, at whatever depth
+    const hasDepth = appearance !== null && drawsSolids(appearance.optics.blend);
+    return mayTurn && pictures.differsByView ? turnedView(view.camera, now, hasDepth) : null;
   }
 
   private draw(last: ArrivedPicture, target: PictureTarget, aim: (view: EngineView) => void): void {
@@ -125,6 +220,10 @@ export class EngineDrawing {
     aim(last.view);
     this.pass.draw(this.renderer, target, last.size);
     this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
+  }
+
+  private widen({ nearest, farthest }: DrawnPicture): void {
+    this.span = [Math.min(this.span[0], nearest), Math.max(this.span[1], farthest)];
   }
 
   /** Draws what was edited over the rest of the picture on display, which is of the same view. */

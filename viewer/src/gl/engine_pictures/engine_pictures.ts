@@ -85,6 +85,8 @@ export class EnginePictures {
   private movedAt = -Infinity;
   /** The camera rests, but the engine does not know yet. */
   private moving = false;
+  /** Number of the last request before something else than the view changed. */
+  private changedAfter = 0;
 
   /** @param clock tells the time [ms]. */
   constructor(
@@ -138,6 +140,9 @@ export class EnginePictures {
     }
     if (changed) {
       this.moving = this.lastView?.camera !== view.camera;
+      if (!this.moving) {
+        this.changedAfter = this.number;
+      }
       this.movedAt = now;
       this.want({ view, size, moving: this.moving });
     } else if (this.moving && now - this.movedAt >= settleMilliseconds) {
@@ -167,6 +172,12 @@ export class EnginePictures {
   /** A picture of a view that has moved since is on its way: what stands over the picture moves with it. */
   get isTurning(): boolean {
     return this.moving && this.unanswered !== null && this.lastSeen !== null;
+  }
+
+  /** What is on display differs from what is to be seen by the view alone. */
+  get differsByView(): boolean {
+    const { changedAfter, lastSeen, look } = this;
+    return lastSeen !== null && lastSeen.look === look && lastSeen.number > changedAfter;
   }
 
   /** Takes a picture that has come, or word that it does not. */

@@ -31,6 +31,7 @@ import { LabelTexture } from "../textures/label_texture";
 import { labelColours } from "../textures/lookup_textures";
 import type { MarkerState } from "../markers/markers";
 import { chooseFilter, type FieldFilter } from "../march/field_filter";
+import type { PictureTarget } from "../base/picture_target";
 import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
@@ -39,7 +40,7 @@ import type { SnapshotTile } from "./snapshot_tile";
 import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
-import { ThreeCamera } from "./three_camera";
+import { ThreeCamera } from "../base/three_camera";
 import { ViewPane } from "./view_pane";
 
 /** Cells along the scan's longest edge in which its light is worked out. */
@@ -127,7 +128,8 @@ export class Picture {
     this.filter = options.format === undefined ? chooseFilter(this.renderer) : { format: options.format, errors: {} };
     this.scan = new DrawnScan(this.filter.format);
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
-    this.engine = new EngineDrawing(this.renderer, this.marcher, options.askEngine ?? (() => undefined));
+    const askEngine = options.askEngine ?? (() => undefined);
+    this.engine = new EngineDrawing(this.renderer, this.marcher, support.halfFloatTarget, askEngine);
     this.engine.pictures.onAnswer = options.engineAnswered ?? (() => undefined);
     this.byEngine = options.engineDraws ?? false;
     this.askSaved = options.askSaved ?? noneSaved;
@@ -147,7 +149,8 @@ export class Picture {
       },
     );
     this.setQuality(this.quality);
-    this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
+    const shown = (eye: number): PictureTarget => this.engine.standIn ?? this.refiner.pictureOf(eye);
+    this.pane = new ViewPane(this.renderer, this.compositor, shown);
     this.screen = new DrawnScreen(this.renderer, this.pane, this.slices, support.software, options.mostPixelRatio);
     const programs = [this.engine.prepare(), this.compositor.prepare(this.renderer)];
     void Promise.allSettled(programs).then(() => {
@@ -375,6 +378,8 @@ export class Picture {
   setDeforming(on: boolean): void {
     if (on !== this.deforming) {
       this.deforming = on;
+      // between two pictures tissue moves, and not as the view does
+      this.engine.mayTurn = !on;
       this.marcher.setDeforming(on);
       this.slices.follow(this.scan.frame);
       this.refiner.restart();
@@ -500,6 +505,7 @@ export class Picture {
         this.aim(camera, extent, width / height);
         this.pane.look(camera, extent);
       },
+      look: ({ camera, extent }) => { this.pane.look(camera, extent); },
     });
     if (drawn !== null || !engine.pictures.isTurning) {
       this.show(drawn);
@@ -568,10 +574,13 @@ export class Picture {
     return this.byEngine ? this.engine.pictures.count : this.refiner.drawnPieces;
   }
 
-  /** Numbers of the engine's pictures: of the last request, and of the one on display; null where the browser draws. */
-  get engineNumbers(): { readonly requested: number; readonly shown: number } | null {
+  /**
+   * Numbers of the engine's pictures: of the last request, of the one on display, turned or not, and how many turned
+   * ones were drawn; null where the browser draws.
+   */
+  get engineNumbers(): { readonly requested: number; readonly shown: number; readonly turns: number } | null {
     const { answered: shown, requested } = this.engine.pictures;
-    return this.byEngine ? { requested, shown } : null;
+    return this.byEngine ? { requested, shown, turns: this.engine.turns } : null;
   }
 
   /** Draws the view once, away from the screen; null before there is one. */

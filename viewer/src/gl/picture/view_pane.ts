@@ -14,7 +14,7 @@ import type { ScreenPane } from "./upscaler";
 import { MarkStrokes } from "../markers/mark_strokes";
 import { markerMargin, Markers, type MarkerState } from "../markers/markers";
 import type { PictureTarget } from "../base/picture_target";
-import { ThreeCamera } from "./three_camera";
+import { ThreeCamera } from "../base/three_camera";
 
 /** A pixel of the coarsest picture fades this far into its background, and markers reach less far [CSS pixels]. */
 const pictureMargin = 2 * coarsest;

@@ -40,6 +40,7 @@ import secondLines from "./second/second_lines.glsl?raw";
 import secondRay from "./second/second_ray.glsl?raw";
 import secondSlice from "./second/second_slice.glsl?raw";
 import secondTissue from "./second/second_tissue.glsl?raw";
+import seenDepthFrag from "./picture/seen_depth.frag?raw";
 import segments from "./scan/segments.glsl?raw";
 import shells from "./march/shells.glsl?raw";
 import sliceFrag from "./picture/slice.frag?raw";
@@ -51,6 +52,7 @@ import surfaces from "./surfaces/surfaces.glsl?raw";
 import toldValues from "./scan/told_values.frag?raw";
 import tissue from "./march/tissue.glsl?raw";
 import transfer from "./march/transfer.glsl?raw";
+import turnedFrag from "./picture/turned.frag?raw";
 
 const precision =
   "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
@@ -107,6 +109,8 @@ export const shaders = {
   engine: joined(surfaces, engineFrag),
   enlarge: joined(enlargeFrag),
   stretch: joined(stretchFrag),
+  seenDepth: joined(seenDepthFrag),
+  turned: joined(turnedFrag),
   anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, second, secondGrey, secondSlice, secondLines, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },

@@ -33,8 +33,11 @@ export interface BenchHooks {
   readonly wholePicture: number | null;
   /** Pictures and strips that the GPU has drawn to the end. */
   readonly pieces: number;
-  /** Numbers of the engine's pictures: of the last request, and of the one on display; null where the browser draws. */
-  readonly numbers: { readonly requested: number; readonly shown: number } | null;
+  /**
+   * Numbers of the engine's pictures: of the last request, of the one on display, turned or not, and how many turned
+   * ones were drawn; null where the browser draws.
+   */
+  readonly numbers: { readonly requested: number; readonly shown: number; readonly turns: number } | null;
   /** Turns the view about the body's long axis [rad]. */
   readonly turn: (angle: number) => void;
   /** Draws the view as it is now, away from the screen; null before there is one. */

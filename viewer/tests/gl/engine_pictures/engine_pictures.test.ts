@@ -130,6 +130,27 @@ test("a picture that nobody asked for is left out; one of another size stands in
   expect(pictures.finished).toBe(false);
 });
 
+test("a picture differs from what is seen now by the view alone, unless anything else has changed since", () => {
+  const { pictures } = started();
+  expect(pictures.differsByView).toBe(false);
+  const view = viewAt(1);
+  pictures.ask(true, view, size);
+  pictures.take(drawn(1));
+  pictures.ask(true, viewAt(2), size);
+  expect(pictures.differsByView).toBe(true);
+  const last = viewAt(3);
+  pictures.ask(true, last, size);
+  // an edit, say
+  pictures.ask(true, last, size);
+  expect(pictures.differsByView).toBe(false);
+  pictures.take(drawn(2));
+  expect(pictures.differsByView).toBe(false);
+  pictures.take(drawn(3));
+  expect(pictures.differsByView).toBe(true);
+  pictures.setLook({ ...anyLook, mode: "mip" });
+  expect(pictures.differsByView).toBe(false);
+});
+
 test("it is finished with the last picture of the last request", () => {
   const { pictures, at } = started();
   const view = viewAt(1);
