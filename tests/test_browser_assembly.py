@@ -188,6 +188,11 @@ def test_a_painted_line_is_looked_at_then_cut_and_undone(page: Browser) -> None:
     assert sizes[0] == pytest.approx(1.53, rel=0.2)
     assert sizes[1] == pytest.approx(1.53, rel=0.2)
     page.do("screenshot", path=str(OUTPUT / "painted-cut.png"))
+    # another line can be painted in its place; from the side the cut is seen as a surface
+    page.do("click", testid="cut-anew")
+    page.wait("document.querySelector('[data-testid=cut-parts]') === null")
+    page.do("drag", x=x - width / 2.0, y=y - height / 2.0)
+    page.wait("document.querySelector('[data-testid=cut-parts]') !== null")
     assert page.read("document.querySelector('[data-testid=segment-4]')") is None
     page.do("click", testid="cut-apply")
     page.wait("document.querySelector('[data-testid=segment-4]') !== null")

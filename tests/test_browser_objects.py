@@ -123,11 +123,23 @@ def test_slices_show_an_object_where_it_stands(page: Browser) -> None:
     page.do("click", testid="layout-view")
 
 
-def test_a_cut_makes_another_object(page: Browser) -> None:
+def test_a_cut_shows_its_plane_then_makes_another_object_with_a_name_of_its_side(
+    page: Browser,
+) -> None:
     page.read("window.palpate.place([24, 30, 54])")
     page.all_done()
     page.do("click", testid="cut-object")
+    page.wait("document.querySelector('[data-testid=cut-parts]') !== null")
+    assert page.read("document.querySelector('[data-testid=segment-3]')") is None
+    # what it goes along is seen from the side too: the left button turns the view meanwhile
+    before = page.read("window.palpate.camera.right")
+    page.do("drag", x=160, y=30)
+    assert page.read("window.palpate.camera.right") != before
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "objects_cut.png"))
+    page.do("click", testid="cut-apply")
     page.wait("document.querySelector('[data-testid=segment-3]') !== null")
+    page.shows("segment-3", "/, (left|right|upper|lower|front|back) part/.test(text)")
     page.do("press", key="Control+z")
     page.wait("document.querySelector('[data-testid=segment-3]') === null")
     assert page.complaints == []

@@ -228,20 +228,7 @@ def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser, tmp_path:
     hold(page, on=False)
     page.wait(f"!{TOOL}.on")
     page.shows("drill-report", "text.startsWith('Stroke 1') && !text.includes('…')")
-    page.wait("!document.querySelector('[data-testid=strokes-save]').disabled")
-    file = tmp_path / "strokes.csv"
-    assert page.do("download", testid="strokes-save", path=str(file))["name"].endswith(".csv")
-    head, row = (line.split(",") for line in file.read_text().splitlines())
-    told = dict(zip(head, map(float, row), strict=True))
-    counted = page.read(TOOL)
-    assert told["volume removed (mm3)"] == pytest.approx(counted["volume"], abs=1e-3)
-    assert told["energy (mJ)"] == pytest.approx(counted["energy"], abs=0.1)
-    assert 0.0 < told["mean force (N)"] <= told["peak force (N)"]
-    # at least the straight way, to a tenth that the probe may move before the stroke is known
-    way = float(np.linalg.norm(np.subtract(page.read("window.palpate.state.proxy"), began)))
-    assert told["path (mm)"] >= way - 0.1
-    page.do("click", testid="strokes-copy")
-    page.wait("document.body.textContent.includes('The table of strokes is copied')")
+    check_strokes_table(page, tmp_path, began)
     choose(page, "none")
     # the probe is a point again, as it was
     page.wait("window.palpate.settings.probe_radius === 0")
@@ -258,6 +245,24 @@ def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser, tmp_path:
     assert whole[0] > 0.5
     assert drilled[0] < whole[0] - 0.4
     assert drilled[1] > whole[1] + 0.9
+
+
+def check_strokes_table(page: Browser, folder: Path, began: list[float]) -> None:
+    """Compares the table of one stroke with what the engine counted; where the probe began."""
+    page.wait("!document.querySelector('[data-testid=strokes-save]').disabled")
+    file = folder / "strokes.csv"
+    assert page.do("download", testid="strokes-save", path=str(file))["name"].endswith(".csv")
+    head, row = (line.split(",") for line in file.read_text().splitlines())
+    told = dict(zip(head, map(float, row), strict=True))
+    counted = page.read(TOOL)
+    assert told["volume removed (mm3)"] == pytest.approx(counted["volume"], abs=1e-3)
+    assert told["energy (mJ)"] == pytest.approx(counted["energy"], abs=0.1)
+    assert 0.0 < told["mean force (N)"] <= told["peak force (N)"]
+    # at least the straight way, to a tenth that the probe may move before the stroke is known
+    way = float(np.linalg.norm(np.subtract(page.read("window.palpate.state.proxy"), began)))
+    assert told["path (mm)"] >= way - 0.1
+    page.do("click", testid="strokes-copy")
+    page.wait("document.body.textContent.includes('The table of strokes is copied')")
 
 
 def hole_seen(page: Browser) -> tuple[float, float]:

@@ -6,6 +6,7 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from threading import Lock
 from typing import Any, NamedTuple
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
+from palpate.server.messages.part_name import part_name
 from palpate.server.messages.segment_steps import steps_message
 from palpate.server.messages.soft_tissue import material_of, regions_of
 from palpate.server.voxel_data import labels_of
@@ -202,18 +204,43 @@ class SegmentList:
                 self._remember(segment_id, look)
 
     def cut(self, segment_id: int, cut: Callable[[], int]) -> None:
-        """Cuts a segment in two; the part whose number ``cut`` returns gets a new colour.
+        """Cuts a segment in two; the part that ``cut`` returns gets a name and a colour of its own.
 
         Raises:
             PalpateError: All of it is left on one side.
         """
         part = cut()
         look = self._appearance_of(segment_id)
-        name = f"{look.name[:80]}, part {part}"
+        name = self._name_of_part(segment_id, part)
         self._set_appearance(
             part, replace(look, name=name, colour=colour_of_number(part), colour_chosen=False)
         )
         self.keep()
+
+    def _name_of_part(self, segment_id: int, part: int) -> str:
+        """Returns a name by the side on which a part lies of the rest, and that no other has."""
+        states = {state["id"]: state for state in self._session.segments()}
+        taken = [self._appearance_of(other).name for other in states if other != part]
+        whole = self._appearance_of(segment_id).name
+        boxes = [self._box_in_patient(states[each]) for each in (segment_id, part)]
+        rest, piece = boxes
+        if rest is None or piece is None or not self._session.scene.volume.traits.orientation_known:
+            return part_name(whole, None, 0.0, taken=taken)
+        size = float(np.ptp(rest, axis=0).max())
+        return part_name(whole, piece.mean(axis=0) - rest.mean(axis=0), size, taken=taken)
+
+    def _box_in_patient(self, state: SegmentState) -> NDArray[np.float64] | None:
+        """Returns the corners of a segment's box where the scan has it, LPS, [8, 3] [mm]."""
+        if state["bounds"] is None:
+            return None
+        grid = state["grid"]
+        patient_from_grid = (
+            self._session.scene.volume.patient_from_grid
+            if grid is None
+            else np.reshape(grid, (4, 4))
+        )
+        corners = np.array(list(product(*zip(*state["bounds"], strict=True))), np.float64)
+        return corners @ patient_from_grid[:3, :3].T + patient_from_grid[:3, 3]
 
     def take_notices(self) -> list[str]:
         """Returns sentences for pages since the last call."""

@@ -45,19 +45,6 @@ export function underLine(places: readonly Place[], camera: Camera, viewport: Vi
   });
 }
 
-/** Where an open line goes on: straight, `far` pixels beyond both ends. */
-export function continued(places: readonly Place[], far: number): readonly (readonly [Place, Place])[] {
-  const onward = (end: Place | undefined, before: Place | undefined): readonly (readonly [Place, Place])[] => {
-    if (end === undefined || before === undefined || apart(end, before) === 0) {
-      return [];
-    }
-    const stretch = far / apart(end, before);
-    const beyond: Place = [end[0] + stretch * (end[0] - before[0]), end[1] + stretch * (end[1] - before[1])];
-    return [[end, beyond]];
-  };
-  return [...onward(places[0], places[1]), ...onward(places.at(-1), places.at(-2))];
-}
-
 /**
  * The line without points that deviate less than a tolerance from it.
  *

@@ -29,6 +29,7 @@ import { GpuClock } from "../base/gpu_clock";
 import type { GpuSupport } from "../base/gpu_support";
 import { LabelTexture } from "../textures/label_texture";
 import { labelColours } from "../textures/lookup_textures";
+import type { CutSheet } from "../../core/segments/cut_sheet";
 import type { MarkerState } from "../markers/markers";
 import { chooseFilter, type FieldFilter } from "../march/field_filter";
 import type { PictureTarget } from "../base/picture_target";
@@ -416,6 +417,11 @@ export class Picture {
   /** Points of each mark that is shown, in their order; scene [mm]. */
   setMarks(lines: readonly (readonly Vec3[])[]): void {
     this.pane.setMarks(lines);
+  }
+
+  /** The surface that a cut would go along; null where nothing is cut. */
+  setCutSheet(sheet: CutSheet | null): void {
+    this.pane.setCutSheet(sheet);
   }
 
   setMarkers(state: MarkerState): void {

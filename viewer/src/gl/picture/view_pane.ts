@@ -11,6 +11,8 @@ import type { Vec3 } from "../../core/geometry/vector";
 import { Anaglyph } from "./anaglyph";
 import { Compositor, type Composition } from "./compositor";
 import type { ScreenPane } from "./upscaler";
+import type { CutSheet } from "../../core/segments/cut_sheet";
+import { CutSheetShape, outlineOf } from "../markers/cut_sheet";
 import { MarkStrokes } from "../markers/mark_strokes";
 import { markerMargin, Markers, type MarkerState } from "../markers/markers";
 import type { PictureTarget } from "../base/picture_target";
@@ -32,6 +34,7 @@ export class ViewPane {
   private readonly anaglyph = new Anaglyph();
   private readonly marks = new MarkStrokes();
   private readonly markers = new Markers();
+  private readonly sheet = new CutSheetShape();
   private markersShown = false;
   /** Where markers were drawn last [CSS pixels from the upper left of the pane]; null where that could be anywhere. */
   private marked: THREE.Box2 | null = null;
@@ -39,9 +42,10 @@ export class ViewPane {
   private filled: THREE.Box2 | null = null;
   /** Where the background was drawn with a coarse picture. */
   private readonly coarse = new THREE.Box2();
-  /** Of all marks; scene [mm]. */
+  /** Of all marks, and of a cut; scene [mm]. */
   private markedPoints: readonly Vec3[] = [];
-  /** Marks stand elsewhere than they were drawn. */
+  private sheetPoints: readonly Vec3[] = [];
+  /** Marks or a cut stand elsewhere than they were drawn. */
   private marksStale = false;
   private bare = false;
 
@@ -87,6 +91,14 @@ export class ViewPane {
     this.stale = true;
   }
 
+  /** The surface that a cut would go along; null where nothing is cut. */
+  setCutSheet(sheet: CutSheet | null): void {
+    this.sheet.show(sheet);
+    this.sheetPoints = outlineOf(sheet);
+    this.marksStale = true;
+    this.stale = true;
+  }
+
   setMarkers(state: MarkerState): void {
     this.stale = this.markers.update(state) || this.stale;
     this.markersShown = true;
@@ -103,7 +115,7 @@ export class ViewPane {
     const now =
       outline === null
         ? null
-        : this.boxAround([...outline, ...this.markedPoints, ...this.markers.outline], pictureMargin);
+        : this.boxAround([...outline, ...this.over], pictureMargin);
     this.drawPart(
       before === null || now === null
         ? null
@@ -131,7 +143,7 @@ export class ViewPane {
       box?.union(this.boxOf(region));
     }
     this.drawPart(keepsScreen && !this.marksStale ? box : null);
-    const over = this.boxAround([...this.markedPoints, ...this.markers.outline], markerMargin);
+    const over = this.boxAround(this.over, markerMargin);
     this.filled = over === null ? null : (this.filled?.union(over) ?? null);
   }
 
@@ -143,7 +155,13 @@ export class ViewPane {
   dispose(): void {
     this.anaglyph.dispose();
     this.marks.dispose();
+    this.sheet.dispose();
     this.markers.dispose();
+  }
+
+  /** Points around all that is drawn over the picture. */
+  private get over(): readonly Vec3[] {
+    return [...this.markedPoints, ...this.sheetPoints, ...this.markers.outline];
   }
 
   private cameraOf(eye: number): ThreeCamera {
@@ -177,6 +195,7 @@ export class ViewPane {
     if (this.bare) {
       return;
     }
+    this.sheet.draw(this.renderer, camera);
     this.marks.draw(this.renderer, camera, viewportOf(this.stereo, this.rect).height);
     if (this.markersShown) {
       this.renderer.render(this.markers.scene, camera);

@@ -4,11 +4,13 @@
  */
 import type { Plane } from "../../core/view/clip";
 import type { QualityChoice } from "../../core/view/quality";
+import type { CutSheet } from "../../core/segments/cut_sheet";
 import type { Vec3 } from "../../core/geometry/vector";
 import type { Picture } from "../../gl/picture/picture";
 import type { ShownSecond } from "../../gl/textures/second_texture";
 import type { ShownSlice, SliceAppearance } from "../../gl/picture/slices";
 import type { ClipControl } from "../features/view/clip_control.svelte";
+import type { CutControl } from "../features/segments/cut_control.svelte";
 import type { MarkControl } from "../features/marks/mark_control.svelte";
 import type { QualityControl } from "../features/view/quality_control.svelte";
 import type { SecondControl } from "../features/second/second_control.svelte";
@@ -23,6 +25,7 @@ export interface SyncedControls {
   readonly quality: QualityControl;
   readonly clips: ClipControl;
   readonly marks: MarkControl;
+  readonly cutting: CutControl;
   readonly second: SecondControl;
 }
 
@@ -30,6 +33,7 @@ export class PictureSync {
   private quality: QualityChoice | null = null;
   private clip: readonly Plane[] | null = null;
   private marks: readonly (readonly Vec3[])[] | null = null;
+  private sheet: CutSheet | null = null;
   private slices: readonly ShownSlice[] | null = null;
   private sliceAppearance: SliceAppearance | null = null;
   private second: ShownSecond | null = null;
@@ -46,6 +50,7 @@ export class PictureSync {
     this.quality = null;
     this.clip = null;
     this.marks = null;
+    this.sheet = null;
     this.slices = null;
     this.sliceAppearance = null;
     this.second = null;
@@ -53,13 +58,14 @@ export class PictureSync {
 
   /** Whether the picture has all that is to be seen. */
   get isWhole(): boolean {
-    const { clips, marks, quality, second, slices } = this.controls;
+    const { clips, cutting, marks, quality, second, slices } = this.controls;
     const sliced = slices.shown === this.slices && slices.appearance === this.sliceAppearance;
     return (
       sliced &&
       quality.choice === this.quality &&
       clips.cutting === this.clip &&
       marks.lines === this.marks &&
+      cutting.sheet === this.sheet &&
       second.shown === this.second &&
       second.progress === null
     );
@@ -68,7 +74,7 @@ export class PictureSync {
   /** @param scan whether the picture has the first scan: it tells in which form values go to the GPU. */
   pass(picture: Picture, now: number, scan: boolean): void {
     this.passSlices(picture, now);
-    const { clips, marks, quality, second } = this.controls;
+    const { clips, cutting, marks, quality, second } = this.controls;
     if (quality.choice !== this.quality) {
       this.quality = quality.choice;
       picture.setQuality(this.quality);
@@ -80,6 +86,10 @@ export class PictureSync {
     if (marks.lines !== this.marks) {
       this.marks = marks.lines;
       picture.setMarks(this.marks);
+    }
+    if (cutting.sheet !== this.sheet) {
+      this.sheet = cutting.sheet;
+      picture.setCutSheet(this.sheet);
     }
     if (scan && second.shown !== this.second) {
       this.second = second.shown;

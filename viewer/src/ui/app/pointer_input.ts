@@ -4,10 +4,11 @@
  * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. In touch mode the left button presses
  * on what is drawn (`touch_pointer.ts`), and the wheel changes with how much; where it is chosen so, any move moves the
  * hand in the view plane. Right drag or Shift + move always do that; meanwhile the wheel moves the hand in depth. Alt +
- * left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line.
- * With a tool chosen, Shift + left has it work. A click says what is seen there, sets a point of a mark, or grows a
- * region; a double click brings the probe to it. Of a touch screen one finger is the left button; two move the picture
- * and zoom as they go apart, in touch mode, where one finger touches, they turn it and zoom.
+ * left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line,
+ * until one parts it: that can be looked at from all sides. With a tool chosen, Shift + left has it work. A click says
+ * what is seen there, sets a point of a mark, or grows a region; a double click brings the probe to it. Of a touch
+ * screen one finger is the left button; two move the picture and zoom as they go apart, in touch mode, where one finger
+ * touches, they turn it and zoom.
  */
 import { orbit, pan, zoom } from "../../core/geometry/camera";
 import type { PickedOfTwo } from "../../core/picking/pick_scans";
@@ -99,7 +100,7 @@ export class PointerInput {
       event.preventDefault();
     } else if (event.button === 0 && event.altKey) {
       this.drag = "look";
-    } else if (event.button === 0 && this.stage.cutting.id !== null) {
+    } else if (event.button === 0 && this.stage.cutting.paints) {
       this.drag = "cut";
       this.stage.cutting.begin(this.placeOf(event));
     } else if (event.button === 0) {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { lookFrom, project } from "../../../src/core/geometry/camera";
-import { continued, freehandLine, simplified, underLine, type Place } from "../../../src/core/segments/cut_line";
+import { freehandLine, simplified, underLine, type Place } from "../../../src/core/segments/cut_line";
 import { dot, subtract } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 
@@ -55,14 +55,6 @@ test("a line of very many points is told in as many as the engine takes", () => 
   const random = new Random(8);
   const scribble: Place[] = Array.from({ length: 5000 }, () => [random.between(0, 900), random.between(0, 600)]);
   expect(freehandLine(scribble)?.places.length).toBeLessThanOrEqual(1000);
-});
-
-test("an open line goes on straight at both ends", () => {
-  expect(continued([[0, 0], [10, 0], [10, 5]], 100)).toEqual([
-    [[0, 0], [-100, 0]],
-    [[10, 5], [10, 105]],
-  ]);
-  expect(continued([[3, 3]], 100)).toEqual([]);
 });
 
 test("points under a line are seen where it was painted, before the eye", () => {

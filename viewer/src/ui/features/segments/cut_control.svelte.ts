@@ -2,21 +2,23 @@
  * A cut along a painted line: from the wish to cut a segment, through the line that is painted and
  * what the engine says of its parts, to the cut.
  */
-import { vantage, type Camera, type Viewport } from "../../../core/geometry/camera";
+import { pixelSizeAt, vantage, type Camera, type Viewport } from "../../../core/geometry/camera";
 import { freehandLine, underLine, type Place } from "../../../core/segments/cut_line";
+import { cutSheet, type CutSheet, type SeenLine } from "../../../core/segments/cut_sheet";
+import { cornersOf, unmoved } from "../../../core/geometry/object_pose";
+import { transformPoint } from "../../../core/geometry/affine";
+import { frameOf } from "../../../core/scan/scan_volume";
 import type { CutPreview, Segment } from "../../../core/protocol";
-import { scale, type Vec3 } from "../../../core/geometry/vector";
+import { addScaled, scale, type Vec3 } from "../../../core/geometry/vector";
 import type { Session } from "../../state/session.svelte";
 
-/** A line that was painted, as points of the scene under it and the eye that saw it. */
-export interface SeenLine {
-  readonly points: readonly Vec3[];
-  readonly eye: Vec3;
-  /** How far away it seemed [mm]. */
+/** A line, and how far away it seemed to be [mm]. */
+interface PaintedLine extends SeenLine {
   readonly reach: number;
-  readonly view: Vec3;
-  readonly closed: boolean;
 }
+
+/** Half of the line that is proposed: the engine carries it on [CSS pixels]. */
+const proposed = 40;
 
 export class CutControl {
   /** The segment that is to be cut; null where none is. */
@@ -24,7 +26,7 @@ export class CutControl {
   /** What is being painted [CSS pixels of the picture]. */
   painting = $state.raw<readonly Place[] | null>(null);
   /** What was painted. */
-  line = $state.raw<SeenLine | null>(null);
+  line = $state.raw<PaintedLine | null>(null);
 
   constructor(private readonly session: Session) {}
 
@@ -44,10 +46,40 @@ export class CutControl {
     return this.parts !== null && this.parts.smaller_ml !== null;
   }
 
+  /** Whether the left button paints: a line that parts the segment is looked at from all sides first. */
+  get paints(): boolean {
+    return this.id !== null && (this.line === null || (this.parts !== null && !this.ready));
+  }
+
+  /** The surface that would be cut along; null before there is a line. */
+  readonly sheet = $derived.by((): CutSheet | null => {
+    const { line, segment } = this;
+    const { scan } = this.session;
+    if (line === null || segment === null || scan === null || segment.bounds === null) {
+      return null;
+    }
+    const pose = segment.pose ?? unmoved;
+    const corners = cornersOf(segment, frameOf(scan).sceneFromGrid).map((corner) => transformPoint(pose, corner));
+    return cutSheet(line, corners);
+  });
+
   /** Waits for a line over a segment. */
   start(id: number): void {
     this.cancel();
     this.id = id;
+  }
+
+  /** Proposes the plane through a point that is upright in the picture and seen from its edge. */
+  propose(id: number, point: Vec3, camera: Camera, viewport: Viewport): void {
+    this.start(id);
+    const half = proposed * pixelSizeAt(camera, point, viewport);
+    const points = [addScaled(point, camera.up, half), addScaled(point, camera.up, -half)];
+    this.see({ points, closed: false }, camera);
+  }
+
+  /** Has another line painted in place of this one. */
+  paintAnew(): void {
+    this.forget();
   }
 
   cancel(): void {
@@ -74,14 +106,7 @@ export class CutControl {
     if (painted === null || this.id === null) {
       return;
     }
-    this.line = {
-      points: underLine(painted.places, camera, viewport),
-      eye: vantage(camera),
-      reach: camera.distance,
-      view: scale(camera.back, -1),
-      closed: painted.closed,
-    };
-    this.send(true);
+    this.see({ points: underLine(painted.places, camera, viewport), closed: painted.closed }, camera);
   }
 
   /** Cuts along the line. */
@@ -90,6 +115,17 @@ export class CutControl {
       this.send(false);
       this.cancel();
     }
+  }
+
+  private see({ points, closed }: Pick<SeenLine, "points" | "closed">, camera: Camera): void {
+    this.line = {
+      points,
+      eye: vantage(camera),
+      reach: camera.distance,
+      view: scale(camera.back, -1),
+      closed,
+    };
+    this.send(true);
   }
 
   private forget(): void {
