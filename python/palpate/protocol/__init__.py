@@ -52,7 +52,7 @@ from palpate.protocol.segments import (
     CutAlong,
     CutPreview,
     CutSegment,
-    EndIslands,
+    EndGoing,
     EndPaint,
     Feel,
     FindTable,
@@ -69,12 +69,14 @@ from palpate.protocol.segments import (
     RemoveFromScan,
     RemoveSegment,
     RemoveTable,
+    Scissors,
     Segment,
     SegmentFeel,
     SegmentProperties,
     Segments,
     SegmentWork,
     ShowIslands,
+    ShowScissors,
     StopSegmentWork,
     SuggestTable,
     TableFound,
@@ -197,7 +199,7 @@ __all__ = [
     "Displaced",
     "DrawPicture",
     "DrawnPicture",
-    "EndIslands",
+    "EndGoing",
     "EndPaint",
     "Fading",
     "Feel",
@@ -278,6 +280,7 @@ __all__ = [
     "RemoveTable",
     "Safety",
     "Scan",
+    "Scissors",
     "SecondScan",
     "SeenFrom",
     "Segment",
@@ -300,6 +303,7 @@ __all__ = [
     "ShowIslands",
     "ShowParts",
     "ShowRegistration",
+    "ShowScissors",
     "ShownAs",
     "SmoothingDegree",
     "State",
@@ -354,6 +358,7 @@ ToPage = (
     | NeedleEvents
     | SegmentWork
     | Islands
+    | Scissors
     | TableFound
     | TableSuggested
     | SecondScan
@@ -377,7 +382,8 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | ShowIslands
-    | EndIslands
+    | ShowScissors
+    | EndGoing
     | StopSegmentWork
     | FindTable
     | SuggestTable

@@ -2,31 +2,25 @@
  * A cut along a painted line: from the wish to cut a segment, through the line that is painted and
  * what the engine says of its parts, to the cut.
  */
-import { vantage, type Camera, type Viewport } from "../../../core/geometry/camera";
-import { freehandLine, underLine, type Place } from "../../../core/segments/cut_line";
 import type { CutPreview, Segment } from "../../../core/protocol";
-import { scale, type Vec3 } from "../../../core/geometry/vector";
 import type { Session } from "../../state/session.svelte";
+import { PaintedLine } from "./painted_line.svelte";
 
-/** A line that was painted, as points of the scene under it and the eye that saw it. */
-export interface SeenLine {
-  readonly points: readonly Vec3[];
-  readonly eye: Vec3;
-  /** How far away it seemed [mm]. */
-  readonly reach: number;
-  readonly view: Vec3;
-  readonly closed: boolean;
-}
-
-export class CutControl {
+export class CutControl extends PaintedLine {
   /** The segment that is to be cut; null where none is. */
   id = $state.raw<number | null>(null);
-  /** What is being painted [CSS pixels of the picture]. */
-  painting = $state.raw<readonly Place[] | null>(null);
-  /** What was painted. */
-  line = $state.raw<SeenLine | null>(null);
 
-  constructor(private readonly session: Session) {}
+  /** @param begins ends what else waits for a line. */
+  constructor(
+    private readonly session: Session,
+    private readonly begins: () => void,
+  ) {
+    super();
+  }
+
+  get armed(): boolean {
+    return this.segment !== null;
+  }
 
   /** The segment that is to be cut, as long as it is there. */
   get segment(): Segment | null {
@@ -47,6 +41,7 @@ export class CutControl {
   /** Waits for a line over a segment. */
   start(id: number): void {
     this.cancel();
+    this.begins();
     this.id = id;
   }
 
@@ -54,34 +49,6 @@ export class CutControl {
     this.id = null;
     this.painting = null;
     this.forget();
-  }
-
-  begin(place: Place): void {
-    this.forget();
-    this.painting = [place];
-  }
-
-  paint(place: Place): void {
-    if (this.painting !== null) {
-      this.painting = [...this.painting, place];
-    }
-  }
-
-  /** The line is whole: the engine is asked what it would part. */
-  finish(camera: Camera, viewport: Viewport): void {
-    const painted = this.painting === null ? null : freehandLine(this.painting);
-    this.painting = null;
-    if (painted === null || this.id === null) {
-      return;
-    }
-    this.line = {
-      points: underLine(painted.places, camera, viewport),
-      eye: vantage(camera),
-      reach: camera.distance,
-      view: scale(camera.back, -1),
-      closed: painted.closed,
-    };
-    this.send(true);
   }
 
   /** Cuts along the line. */
@@ -92,8 +59,12 @@ export class CutControl {
     }
   }
 
-  private forget(): void {
-    this.line = null;
+  protected override ask(): void {
+    this.send(true);
+  }
+
+  protected override forget(): void {
+    super.forget();
     this.session.cutPreview = null;
   }
 
