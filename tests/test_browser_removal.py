@@ -100,6 +100,45 @@ def test_the_scan_is_cropped_to_the_box_and_undo_brings_it_back(page: Browser) -
     page.wait(f"{BONE} === {whole}")
 
 
+def test_scissors_show_what_a_loop_takes_and_undo_brings_it_back(page: Browser) -> None:
+    whole = page.read(BONE)
+    loop = [[-90, -60], [90, -60], [90, 60], [-90, 60], [-90, -60]]
+    page.read("window.palpate.setView('A')")
+    page.do("click", testid="take-scissors")
+    page.shows("scissors-says", "text.includes('Draw a loop')")
+    before = page.read("window.palpate.camera")
+    page.do("paintLine", points=loop)
+    page.shows("scissors-says", "/Remove .* inside the loop/.test(text)")
+    page.wait(f"{COUNT} === 2")
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "scissors.png"))
+    # the loop neither turns the picture nor changes anything yet
+    assert page.read("window.palpate.camera") == before
+    assert page.read(BONE) == whole
+    through = page.text("scissors-says")
+
+    page.do("choose", testid="scissors-depth", value="surface")
+    page.shows("scissors-says", f"/Remove/.test(text) && text !== {through!r}")
+    page.do("choose", testid="scissors-target", value="1")
+    page.do("choose", testid="scissors-side", value="outside")
+    page.do("choose", testid="scissors-depth", value="through")
+    page.shows("scissors-says", "/Remove .* outside of the loop/.test(text)")
+    page.do("press", key="Escape")
+    page.wait(f"{COUNT} === 1")
+    assert page.read(BONE) == whole
+
+    page.do("click", testid="take-scissors")
+    page.do("choose", testid="scissors-side", value="inside")
+    page.do("choose", testid="scissors-target", value="")
+    page.do("paintLine", points=loop)
+    page.wait("document.querySelector('[data-testid=scissors-remove]') !== null")
+    page.do("click", testid="scissors-remove")
+    page.wait(f"{COUNT} === 1 && {BONE} < {whole} && {BONE} > 0")
+    page.do("screenshot", path=str(OUTPUT / "scissors-gone.png"))
+    page.do("press", key="Control+z")
+    page.wait(f"{BONE} === {whole}")
+
+
 def test_a_segment_is_taken_out_of_the_scan_and_undo_brings_it_back(page: Browser) -> None:
     page.do("clickText", text="Change shape")
     page.do("click", testid="take-out")

@@ -74,10 +74,41 @@ def test_a_surface_is_saved_and_says_what_it_keeps(page: Browser, tmp_path: Path
     page.finish()
 
 
+def test_which_islands_stay_is_chosen_and_seen_before_the_others_go(page: Browser) -> None:
+    page.do("clickText", text="Change shape")
+    whole = page.read(SHOWN_SIZE)
+    page.do("choose", testid="shape-kind", value="keep-largest")
+    page.do("click", testid="shape-show")
+    page.shows("islands", "/2 islands:/.test(text) && / ml, 2/.test(text)")
+    page.shows("islands-bar", "text.includes('1 of 2 islands')")
+    page.wait("document.querySelectorAll('[data-testid^=\"visible-\"]').length === 2")
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "segment_islands.png"))
+    assert page.read(SHOWN_SIZE) == whole
+    # the least volume in place of the number; both are larger
+    page.do("choose", testid="shape-kind", value="drop-small")
+    page.do("fill", testid="shape-amount", text="0.1")
+    page.shows("islands-bar", "text.includes('All 2 islands')")
+    page.do("fill", testid="shape-amount", text="1")
+    page.shows("islands-bar", "text.includes('1 of 2 islands')")
+    page.do("press", key="Escape")
+    page.wait("document.querySelectorAll('[data-testid^=\"visible-\"]').length === 1")
+    assert page.read(SHOWN_SIZE) == whole
+
+    page.do("click", testid="shape-show")
+    page.do("click", testid="islands-remove")
+    page.wait(f"{SHOWN_SIZE} !== {whole!r}")
+    page.wait("document.querySelectorAll('[data-testid^=\"visible-\"]').length === 1")
+    page.do("press", key="Control+z")
+    page.wait(f"{SHOWN_SIZE} === {whole!r}")
+    page.wait("document.querySelectorAll('[data-testid^=\"visible-\"]').length === 1")
+    page.do("clickText", text="Change shape")
+
+
 def test_shapes_change_by_one_step_of_undo_and_a_click_grows_a_region(page: Browser) -> None:
     page.do("clickText", text="Change shape")
     sizes = [page.read(SHOWN_SIZE)]
-    for kind in ("keep-largest", "fill-holes", "grow"):
+    for kind in ("fill-holes", "grow"):
         page.do("choose", testid="shape-kind", value=kind)
         page.do("click", testid="shape-apply")
         page.wait(f"{SHOWN_SIZE} !== {sizes[-1]!r}")

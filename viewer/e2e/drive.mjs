@@ -11,6 +11,7 @@
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
  *   {"do": "altDrag", "x": …, "y": …}                         the same with Alt held: window and level
  *   {"do": "dragElement", "testid": …, "x": …, "y": …}        a handle in the picture, "from": [x, y] of its middle
+ *   {"do": "paintLine", "points": [[x, y], …]}                left button held over the picture, from its middle
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button too, "held": true: still
  *   {"do": "release"}                                         the left button
@@ -246,6 +247,17 @@ const actions = {
   },
   async penUp() {
     await devtools.send("Input.dispatchMouseEvent", { ...pen, type: "mouseReleased", force: 0 });
+    return {};
+  },
+  async paintLine({ points }) {
+    const box = await picture().boundingBox();
+    const at = ([x, y]) => [box.x + box.width / 2 + x, box.y + box.height / 2 + y];
+    await page.mouse.move(...at(points[0]));
+    await page.mouse.down();
+    for (const point of points.slice(1)) {
+      await page.mouse.move(...at(point), { steps: 4 });
+    }
+    await page.mouse.up();
     return {};
   },
   async touch({ x = 0, y = 0, depth = 0, steps = 10 }) {

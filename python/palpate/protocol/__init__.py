@@ -53,7 +53,7 @@ from palpate.protocol.segments import (
     CutAlong,
     CutPreview,
     CutSegment,
-    EndIslands,
+    EndGoing,
     EndPaint,
     Feel,
     FindTable,
@@ -70,6 +70,7 @@ from palpate.protocol.segments import (
     RemoveFromScan,
     RemoveSegment,
     RemoveTable,
+    Scissors,
     Segment,
     SegmentFeel,
     SegmentProperties,
@@ -78,6 +79,7 @@ from palpate.protocol.segments import (
     SegmentSteps,
     SegmentWork,
     ShowIslands,
+    ShowScissors,
     StopSegmentWork,
     SuggestTable,
     TableFound,
@@ -208,7 +210,7 @@ __all__ = [
     "Displaced",
     "DrawPicture",
     "DrawnPicture",
-    "EndIslands",
+    "EndGoing",
     "EndPaint",
     "Fading",
     "Feel",
@@ -289,6 +291,7 @@ __all__ = [
     "RemoveTable",
     "Safety",
     "Scan",
+    "Scissors",
     "SecondScan",
     "SeenFrom",
     "Segment",
@@ -313,6 +316,7 @@ __all__ = [
     "ShowIslands",
     "ShowParts",
     "ShowRegistration",
+    "ShowScissors",
     "ShownAs",
     "SmoothingDegree",
     "State",
@@ -371,6 +375,7 @@ ToPage = (
     | NeedleEvents
     | SegmentWork
     | Islands
+    | Scissors
     | TableFound
     | TableSuggested
     | SecondScan
@@ -394,7 +399,8 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | ShowIslands
-    | EndIslands
+    | ShowScissors
+    | EndGoing
     | ChangeSteps
     | StopSegmentWork
     | FindTable

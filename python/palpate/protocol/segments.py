@@ -29,7 +29,7 @@ __all__ = [
     "CutAlong",
     "CutPreview",
     "CutSegment",
-    "EndIslands",
+    "EndGoing",
     "EndPaint",
     "Feel",
     "FindTable",
@@ -46,6 +46,7 @@ __all__ = [
     "RemoveFromScan",
     "RemoveSegment",
     "RemoveTable",
+    "Scissors",
     "Segment",
     "SegmentFeel",
     "SegmentProperties",
@@ -54,6 +55,7 @@ __all__ = [
     "SegmentWork",
     "Segments",
     "ShowIslands",
+    "ShowScissors",
     "StopSegmentWork",
     "SuggestTable",
     "TableFound",
@@ -303,8 +305,32 @@ class Islands(Message, frozen=True, tag="islands"):
     largest_ml: list[float]
 
 
-class EndIslands(Message, frozen=True, tag="end_islands"):
-    """Removes the islands that are shown, as one step of undo, or keeps them."""
+class ShowScissors(Message, frozen=True, tag="show_scissors"):
+    """Shows what a loop on the picture would cut out: ``Scissors`` answers, and nothing is changed.
+
+    It is cut out of segment ``id``, or of the scan without one. ``line`` are points below the loop
+    in front of the eye; ``view`` is the direction of view. What lies inside goes, or ``outside``,
+    right through, or less than ``depth`` [mm] behind the first surface: of the segment, or of all
+    that are shown.
+    """
+
+    id: SegmentId | None
+    line: Annotated[list[Vector], msgspec.Meta(min_length=3, max_length=1000)]
+    eye: Vector
+    view: Vector
+    outside: bool
+    depth: Annotated[float, msgspec.Meta(gt=0.0, le=1000.0)] | None
+
+
+class Scissors(Message, frozen=True, tag="scissors"):
+    """Tells what would be cut out: ``preview`` is a segment of it; null where nothing is."""
+
+    preview: SegmentId | None
+    goes_ml: float
+
+
+class EndGoing(Message, frozen=True, tag="end_going"):
+    """Removes what ``ShowIslands`` or ``ShowScissors`` has shown, as one step of undo, or not."""
 
     removes: bool
 

@@ -836,6 +836,13 @@ export interface Islands {
   readonly largest_ml: readonly number[];
 }
 
+/** Tells what would be cut out: `preview` is a segment of it; null where nothing is. */
+export interface Scissors {
+  readonly type: "scissors";
+  readonly preview: SegmentId | null;
+  readonly goes_ml: number;
+}
+
 /** Tells which segment a table has become, for a person to decide on. */
 export interface TableFound {
   readonly type: "table_found";
@@ -1150,9 +1157,27 @@ export interface ShowIslands {
   readonly least_ml: number;
 }
 
-/** Removes the islands that are shown, as one step of undo, or keeps them. */
-export interface EndIslands {
-  readonly type: "end_islands";
+/**
+ * Shows what a loop on the picture would cut out: `Scissors` answers, and nothing is changed.
+ *
+ * It is cut out of segment `id`, or of the scan without one. `line` are points below the loop
+ * in front of the eye; `view` is the direction of view. What lies inside goes, or `outside`,
+ * right through, or less than `depth` [mm] behind the first surface: of the segment, or of all
+ * that are shown.
+ */
+export interface ShowScissors {
+  readonly type: "show_scissors";
+  readonly id: SegmentId | null;
+  readonly line: readonly Vector[];
+  readonly eye: Vector;
+  readonly view: Vector;
+  readonly outside: boolean;
+  readonly depth: number | null;
+}
+
+/** Removes what `ShowIslands` or `ShowScissors` has shown, as one step of undo, or not. */
+export interface EndGoing {
+  readonly type: "end_going";
   readonly removes: boolean;
 }
 
@@ -1545,6 +1570,7 @@ export type ToPage =
   | NeedleEvents
   | SegmentWork
   | Islands
+  | Scissors
   | TableFound
   | TableSuggested
   | SecondScan
@@ -1568,7 +1594,8 @@ export type FromPage =
   | GrowSeeds
   | ChangeShape
   | ShowIslands
-  | EndIslands
+  | ShowScissors
+  | EndGoing
   | ChangeSteps
   | StopSegmentWork
   | FindTable
@@ -2264,6 +2291,12 @@ const isIslands = record({
   largest_ml: list(real()),
 });
 
+const isScissors = record({
+  type: oneOf("scissors"),
+  preview: nullable(isSegmentId),
+  goes_ml: real(),
+});
+
 const isTableFound = record({
   type: oneOf("table_found"),
   id: isSegmentId,
@@ -2335,6 +2368,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
   ["islands", isIslands],
+  ["scissors", isScissors],
   ["table_found", isTableFound],
   ["table_suggested", isTableSuggested],
   ["second_scan", isSecondScan],

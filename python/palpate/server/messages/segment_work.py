@@ -29,9 +29,11 @@ from palpate.segmentation.operations import (
 )
 from palpate.segmentation.segment_steps import ShapeStep
 from palpate.segmentation.table import skin_value, table
+from palpate.server.messages.going_part import GoingPart
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_steps import wanted_steps
-from palpate.server.messages.shown_islands import ShownIslands
+from palpate.server.messages.shown_islands import show_islands
+from palpate.server.messages.shown_scissors import show_scissors
 from palpate.server.messages.table import MessageTable, Runs
 from palpate.server.page_words import page_words
 from palpate.session.appearance import UNMOVED
@@ -48,7 +50,8 @@ Wanted = (
     | protocol.GrowSeeds
     | protocol.ChangeShape
     | protocol.ShowIslands
-    | protocol.EndIslands
+    | protocol.ShowScissors
+    | protocol.EndGoing
     | protocol.ChangeSteps
     | protocol.Threshold
     | protocol.FindTable
@@ -128,14 +131,15 @@ class SegmentWork:
         self._stops = 0
         self._busy = False
         self._table: Segment | None = None
-        self._islands = ShownIslands(session, segments)
+        self._going = GoingPart(session, segments)
         self._kinds: dict[type[Wanted], Callable[[Any, Told], None]] = {
             protocol.Otsu: self._otsu,
             protocol.GrowSegment: self._grow,
             protocol.GrowSeeds: self._grow_seeds,
             protocol.ChangeShape: self._change,
             protocol.ShowIslands: self._show_islands,
-            protocol.EndIslands: self._end_islands,
+            protocol.ShowScissors: self._show_scissors,
+            protocol.EndGoing: self._end_going,
             protocol.ChangeSteps: self._change_steps,
             protocol.Threshold: self._threshold,
             protocol.FindTable: self._find_table,
@@ -335,11 +339,17 @@ class SegmentWork:
 
     def _show_islands(self, wanted: protocol.ShowIslands, progress: Told) -> None:
         progress(f"looking for islands of {self._segments.name_of(wanted.id)}", None)
-        self._publish(self._islands.show(wanted, progress))
+        told = show_islands(wanted, self._going, progress)
+        self._publish(told)
 
-    def _end_islands(self, wanted: protocol.EndIslands, progress: Told) -> None:
-        progress("removing islands" if wanted.removes else "keeping all islands", None)
-        self._islands.end(removes=wanted.removes)
+    def _show_scissors(self, wanted: protocol.ShowScissors, progress: Told) -> None:
+        progress("looking at what is cut out", None)
+        told = show_scissors(wanted, self._going, progress)
+        self._publish(told)
+
+    def _end_going(self, wanted: protocol.EndGoing, progress: Told) -> None:
+        progress("removing what is shown" if wanted.removes else "leaving all as it is", None)
+        self._going.end(removes=wanted.removes)
 
     def _smooth_together(self, wanted: protocol.ChangeShape, progress: Told) -> None:
         """Smooths a segment together with all that are shown and stand with it."""

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from palpate import protocol
 from palpate.base.errors import OptionError
+from palpate.base.progress import silent
 from palpate.segmentation import operations as segmentation
 from palpate.segmentation import segment_steps
 from palpate.segmentation.mask_shape import margin
+from palpate.server.messages.going_part import GoingPart
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
-from palpate.server.messages.shown_islands import ShownIslands
+from palpate.server.messages.shown_islands import show_islands
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
@@ -369,7 +371,7 @@ def shown_of(told: list[protocol.ToPage]) -> list[protocol.Islands]:
 
 def test_islands_that_would_go_are_shown_before_and_go_in_one_step_of_undo() -> None:
     look = protocol.ShowIslands(id=1, most=2, least_ml=0.0)
-    told, voxels = asked_of(parts(), look, protocol.EndIslands(removes=True))
+    told, voxels = asked_of(parts(), look, protocol.EndGoing(removes=True))
     (shown,) = shown_of(told)
     assert (shown.count, shown.stays) == (3, 2)
     assert shown.largest_ml == [0.512, 0.064, 0.008]
@@ -383,25 +385,26 @@ def test_another_choice_takes_the_place_of_what_was_shown() -> None:
     least = protocol.ShowIslands(id=1, most=9, least_ml=0.05)
     counts: list[int] = []
     with Session(parts(), options=SessionOptions(real_time=False)) as session:
-        islands = ShownIslands(session, SegmentList(session))
+        going = GoingPart(session, SegmentList(session))
         for wanted in (most, least):
-            told = islands.show(wanted, lambda _what, _share: None)
+            told = show_islands(wanted, going, silent)
             assert told.preview is not None
             counts.append(session.segment(told.preview).voxel_count)
             assert len(session.segments()) == 2
         assert counts == [72, 8]
-        islands.end(removes=False)
+        going.end(removes=False)
         assert [each["voxels"] for each in session.segments()] == [584]
         assert not session.undo()
 
 
 def test_a_step_that_was_made_meanwhile_is_not_undone_with_what_was_shown() -> None:
     with Session(parts(), options=SessionOptions(real_time=False)) as session:
-        islands = ShownIslands(session, SegmentList(session))
-        islands.show(protocol.ShowIslands(id=1, most=1, least_ml=0.0), lambda _what, _share: None)
+        going = GoingPart(session, SegmentList(session))
+        wanted = protocol.ShowIslands(id=1, most=1, least_ml=0.0)
+        show_islands(wanted, going, silent)
         session.fill_box(1, low=(0, 0, 0), high=(1, 1, 1), solid=True)
         with pytest.raises(OptionError, match="was changed meanwhile"):
-            islands.end(removes=True)
+            going.end(removes=True)
         assert [each["voxels"] for each in session.segments()] == [585]
 
 
@@ -413,3 +416,37 @@ def test_islands_that_all_stay_or_all_would_go_are_told() -> None:
     (notice,) = [one for one in told if isinstance(one, protocol.Notice)]
     assert "nothing would be left of boxes" in notice.text
     assert voxels[0] == voxels[1] == 584
+
+
+LOOP: dict[str, Any] = {
+    "line": [(0.0, -5.0, 0.0), (12.0, -5.0, 0.0), (12.0, -5.0, 19.0), (0.0, -5.0, 19.0)],
+    "eye": (10.0, -1e6, 10.0),
+    "view": (0.0, 1.0, 0.0),
+}
+"""Around the largest of the three boxes, seen from before."""
+
+
+@pytest.mark.parametrize(
+    ("id_", "outside", "depth", "gone"),
+    [(1, False, None, 512), (1, True, None, 72), (1, False, 2.5, 3 * 64), (None, False, None, 512)],
+)
+def test_scissors_show_what_they_cut_out_and_do_so_in_one_step_of_undo(
+    id_: int | None,
+    outside: bool,  # noqa: FBT001  # a parameter of the test
+    depth: float | None,
+    gone: int,
+) -> None:
+    look = protocol.ShowScissors(id=id_, outside=outside, depth=depth, **LOOP)
+    told, voxels = asked_of(parts(), look, protocol.EndGoing(removes=True))
+    (shown,) = [one for one in told if isinstance(one, protocol.Scissors)]
+    assert shown.goes_ml == pytest.approx(gone / 1000.0)
+    assert voxels == [584, 584 - gone, 584]
+
+
+def test_scissors_that_meet_nothing_show_nothing() -> None:
+    beside = LOOP | {"line": [(30.0, -5.0, 15.0), (39.0, -5.0, 15.0), (39.0, -5.0, 19.0)]}
+    told, voxels = asked_of(
+        parts(), protocol.ShowScissors(id=1, outside=False, depth=None, **beside)
+    )
+    assert protocol.Scissors(preview=None, goes_ml=0.0) in told
+    assert voxels == [584, 584]

@@ -354,8 +354,11 @@ function tools({ stage, tool }: ActionTargets): readonly Action[] {
       group,
       name: "Cut along the line that was painted",
       keys: ["Enter"],
-      ready: () => stage.cutting.ready,
-      run: () => { stage.cutting.cut(); },
+      ready: () => stage.cutting.ready || stage.scissors.ready,
+      run: () => {
+        if (stage.cutting.ready) stage.cutting.cut();
+        else stage.scissors.remove();
+      },
     },
   ];
 }
@@ -422,6 +425,13 @@ function work({ session, stage, undo, exporter, theme, page }: ActionTargets): r
       keys: [],
       ready: () => stage.removal.isLikely && stage.removal.table === null,
       run: () => { stage.removal.findTable(); },
+    },
+    {
+      group,
+      name: "Scissors: cut out what a loop on the picture encloses",
+      keys: [],
+      ready: () => session.scan !== null,
+      run: () => { stage.takeScissors(); },
     },
     {
       group,

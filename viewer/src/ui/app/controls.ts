@@ -14,7 +14,9 @@ import { SecondControl } from "../features/second/second_control.svelte";
 import { BrushControl } from "../features/segments/brush_control.svelte";
 import { CutControl } from "../features/segments/cut_control.svelte";
 import { GrowControl } from "../features/segments/grow_control.svelte";
+import { IslandsControl } from "../features/segments/islands_control.svelte";
 import { ObjectControl } from "../features/segments/object_control.svelte";
+import { ScissorsControl } from "../features/segments/scissors_control.svelte";
 import { SegmentAppearanceControl } from "../features/segments/segment_appearance_control";
 import type { SegmentControls } from "../features/segments/segment_controls";
 import { StatisticsControl } from "../features/segments/statistics_control.svelte";
@@ -138,12 +140,15 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
 }
 
 function segmentControls({ session, token }: Surroundings, { steps }: UndoControls): SegmentControls {
+  const scissors = new ScissorsControl(session);
   return {
     segmentAppearance: new SegmentAppearanceControl(session, steps),
     thresholdPreview: new ThresholdPreview(),
     objects: new ObjectControl(session),
-    cutting: new CutControl(session),
+    cutting: new CutControl(session, () => { scissors.cancel(); }),
+    scissors,
     growing: new GrowControl(session),
+    islands: new IslandsControl(session),
     brush: new BrushControl(session),
     statistics: new StatisticsControl(session, token),
     surfaces: new SurfaceExport(session, token),

@@ -14,6 +14,7 @@ import { orbit, pan, zoom } from "../../core/geometry/camera";
 import type { PickedOfTwo } from "../../core/picking/pick_scans";
 import { addScaled } from "../../core/geometry/vector";
 import { FingerPair, type PairMove } from "../../core/view/finger_pair";
+import { armedLine, paintedLine } from "../features/segments/painted_line.svelte";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Reading } from "../features/picking/readout.svelte";
 import type { Session } from "../state/session.svelte";
@@ -100,9 +101,9 @@ export class PointerInput {
       event.preventDefault();
     } else if (event.button === 0 && event.altKey) {
       this.drag = "look";
-    } else if (event.button === 0 && this.stage.cutting.paints) {
+    } else if (event.button === 0 && paintedLine(this.stage) !== null) {
       this.drag = "cut";
-      this.stage.cutting.begin(this.placeOf(event));
+      paintedLine(this.stage)?.begin(this.placeOf(event));
     } else if (event.button === 0) {
       this.drag = this.leftDrag(event);
     }
@@ -142,7 +143,7 @@ export class PointerInput {
       return;
     }
     if (this.drag === "cut") {
-      this.stage.cutting.paint(this.placeOf(event));
+      armedLine(this.stage)?.paint(this.placeOf(event));
       return;
     }
     if (this.drag === "look") {
@@ -211,13 +212,13 @@ export class PointerInput {
 
   /** Ends what the button began. */
   private finish(event: PointerEvent): void {
-    const { cutting, stereo } = this.stage;
+    const { stereo } = this.stage;
     const eye = stereo.at(event.offsetX, event.offsetY);
     this.leave();
     if (this.drag === "tool") {
       this.tool.release();
     } else if (this.drag === "cut" && eye !== null) {
-      cutting.finish(eye.camera, eye.viewport);
+      armedLine(this.stage)?.finish(eye.camera, eye.viewport);
     }
     this.drag = null;
   }
@@ -284,7 +285,7 @@ export class PointerInput {
 
   private bringProbe(event: MouseEvent): void {
     // two short strokes are no double click, nor are two short lines, nor two points of a mark
-    if (this.stage.cutting.id !== null || this.marked) {
+    if (armedLine(this.stage) !== null || this.marked) {
       return;
     }
     if (this.touching.ready || (this.tool.kind !== "none" && event.shiftKey)) {

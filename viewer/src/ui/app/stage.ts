@@ -49,6 +49,8 @@ interface JointActs {
   readonly followPlayed: (shown: ShownTouch) => void;
   /** Takes the brush and shows slices to paint in, or puts it away. */
   readonly toggleBrush: () => void;
+  /** Waits for a loop on the picture, whatever the mouse was to do before. */
+  readonly takeScissors: () => void;
   /** Waits for clicks on pairs of points, and shows slices to set them in. */
   readonly placePairs: () => void;
   /** Waits for clicks on target and entry of a needle, and shows slices to set them in. */
@@ -109,7 +111,7 @@ function drawScene(
 }
 
 function jointActs({ session }: Surroundings, controls: Controls, opener: ScanOpener): JointActs {
-  const { brush, growing, marks, registration, slices, touch, view } = controls;
+  const { brush, cutting, growing, marks, registration, scissors, slices, touch, view } = controls;
   return {
     open: (scan) => opener.open(scan),
     showLabels: () => {
@@ -126,6 +128,13 @@ function jointActs({ session }: Surroundings, controls: Controls, opener: ScanOp
       if (brush.armed) {
         slices.reveal();
       }
+    },
+    takeScissors: () => {
+      cutting.cancel();
+      marks.cancel();
+      growing.armed = false;
+      brush.escape();
+      scissors.start();
     },
     placePairs: () => {
       marks.cancel();

@@ -17,6 +17,7 @@ import {
   type FromPage,
   type Gap,
   type Hello,
+  type Islands,
   type MaterialPreset,
   type NeedleEvent,
   type Notice,
@@ -24,6 +25,7 @@ import {
   type Outline,
   type Registration,
   type Scan,
+  type Scissors,
   type SecondScan,
   type Segment,
   type Settings,
@@ -89,6 +91,10 @@ export class Session {
   segmentWork = $state.raw<string | null>(null);
   /** The segment of a table that was found, until a person has decided on it. */
   tableFound = $state.raw<number | null>(null);
+  /** Islands of a segment of which some would go, until a person has decided. */
+  islands = $state.raw<Islands | null>(null);
+  /** What scissors would cut out, until a person has decided. */
+  scissors = $state.raw<Scissors | null>(null);
   /** The engine has found a table in the scan, and nobody has decided on it. */
   tableSuggested = $state.raw(false);
   notices = $state.raw<readonly ShownNotice[]>([]);
@@ -345,6 +351,12 @@ export class Session {
       case "table_found":
         this.tableFound = message.id;
         break;
+      case "islands":
+        this.islands = message;
+        break;
+      case "scissors":
+        this.scissors = message;
+        break;
       case "table_suggested":
         this.tableSuggested = true;
         break;
@@ -388,6 +400,8 @@ export class Session {
     this.segmentWork = null;
     this.tableFound = null;
     this.tableSuggested = false;
+    this.islands = null;
+    this.scissors = null;
     // what was asked before is forgotten with the connection that it was asked on
     this.pass(this.fences, 0);
     this.recallSettings(hello);

@@ -2,33 +2,34 @@
  * A cut along a painted line: from the wish to cut a segment, through the line that is painted and
  * what the engine says of its parts, to the cut.
  */
-import { pixelSizeAt, vantage, type Camera, type Viewport } from "../../../core/geometry/camera";
-import { freehandLine, underLine, type Place } from "../../../core/segments/cut_line";
-import { cutSheet, type CutSheet, type SeenLine } from "../../../core/segments/cut_sheet";
+import { pixelSizeAt, type Camera, type Viewport } from "../../../core/geometry/camera";
+import { cutSheet, type CutSheet } from "../../../core/segments/cut_sheet";
 import { cornersOf, unmoved } from "../../../core/geometry/object_pose";
 import { transformPoint } from "../../../core/geometry/affine";
 import { frameOf } from "../../../core/scan/scan_volume";
 import type { CutPreview, Segment } from "../../../core/protocol";
-import { addScaled, scale, type Vec3 } from "../../../core/geometry/vector";
+import { addScaled, type Vec3 } from "../../../core/geometry/vector";
 import type { Session } from "../../state/session.svelte";
-
-/** A line, and how far away it seemed to be [mm]. */
-interface PaintedLine extends SeenLine {
-  readonly reach: number;
-}
+import { PaintedLine } from "./painted_line.svelte";
 
 /** Half of the line that is proposed: the engine carries it on [CSS pixels]. */
 const proposed = 40;
 
-export class CutControl {
+export class CutControl extends PaintedLine {
   /** The segment that is to be cut; null where none is. */
   id = $state.raw<number | null>(null);
-  /** What is being painted [CSS pixels of the picture]. */
-  painting = $state.raw<readonly Place[] | null>(null);
-  /** What was painted. */
-  line = $state.raw<PaintedLine | null>(null);
 
-  constructor(private readonly session: Session) {}
+  /** @param begins ends what else waits for a line. */
+  constructor(
+    private readonly session: Session,
+    private readonly begins: () => void,
+  ) {
+    super();
+  }
+
+  get armed(): boolean {
+    return this.segment !== null;
+  }
 
   /** The segment that is to be cut, as long as it is there. */
   get segment(): Segment | null {
@@ -47,12 +48,16 @@ export class CutControl {
   }
 
   /** Whether the left button paints: a line that parts the segment is looked at from all sides first. */
-  get paints(): boolean {
-    return this.id !== null && (this.line === null || (this.parts !== null && !this.ready));
+  override get paints(): boolean {
+    return this.armed && (this.line === null || (this.parts !== null && !this.ready));
   }
 
   /** The surface that would be cut along; null before there is a line. */
-  readonly sheet = $derived.by((): CutSheet | null => {
+  override get sheet(): CutSheet | null {
+    return this.shownSheet;
+  }
+
+  private readonly shownSheet = $derived.by((): CutSheet | null => {
     const { line, segment } = this;
     const { scan } = this.session;
     if (line === null || segment === null || scan === null || segment.bounds === null) {
@@ -66,6 +71,7 @@ export class CutControl {
   /** Waits for a line over a segment. */
   start(id: number): void {
     this.cancel();
+    this.begins();
     this.id = id;
   }
 
@@ -88,27 +94,6 @@ export class CutControl {
     this.forget();
   }
 
-  begin(place: Place): void {
-    this.forget();
-    this.painting = [place];
-  }
-
-  paint(place: Place): void {
-    if (this.painting !== null) {
-      this.painting = [...this.painting, place];
-    }
-  }
-
-  /** The line is whole: the engine is asked what it would part. */
-  finish(camera: Camera, viewport: Viewport): void {
-    const painted = this.painting === null ? null : freehandLine(this.painting);
-    this.painting = null;
-    if (painted === null || this.id === null) {
-      return;
-    }
-    this.see({ points: underLine(painted.places, camera, viewport), closed: painted.closed }, camera);
-  }
-
   /** Cuts along the line. */
   cut(): void {
     if (this.ready) {
@@ -117,19 +102,12 @@ export class CutControl {
     }
   }
 
-  private see({ points, closed }: Pick<SeenLine, "points" | "closed">, camera: Camera): void {
-    this.line = {
-      points,
-      eye: vantage(camera),
-      reach: camera.distance,
-      view: scale(camera.back, -1),
-      closed,
-    };
+  protected override ask(): void {
     this.send(true);
   }
 
-  private forget(): void {
-    this.line = null;
+  protected override forget(): void {
+    super.forget();
     this.session.cutPreview = null;
   }
 

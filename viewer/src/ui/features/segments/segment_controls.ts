@@ -5,7 +5,9 @@ import type { InsideMode, InsideModes } from "../../../core/segments/shown_segme
 import type { BrushControl } from "./brush_control.svelte";
 import type { CutControl } from "./cut_control.svelte";
 import type { GrowControl } from "./grow_control.svelte";
+import type { IslandsControl } from "./islands_control.svelte";
 import type { ObjectControl } from "./object_control.svelte";
+import type { ScissorsControl } from "./scissors_control.svelte";
 import type { SegmentAppearanceControl } from "./segment_appearance_control";
 import type { StatisticsControl } from "./statistics_control.svelte";
 import type { SurfaceExport } from "./surface_export.svelte";
@@ -20,8 +22,12 @@ export interface SegmentControls {
   readonly objects: ObjectControl;
   /** A segment that is cut along a painted line. */
   readonly cutting: CutControl;
+  /** What a loop on the picture cuts out. */
+  readonly scissors: ScissorsControl;
   /** Segments that are found in the scan. */
   readonly growing: GrowControl;
+  /** Islands of a segment that are to go. */
+  readonly islands: IslandsControl;
   /** The brush in slices. */
   readonly brush: BrushControl;
   /** The numbers of all segments. */
