@@ -230,7 +230,8 @@ def test_what_the_clip_cuts_away_is_not_felt_and_the_cut_is(clipped: Browser) ->
 def test_a_press_of_the_mouse_lands_on_the_cut_where_it_is_seen(clipped: Browser) -> None:
     page = clipped
     page.do("press", key="t")
-    page.do("dragElement", testid="canvas", **{"from": [0.0, 0.0]}, hold=True)
+    # beside the middle, where the handle of the face stands
+    page.do("dragElement", testid="canvas", **{"from": [60.0, 40.0]}, hold=True)
     page.wait("window.palpate.state.contact")
     state = page.settled()
     page.do("release")

@@ -67,7 +67,7 @@ fn what_is_left_is_every_voxel_whose_centre_lies_behind_all_planes_wherever_a_gr
             cut += u32::from(segment.contains(voxel) && !is_left);
         }
     }
-    assert!(cut > 50_000 && left > 50_000, "{cut} {left}");
+    assert!(cut > 40_000 && left > 40_000, "{cut} {left}");
 }
 
 /// Faces of a clip box stand between voxels or through their middles, where rounding could decide.
@@ -119,7 +119,7 @@ fn bricks_that_no_plane_meets_are_shared_and_edits_are_followed_in_theirs_alone(
         let same = pairs.filter(|(a, b)| matches!((a, b), (Some(a), Some(b)) if Arc::ptr_eq(a, b)));
         same.count()
     };
-    // two of five layers of bricks lie behind the plane
+    // two of five layers of bricks lie behind the plane, which voxel 20 has its centre in
     assert_eq!(shared(&left), 2 * 25);
 
     let edited = Segment::from_fn(dimensions, |voxel| odd(voxel) || voxel.y < 8);
@@ -131,7 +131,7 @@ fn bricks_that_no_plane_meets_are_shared_and_edits_are_followed_in_theirs_alone(
         } else {
             &before
         };
-        let is_left = source.contains(voxel) && voxel.x < 20;
+        let is_left = source.contains(voxel) && voxel.x <= 20;
         assert_eq!(left.is_solid(voxel), is_left, "{voxel}");
     }
 }

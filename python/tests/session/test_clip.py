@@ -16,30 +16,30 @@ UPPER_HALF = [((0.0, 0.0, 1.0), 20.0)]
 """Of the ball around (20, 20, 20), whose top is at 28 mm."""
 
 
-def sink(session: Session) -> dict[str, Any]:
-    """Moves the hand from above into the lower half of the ball and returns what is then."""
+def sink(session: Session, height: float) -> dict[str, Any]:
+    """Moves the hand down from above the ball to a height and returns what is then."""
     session.place(ABOVE)
-    session.hand((20.0, 20.0, 17.0))
+    session.hand((20.0, 20.0, height))
     session.let_pass(1.0)
     return dict(session.frame())
 
 
 def test_the_cut_is_felt_where_it_is_and_the_ball_again_without_it() -> None:
     with Session(make_ball(), options=STILL) as session:
-        whole = session.segment(1).mask
+        whole = session.segment(1).mask()
         assert session.clip() == []
-        assert sink(session)["proxy"][2] == pytest.approx(28.0, abs=0.6)
+        assert sink(session, 25.0)["proxy"][2] == pytest.approx(28.0, abs=0.6)
         session.set_clip(UPPER_HALF)
-        cut = sink(session)
+        cut = sink(session, 17.0)
         # the voxel around z = 20 has its centre there, and is kept
         assert cut["contact"]
         assert cut["proxy"][2] == pytest.approx(20.5, abs=0.51)
         assert cut["force"][2] > 0.5
         assert session.clip() == UPPER_HALF
-        assert np.array_equal(session.segment(1).mask, whole)
+        assert np.array_equal(session.segment(1).mask(), whole)
         assert not cut["can_undo"]
         session.set_clip([])
-        assert sink(session)["proxy"][2] == pytest.approx(28.0, abs=0.6)
+        assert sink(session, 25.0)["proxy"][2] == pytest.approx(28.0, abs=0.6)
 
 
 def test_a_recording_in_which_the_clip_changes_replays_to_the_bit() -> None:
