@@ -18,7 +18,7 @@ fn rotation(random: &mut Random) -> DQuat {
 fn grid_of(dimensions: UVec3, random: &mut Random) -> Grid {
     let direction = DMat3::from_quat(rotation(random));
     let origin = random.point(-50.0, 50.0);
-    Grid::new(dimensions, DVec3::new(0.7, 0.9, 2.5), origin, direction).unwrap()
+    Grid::new(dimensions, DVec3::new(0.7, 0.9, 2.5), origin, direction).expect("a grid")
 }
 
 /// A plane through a point of a grid that stands at a pose.

@@ -146,7 +146,7 @@ def _slices(volume: Volume, loop: Loop) -> Iterator[tuple[int, tuple[Floats, Flo
     for place in range(volume.shape[0]):
         yield (
             place,
-            tuple(  # type: ignore[misc]
+            tuple(
                 first
                 + (along_x - first) * np.arange(columns)
                 + ((along_y - first) * np.arange(rows))[:, None]
