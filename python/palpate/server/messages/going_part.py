@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.base.errors import OptionError
+from palpate.segmentation.segment_steps import ShapeStep
 from palpate.server.messages.segment_list import SegmentList
 from palpate.session.appearance import UNMOVED
 from palpate.session.session import Session
@@ -70,6 +72,17 @@ class GoingPart:
         self.hide()
         if shown is not None and removes:
             shown.remove()
+
+    def change_shape(self, segment_id: int, step: ShapeStep, *, before: Segment) -> None:
+        """Changes a segment that is still as it was, as one more step of its list.
+
+        Raises:
+            OptionError: It was changed since.
+        """
+        if not np.array_equal(self.session.segment(segment_id).mask(), before.mask()):
+            raise OptionError(f"{before.name} was changed meanwhile; allowed: to try again")
+        self.session.change_shape(segment_id, step, name=before.name)
+        self.segments.steps_changed()
 
     def hide(self) -> None:
         """Takes the segment that shows it away, by undo where nothing was done since."""

@@ -12,9 +12,8 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.segmentation.lengths_in_voxels import least_voxels
 from palpate.segmentation.mask_shape import island_numbers
+from palpate.segmentation.segment_steps import ShapeStep
 from palpate.server.messages.going_part import GoingPart
-from palpate.session.session import Session
-from palpate.volumes.segment import Segment
 
 __all__ = ["show_islands"]
 
@@ -49,12 +48,11 @@ def show_islands(
     preview = None
     if stays < len(sizes):
         goes = volume.segment(numbers > stays, name=f"Goes of {before.name}")
-        after = volume.segment((numbers > 0) & (numbers <= stays), name=before.name)
         if before.has_own_grid:
-            goes, after = goes.as_object(), after.as_object()
+            goes = goes.as_object()
         preview = going.show(
             goes,
-            lambda: replace(session, wanted.id, before=before, after=after),
+            lambda: going.change_shape(wanted.id, _step(wanted, stays), before=before),
             pose=state["pose"],
         )
     volumes = sizes * volume.voxel_volume / 1000.0
@@ -68,12 +66,8 @@ def show_islands(
     )
 
 
-def replace(session: Session, segment_id: int, *, before: Segment, after: Segment) -> None:
-    """Replaces a segment that is still as it was.
-
-    Raises:
-        OptionError: It was changed since.
-    """
-    if not np.array_equal(session.segment(segment_id).mask(), before.mask()):
-        raise OptionError(f"{before.name} was changed meanwhile; allowed: to try again")
-    session.replace_segment(segment_id, after)
+def _step(wanted: protocol.ShowIslands, stays: int) -> ShapeStep:
+    """Returns the change of shape that leaves as many islands as are to stay."""
+    if stays == wanted.most:
+        return ShapeStep(kind="keep-largest", amount=stays)
+    return ShapeStep(kind="drop-small", amount=wanted.least_ml)

@@ -9,10 +9,11 @@ from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.segmentation.mask_shape import Mask
 from palpate.segmentation.scissors import Loop, in_loop, near_surface
+from palpate.segmentation.segment_steps import ShapeStep
 from palpate.segmentation.table import skin_value
+from palpate.segmentation.voxel_set import VoxelSet
 from palpate.server.messages.going_part import GoingPart
 from palpate.server.messages.segment_list import SegmentList
-from palpate.server.messages.shown_islands import replace
 from palpate.session.appearance import UNMOVED
 from palpate.session.session import Session
 from palpate.volumes.volume import Volume
@@ -48,12 +49,11 @@ def show_scissors(
         volume = before.volume
         matter = before.mask() != 0
         goes = matter & _taken(wanted, volume, loop, surface=matter)
-        after = volume.segment(matter & ~goes, name=before.name)
-        after = after.as_object() if before.has_own_grid else after
+        step = ShapeStep(kind="subtract", other=VoxelSet.of(goes), other_name="what was cut out")
         segment_id = wanted.id
 
         def remove() -> None:
-            replace(session, segment_id, before=before, after=after)
+            going.change_shape(segment_id, step, before=before)
 
     progress("showing what is cut out", None)
     if not goes.any():

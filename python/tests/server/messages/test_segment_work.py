@@ -14,10 +14,12 @@ from palpate.base.progress import silent
 from palpate.segmentation import operations as segmentation
 from palpate.segmentation import segment_steps
 from palpate.segmentation.mask_shape import margin
+from palpate.segmentation.segment_steps import ShapeStep
 from palpate.server.messages.going_part import GoingPart
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_work import SegmentWork, ThresholdJobs
 from palpate.server.messages.shown_islands import show_islands
+from palpate.server.messages.shown_scissors import show_scissors
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
@@ -378,6 +380,22 @@ def test_islands_that_would_go_are_shown_before_and_go_in_one_step_of_undo() -> 
     assert shown.goes_ml == pytest.approx(0.008)
     # nothing changes while they are shown, and one undo brings all of it back
     assert voxels == [584, 576, 584]
+
+
+def test_islands_and_scissors_keep_the_threshold_of_a_segment() -> None:
+    with Session(parts(), options=SessionOptions(real_time=False)) as session:
+        going = GoingPart(session, SegmentList(session))
+        cuts = protocol.ShowScissors(id=1, outside=False, depth=None, **LOOP)
+        show_scissors(cuts, going, silent)
+        going.end(removes=True)
+        show_islands(protocol.ShowIslands(id=1, most=1, least_ml=0.0), going, silent)
+        going.end(removes=True)
+        listed = session.steps(1)
+        assert listed is not None
+        assert listed.threshold == (50.0, 100.0)
+        kinds = [step.kind for step in listed.steps if isinstance(step, ShapeStep)]
+        assert kinds == ["subtract", "keep-largest"]
+        assert [each["voxels"] for each in session.segments()] == [64]
 
 
 def test_another_choice_takes_the_place_of_what_was_shown() -> None:
