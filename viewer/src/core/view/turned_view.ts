@@ -5,7 +5,7 @@ import type { Camera } from "../geometry/camera";
 import { addScaled, cross, dot, length, normalize, rotateAbout, subtract, type Vec3 } from "../geometry/vector";
 
 /** Beyond, more is uncovered than what lies beside it can stand in for [rad]. */
-export const mostTurned = (15 * Math.PI) / 180;
+export const mostTurned = (10 * Math.PI) / 180;
 /** So many times as large or small may things become: beyond, a picture's own pixels are what is seen. */
 const mostZoomed = 2;
 /** No turn [rad]: rounding of the axes alone. */
