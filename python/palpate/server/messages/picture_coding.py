@@ -15,7 +15,9 @@ RAW_BYTES = 10
 """Of a pixel that is not packed."""
 RAW_SECONDS = 0.03
 """On their way, up to which pictures are not packed; packing takes as long."""
-LAST_RAW_SECONDS = 0.15
+LAST_RAW_SECONDS = 0.6
+"""The same of the last picture, which a person looks at: exact is worth a moment, and a busy
+machine seems to be farther away than it is."""
 WANTED_SECONDS = 0.1
 """On their way, of pictures that are packed."""
 QUALITIES = {50: 0.7, 75: 1.0, 90: 1.7}

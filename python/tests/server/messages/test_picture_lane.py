@@ -6,7 +6,7 @@ from collections import deque
 
 import pytest
 from palpate import protocol
-from palpate.server.messages.picture_coding import PictureCoder
+from palpate.server.messages.picture_coding import NOT_PACKED, PictureCoder
 from palpate.server.messages.picture_lane import PictureLane
 
 KILOBYTE = 1000
@@ -92,3 +92,5 @@ def test_moving_pictures_are_packed_for_their_way(rate: float, seconds: float) -
 
 def test_the_last_picture_is_never_coarse() -> None:
     assert PictureCoder().packing(500_000, 10e3, moving=False, last=True).quality == 95
+    # a machine that is busy takes longer than a slow line would
+    assert PictureCoder().packing(1_000_000, 20e6, moving=False, last=True) is NOT_PACKED

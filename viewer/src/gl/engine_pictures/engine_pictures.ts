@@ -45,7 +45,11 @@ interface Asked extends Wanted {
   /** A picture in this view is on display already: what moves need not wait for a finer one. */
   readonly seen: boolean;
   readonly look: PictureLook;
+  readonly fineness: Fineness;
 }
+
+/** How finely a picture at rest is drawn. */
+type Fineness = Pick<DrawPicture, "steps_per_voxel" | "samples" | "jitter">;
 
 /** All of a picture that is on display, and what of it was edited since. */
 interface OnDisplay {
@@ -276,7 +280,12 @@ export class EnginePictures {
     const { view, size, moving } = wanted;
     const seen = !moving && !isNewLook && this.lastSeen?.view.camera === view.camera && this.lastSeen.moving;
     this.number += 1;
-    const asked = { ...wanted, number: this.number, askedAt: this.clock(), seen, look };
+    const fineness = {
+      steps_per_voxel: this.resting.stepsPerVoxel,
+      samples: this.jitter ? Math.max(fewestSamples, this.resting.passes) : 1,
+      jitter: this.jitter,
+    };
+    const asked = { ...wanted, number: this.number, askedAt: this.clock(), seen, look, fineness };
     const isShown = !moving && onDisplay !== null && looksAs(onDisplay.asked, asked);
     this.asked = [...this.asked, asked];
     this.unanswered = asked;
@@ -287,9 +296,7 @@ export class EnginePictures {
       size,
       moving,
       over: isShown ? { state: onDisplay.state, divisor: onDisplay.divisor } : null,
-      steps_per_voxel: this.resting.stepsPerVoxel,
-      samples: this.jitter ? Math.max(fewestSamples, this.resting.passes) : 1,
-      jitter: this.jitter,
+      ...fineness,
     });
   }
 
@@ -306,6 +313,7 @@ function isSameSize(one: readonly [number, number], other: readonly [number, num
 /** Whether two pictures differ by edits alone. */
 function looksAs(one: Asked, other: Asked): boolean {
   return one.view.camera === other.view.camera && isSameSize(one.size, other.size) &&
+    deepEqual(one.fineness, other.fineness) &&
     (one.look === other.look || deepEqual(withoutEdited(one.look), withoutEdited(other.look)));
 }
 

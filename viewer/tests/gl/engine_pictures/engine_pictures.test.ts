@@ -217,6 +217,8 @@ describe("edits under a view at rest", () => {
   test.each<[string, (pictures: EnginePictures) => void]>([
     ["another look", (pictures) => { pictures.setLook({ ...anyLook, mode: "mip" }); }],
     ["another drew over it", (pictures) => { pictures.cover(); }],
+    ["another fineness", (pictures) => { pictures.resting = { stepsPerVoxel: 4, passes: 16 }; }],
+    ["jitter is switched off", (pictures) => { pictures.jitter = false; }],
   ])("tell nothing after %s", (_, change) => {
     const { asked, pictures } = edited();
     pictures.take({ ...drawn(2), state: 9 });

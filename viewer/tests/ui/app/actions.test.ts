@@ -61,8 +61,9 @@ function keyboard() {
   const stop = new KeyboardInput({ offer: null } as Session, hand, view, table).listen();
   const send = (type: string, key: string, held: object = {}): boolean => {
     let taken = false;
-    const event = { key, ctrlKey: false, metaKey: false, shiftKey: false, altKey: false, target: null, ...held };
-    listeners[type]?.({ ...event, preventDefault: () => (taken = true) });
+    const none = { code: "", ctrlKey: false, metaKey: false, shiftKey: false, altKey: false, target: null };
+    const event = { key, ...none, ...held };
+    listeners[type]?.({ ...event, getModifierState: () => false, preventDefault: () => (taken = true) });
     return taken;
   };
   return { send, done, stop, makeReady: () => (ready = true) };
