@@ -280,6 +280,12 @@ bench-edit: $(ENGINE_READY) $(VIEWER_READY) chromium ## measure edits at the pag
 pictures: $(ENGINE_READY) $(VIEWER_READY) chromium ## take the pictures of the page that the docs show
 	PYTHONPATH=tests/support $(BIN)/python scripts/take_pictures.py $(or $(PALPATE_DATA),../shared/data) docs/images
 
+.PHONY: films
+films: $(ENGINE_READY) $(VIEWER_READY) chromium ## film what people do first on real scans, into target/films
+	$(call step,films)
+	$(BIN)/pip install --quiet "palpate[film]"
+	PYTHONPATH=tests/support $(BIN)/python scripts/film_tasks.py $(or $(PALPATE_DATA),../shared/data) target/films
+
 # programs that are pictured beside ours: only their built pages, which need no packages of their own
 OHIF := 3.13.2
 NIIVUE := 0.69.0
