@@ -314,7 +314,9 @@ def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path)
             return f"{SHOWN_SIZE}.split('·')[1].replace(/\\D/g, '') === '{digits}'"
 
         page.do("clickText", text="Change shape")
-        apply_shape(page, "keep-largest", 1)
+        page.do("choose", testid="shape-kind", value="keep-largest")
+        page.do("click", testid="shape-show")
+        page.do("click", testid="islands-remove")
         page.wait(f"{STEPS} === 'Keep largest islands'")
         apply_shape(page, "smooth", 3)
         page.wait(f"{STEPS} === 'Keep largest islands, Smooth'")
