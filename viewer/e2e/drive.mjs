@@ -136,7 +136,8 @@ const actions = {
   async screenshot({ path, testid }) {
     // of an element only what it draws itself: nothing that lies over the picture, or passes by
     const own = `[data-testid="${testid}"]`;
-    const others = `main > :not(:has(${own})), main > * > :not(canvas, ${own}, :has(${own})), ${own} ~ *, ${own} > *`;
+    const over = `${own} ~ *, ${own} > *, [popover]`;
+    const others = `main > :not(:has(${own})), main > * > :not(canvas, ${own}, :has(${own})), ${over}`;
     const style = testid === undefined ? "" : `${others} { visibility: hidden !important }`;
     await (testid === undefined ? page : byTestId(testid)).screenshot({ path, style });
     return {};

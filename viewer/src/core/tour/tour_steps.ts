@@ -60,7 +60,7 @@ export const tourSteps: Readonly<Record<StepName, TourStep>> = {
     title: "Drill",
     places: [
       {
-        at: ".palette section[aria-label=Drill]",
+        at: "[data-testid=tool-card][aria-label=Drill]",
         says: "In touch mode (T), hold Shift and press with the left button on what you see. It is drilled away.",
       },
       { at: "[data-testid=tool-drill]", says: "Take the drill." },
