@@ -64,6 +64,7 @@ export const tourSteps: Readonly<Record<StepName, TourStep>> = {
         says: "In touch mode (T), hold Shift and press with the left button on what you see. It is drilled away.",
       },
       { at: "[data-testid=tool-drill]", says: "Take the drill." },
+      { at: "header [aria-label='Touch panel']", says: "Open this panel, or press D: the tools are in it." },
     ],
   },
   undo: {
