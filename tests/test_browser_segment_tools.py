@@ -297,6 +297,13 @@ def apply_shape(page: Browser, kind: str, amount: float) -> None:
     page.do("click", testid="shape-apply")
 
 
+def keep_largest(page: Browser) -> None:
+    """Removes all islands of the segment that is open but the largest one."""
+    page.do("choose", testid="shape-kind", value="keep-largest")
+    page.do("click", testid="shape-show")
+    page.do("click", testid="islands-remove")
+
+
 def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path) -> None:
     head = tmp_path / "head.mha"
     image = small_head(data_folder / "cthead_stanford" / "CThead.mha")
@@ -314,9 +321,7 @@ def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path)
             return f"{SHOWN_SIZE}.split('·')[1].replace(/\\D/g, '') === '{digits}'"
 
         page.do("clickText", text="Change shape")
-        page.do("choose", testid="shape-kind", value="keep-largest")
-        page.do("click", testid="shape-show")
-        page.do("click", testid="islands-remove")
+        keep_largest(page)
         page.wait(f"{STEPS} === 'Keep largest islands'")
         apply_shape(page, "smooth", 3)
         page.wait(f"{STEPS} === 'Keep largest islands, Smooth'")
