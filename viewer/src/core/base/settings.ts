@@ -26,7 +26,7 @@ const table = {
   stereo: {
     section: "Picture",
     name: "Stereo",
-    words: "3d glasses anaglyph red cyan side by side top bottom eye distance interpupillary projector screen depth",
+    words: "3d glasses anaglyph red cyan side by side top bottom eye distance projector screen depth",
   },
   mouse: { section: "Touch", name: "Mouse in touch mode", words: "surface plane pointer input hand" },
   model: {
@@ -36,7 +36,11 @@ const table = {
   },
   gain: { section: "Touch", name: "Gain", words: "scale workspace mapping sensitivity device speed" },
   damping: { section: "Touch", name: "Damping", words: "viscosity vibration buzz force stability device" },
-  forceLimit: { section: "Touch", name: "Force limit", words: "maximum force newton safety clamp device strength" },
+  forceLimit: {
+    section: "Touch",
+    name: "Force limit",
+    words: "maximum largest force newton safety clamp device strength",
+  },
   normal: { section: "Touch", name: "Contact normal", words: "arrow surface direction show marker" },
   contactPoint: { section: "Touch", name: "Contact point", words: "surface point show marker dot" },
   ball: { section: "Touch", name: "Probe at true size", words: "sphere radius show marker cursor" },
@@ -46,7 +50,7 @@ const table = {
   diagnostics: {
     section: "Diagnostics",
     name: "Diagnostics",
-    words: "rates servo late ticks hz fps real-time priority performance statistics device simulation picture lag slow",
+    words: "rates servo late latency ticks hz fps real-time priority performance device simulation picture lag slow",
   },
 } as const satisfies Readonly<Record<string, Setting>>;
 

@@ -4,6 +4,7 @@
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import { MarkControl } from "../features/marks/mark_control.svelte";
+import { Pointed } from "../features/picking/pointed.svelte";
 import { Readout } from "../features/picking/readout.svelte";
 import { EditRateControl } from "../features/scan/edit_rate_control.svelte";
 import { RemovalControl } from "../features/scan/removal_control.svelte";
@@ -78,6 +79,8 @@ interface ViewControls {
   readonly marks: MarkControl;
   /** What was clicked last: what it is, where, and its value. */
   readonly readout: Readout;
+  /** What the mouse stands on in the 3-D view. */
+  readonly pointed: Pointed;
 }
 
 interface TouchControls {
@@ -136,6 +139,7 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
     editRate: new EditRateControl(session),
     marks: new MarkControl(steps),
     readout: new Readout(),
+    pointed: new Pointed(),
   };
 }
 
