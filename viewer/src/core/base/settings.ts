@@ -22,7 +22,7 @@ const table = {
     words: "renderer rendering graphics card gpu cpu engine server browser webgl hardware acceleration",
   },
   frameBudget: { section: "Picture", name: "Frame budget", words: "frame rate fps speed smooth slow lag time" },
-  editPace: { section: "Picture", name: "Surfaces follow", words: "update surfaces rate refresh edits mesh live" },
+  editPace: { section: "Picture", name: "Update surfaces", words: "follow rate refresh edits mesh live" },
   stereo: {
     section: "Picture",
     name: "Stereo",
