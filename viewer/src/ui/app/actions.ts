@@ -236,7 +236,7 @@ function windows({ slices }: Stage): readonly Action[] {
     const figures = preset === undefined ? "" : `${formatValue(preset.window)} / ${formatValue(preset.level)}`;
     return {
       group: "Slices",
-      name: preset === undefined ? "Window: none" : `Window ${preset.name} ${figures}`,
+      name: preset === undefined ? `Window ${String(digit)}: none` : `Window ${preset.name} ${figures}`,
       keys: [String(digit)],
       overSlice: true,
       ready: () => preset !== undefined,
@@ -396,6 +396,15 @@ function marks({ session, stage }: ActionTargets): readonly Action[] {
     { group, name: "Mark a point", keys: ["B"], run: () => { stage.marks.start("point"); } },
     { group, name: "Measure a distance", keys: ["M"], run: () => { stage.marks.start("distance"); } },
     { group, name: "Measure an angle", keys: ["Shift+M"], run: () => { stage.marks.start("angle"); } },
+    ...([["ellipse", "U"], ["rectangle", "Shift+U"]] as const).map(([kind, key]) => ({
+      group,
+      name: `Draw an area in a slice: ${kind}`,
+      keys: [key],
+      run: () => {
+        stage.marks.start(kind);
+        stage.slices.reveal();
+      },
+    }) as const),
     {
       group,
       name: "Plan a needle path: target, then entry",

@@ -17,7 +17,7 @@ import type { BrushControl } from "../segments/brush_control.svelte";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
-type Drag = "crosshair" | "window" | "pan" | "paint";
+type Drag = "crosshair" | "window" | "pan" | "paint" | "area";
 
 /** Pixels of the wheel that move the hand by a pixel of the slice. */
 const pixelsPerDepth = 20;
@@ -39,6 +39,11 @@ const panKeys: Readonly<Record<string, readonly [number, number]>> = {
 export interface SliceClicks {
   /** Whether a mark or a pair of points waits for its next point. */
   readonly marking: boolean;
+  /** Takes corners of an area that is being set; null where none is. */
+  readonly area: {
+    readonly putCorner: (point: Vec3, axes: SlicePlane) => void;
+    readonly showCorner: (point: Vec3) => void;
+  } | null;
   /** Whether a region waits for the point that it grows from. */
   readonly growing: boolean;
   /** Gives a point to what waits for it; false where nothing does. */
@@ -69,6 +74,8 @@ export class SliceInput {
   private turned = 0;
   /** Where the left button went down, as long as that may be a click. */
   private pressed: readonly [number, number] | null = null;
+  /** Where an area was begun. */
+  private began: readonly [number, number] = [0, 0];
   /** The last click has set a point of a mark: a second one makes no double click of it. */
   private marked = false;
   private readonly slices: SliceControl;
@@ -157,6 +164,10 @@ export class SliceInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
+    } else if (event.button === 0 && this.clicks.area !== null) {
+      this.setCorner(event);
+      this.drag = "area";
+      this.began = [event.clientX, event.clientY];
     } else if (event.button === 0 && this.brushes && this.outline === null) {
       const { plane } = this;
       const point = this.pointAt(event);
@@ -170,7 +181,9 @@ export class SliceInput {
     }
     this.last = [event.clientX, event.clientY];
     this.pressed =
-      event.button === 0 && (this.drag === "crosshair" || this.clicks.marking || this.outlines(event))
+      event.button === 0 &&
+      this.drag !== "area" &&
+      (this.drag === "crosshair" || this.clicks.marking || this.outlines(event))
         ? this.last
         : null;
   }
@@ -189,7 +202,10 @@ export class SliceInput {
     if (x === 0 && y === 0) {
       return;
     }
-    if (this.drag === "paint") {
+    const corner = this.clicks.area === null ? null : this.pointAt(event);
+    if (corner !== null) {
+      this.clicks.area?.showCorner(corner);
+    } else if (this.drag === "paint") {
       const point = this.pointAt(event);
       if (point !== null) this.brush.move(point);
     } else if (this.drag === "crosshair") {
@@ -216,11 +232,29 @@ export class SliceInput {
   private release(event: PointerEvent): void {
     if (this.drag === "paint") {
       this.brush.end();
+    } else if (this.drag === "area" && this.movedFar(event)) {
+      this.setCorner(event);
     }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
       this.pane.releasePointerCapture(event.pointerId);
     }
+  }
+
+  /** Sets a corner of an area: the first where the button goes down, the other there or where it is let go. */
+  private setCorner(event: PointerEvent): void {
+    const { plane } = this;
+    const point = this.pointAt(event);
+    if (plane !== null && point !== null) {
+      this.clicks.area?.putCorner(point, plane);
+      // a second click makes no double click of it
+      this.marked = true;
+    }
+  }
+
+  /** Whether a press was a drag by now. */
+  private movedFar({ clientX, clientY }: PointerEvent): boolean {
+    return Math.hypot(clientX - this.began[0], clientY - this.began[1]) >= clickReach;
   }
 
   /** Says what is there, sets a point of a mark, or grows a region. */
