@@ -1,4 +1,4 @@
-"""How many slices a second a page shows while the wheel turns, in a browser without a graphics card.
+"""How many slices a second a page shows while the wheel turns, without a graphics card.
 
 Run: ``python scripts/measure_wheel.py SCAN [slice ...]``. Notches come 25 a second; a slice counts
 once it stands on the canvas. Say with the figure how many cores there were and what else ran.
@@ -30,9 +30,10 @@ def main(scan: str, names: list[str]) -> None:
         drawn = "window.palpate.drawnSlices"
         for name in names:
             at = f"window.palpate.slices.find(({{name}}) => name === {name!r}).plane.centre"
-            page.read("void 0")
             before, first = page.read(at), page.read(drawn)
-            told = page.do("wheelOver", testid=f"slice-{name}", y=-NOTCH, times=NOTCHES, every=EVERY)
+            told = page.do(
+                "wheelOver", testid=f"slice-{name}", y=-NOTCH, times=NOTCHES, every=EVERY
+            )
             last = page.read(drawn)
             moved = max(abs(a - b) for a, b in zip(before, page.read(at), strict=True))
             seconds = told["value"] / 1000

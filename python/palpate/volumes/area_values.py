@@ -1,9 +1,9 @@
-"""Values of a scan in an ellipse or a rectangle that lies in a plane: a region of interest in a slice.
+"""Values of a scan in an ellipse or a rectangle of a plane: a region of interest in a slice.
 
-In a slice along the scan's own axes these are the voxels of that slice whose centres lie inside, with
-the values as they were read; in an oblique one samples at the distance of the smallest edge of a
-voxel, interpolated linearly. The area is that of the shape. Points are in the patient, LPS [mm];
-arrays are [z, y, x].
+In a slice along the scan's own axes these are the voxels of that slice whose centres lie inside,
+with the values as they were read; in an oblique one samples at the distance of the smallest edge
+of a voxel, interpolated linearly. The area is that of the shape. Points are in the patient, LPS
+[mm]; arrays are [z, y, x].
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ class Area:
         # NaN compares false
         if not (lengths > 0 and np.isfinite(lengths) and abs(u @ v) <= 1e-3 * lengths):
             raise OptionError(
-                f"half axes {u.tolist()} and {v.tolist()} given; allowed: two at right angles, each "
-                "with a length"
+                f"half axes {u.tolist()} and {v.tolist()} given; allowed: two at right angles, "
+                "each with a length"
             )
         return u, v
 
@@ -70,9 +70,7 @@ class Area:
         from_middle = points - np.asarray(self.middle, np.float64)
         # shares of the half axes; of a point on the edge rounding decides nothing
         shares = np.stack([from_middle @ axis / (axis @ axis) for axis in self.half_axes])
-        reach = (
-            np.hypot(*shares) if self.kind == "ellipse" else np.abs(shares).max(axis=0)
-        )
+        reach = np.hypot(*shares) if self.kind == "ellipse" else np.abs(shares).max(axis=0)
         return np.asarray(reach <= 1 + 1e-9)
 
 
@@ -112,7 +110,7 @@ def values_in_area(
     cosines = np.abs(volume.direction.T @ normal)
     axis = int(np.argmax(cosines))
     values = (
-        _voxels(volume, area, axis, stored)
+        _voxels(volume, area, stored, axis=axis)
         if cosines[axis] >= LEAST_COSINE
         else _samples(volume, area, stored)
     )
@@ -130,7 +128,7 @@ def values_in_area(
 
 
 def _voxels(
-    volume: Volume, area: Area, axis: int, stored: NDArray[np.int16] | None
+    volume: Volume, area: Area, stored: NDArray[np.int16] | None, *, axis: int
 ) -> NDArray[np.float64]:
     """Returns the values of the slice's voxels whose centres lie inside."""
     low, high = _bounds(volume, area)
@@ -146,9 +144,7 @@ def _voxels(
     return _values(volume, inside, stored)
 
 
-def _samples(
-    volume: Volume, area: Area, stored: NDArray[np.int16] | None
-) -> NDArray[np.float64]:
+def _samples(volume: Volume, area: Area, stored: NDArray[np.int16] | None) -> NDArray[np.float64]:
     """Returns values at even steps in the plane, interpolated linearly."""
     u, v = area.half_axes
     step = min(volume.spacing)

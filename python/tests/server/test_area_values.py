@@ -14,8 +14,8 @@ def test_a_page_gets_the_values_in_its_areas(shared_server: Any) -> None:
     matrix = volume.patient_from_grid
     middle = matrix[:3, :3] @ (np.array(volume.dimensions) // 2 + 0.5) + matrix[:3, 3]
     edge = volume.spacing[0]
-    points = [middle, middle + [2.2 * edge, 0, 0], middle + [0, 1.2 * edge, 0]]
-    body = {"areas": [{"kind": "rectangle", "points": np.array(points).tolist()}]}
+    points = middle + edge * np.array([[0, 0, 0], [2.2, 0, 0], [0, 1.2, 0]])
+    body = {"areas": [{"kind": "rectangle", "points": points.tolist()}]}
     answer = shared_server.ask("POST", "/api/areas", json.dumps(body).encode())
     (found,) = json.loads(answer.text)
     x, y, z = (count // 2 for count in volume.dimensions)

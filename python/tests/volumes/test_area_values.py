@@ -29,6 +29,15 @@ def scan(direction: NDArray[np.float64], values: Any = None) -> Volume:
     return Volume(made, spacing=SPACING, origin=(-30.0, 12.0, 400.0), direction=direction)
 
 
+def at(
+    kind: Literal["ellipse", "rectangle"], middle: NDArray[np.float64], half: tuple[float, float]
+) -> Area:
+    """Returns an axial area by its half axes along the body [mm]."""
+    return Area(
+        kind, middle, middle + np.array([half[0], 0, 0]), middle + np.array([0, half[1], 0])
+    )
+
+
 def centres(volume: Volume) -> NDArray[np.float64]:
     """Returns the centres of all voxels, shape [z, y, x, 3]."""
     z, y, x = np.indices(volume.shape)
@@ -50,9 +59,7 @@ def test_values_are_those_of_the_voxels_whose_centres_lie_inside(
     matrix = volume.patient_from_grid
     middle = matrix[:3, :3] @ [24.3, 19.1, 5.4] + matrix[:3, 3]
     half = (9.0, 5.5)
-    found = values_in_area(
-        volume, Area(kind, middle, middle + half[0] * u, middle + half[1] * v)
-    )
+    found = values_in_area(volume, Area(kind, middle, middle + half[0] * u, middle + half[1] * v))
 
     offset = centres(volume) - middle
     a, b = offset @ u / half[0], offset @ v / half[1]
@@ -97,7 +104,7 @@ def test_fractions_stay_and_edits_count() -> None:
     volume = scan(np.eye(3), random.random(SHAPE).astype(np.float32) * 1e-3)
     matrix = volume.patient_from_grid
     middle = matrix[:3, :3] @ [20.5, 20.5, 3.5] + matrix[:3, 3]
-    area = Area("rectangle", middle, middle + [1.0, 0, 0], middle + [0, 1.5, 0])
+    area = at("rectangle", middle, (1.0, 1.5))
     voxels = volume.values((3, slice(19, 22), slice(19, 22))).astype(float)
     found = values_in_area(volume, area)
     assert found.count == 9
@@ -115,9 +122,7 @@ def test_what_has_no_value_is_left_out() -> None:
     volume = scan(np.eye(3), values)
     matrix = volume.patient_from_grid
     middle = matrix[:3, :3] @ [20.5, 20.5, 3.5] + matrix[:3, 3]
-    found = values_in_area(
-        volume, Area("rectangle", middle, middle + [1.0, 0, 0], middle + [0, 1.5, 0])
-    )
+    found = values_in_area(volume, at("rectangle", middle, (1.0, 1.5)))
     assert (found.count, found.mean) == (8, 1.0)
 
 
@@ -125,14 +130,14 @@ def test_outside_of_the_scan_and_between_voxels_there_are_no_values() -> None:
     volume = scan(np.eye(3))
     matrix = volume.patient_from_grid
     corner = matrix[:3, 3]
-    beyond = values_in_area(volume, Area("ellipse", corner, corner + [5, 0, 0], corner + [0, 5, 0]))
+    beyond = values_in_area(volume, at("ellipse", corner, (5, 5)))
     assert beyond.cut
     assert 0 < beyond.count < np.pi * 25 / (0.7 * 1.1) / 2
     far = corner - 100
-    none = values_in_area(volume, Area("ellipse", far, far + [5, 0, 0], far + [0, 5, 0]))
+    none = values_in_area(volume, at("ellipse", far, (5, 5)))
     assert (none.count, none.mean, none.cut) == (0, None, True)
     between = matrix[:3, :3] @ [20.0, 20.0, 3.5] + matrix[:3, 3]
-    small = Area("ellipse", between, between + [0.1, 0, 0], between + [0, 0.1, 0])
+    small = at("ellipse", between, (0.1, 0.1))
     assert values_in_area(volume, small).count == 0
 
 
