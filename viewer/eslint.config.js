@@ -24,7 +24,7 @@ const rooms = {
   "core/tissue": ["core/base", "core/geometry", "core/protocol"],
   "core/tools": ["core/geometry", "core/protocol"],
   "core/slices": ["core/geometry", "core/protocol", "core/scan", "core/surfaces"],
-  "core/marks": ["core/geometry", "core/slices"],
+  "core/marks": ["core/base", "core/geometry", "core/slices"],
   "core/view": ["core/geometry", "core/marks", "core/protocol", "core/scan", "core/slices"],
   "core/appearance": ["core/base", "core/geometry", "core/protocol", "core/scan", "core/segments", "core/view"],
   "core/second": ["core/appearance", "core/base", "core/geometry", "core/marks", "core/protocol", "core/scan"],

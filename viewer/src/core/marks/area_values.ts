@@ -1,6 +1,5 @@
 /** What the engine measures of areas, and how it is written. Values are in the scan's unit, areas in mm². */
 import { formatValue, formatWithin } from "../base/format";
-import type { Scan } from "../protocol";
 
 /** As the engine answers; without a voxel inside there are no values. */
 export interface AreaValues {
@@ -23,7 +22,7 @@ export interface ValueScale {
   readonly span: number;
 }
 
-export function valueScale(scan: Pick<Scan, "unit" | "range"> | null): ValueScale {
+export function valueScale(scan: { readonly unit: string; readonly range: readonly [number, number] } | null): ValueScale {
   return scan === null
     ? { unit: "", span: 1 }
     : { unit: scan.unit === "" ? "" : ` ${scan.unit}`, span: scan.range[1] - scan.range[0] };

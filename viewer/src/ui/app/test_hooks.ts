@@ -148,9 +148,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get slices() {
       return stage.slices.shown;
     },
-    get drawnSlices() {
-      return stage.picture.drawn?.drawnSlices ?? 0;
-    },
+    get drawnSlices() { return stage.picture.drawn?.drawnSlices ?? 0; },
     get crosshair() {
       return stage.slices.crosshair;
     },

@@ -10,7 +10,7 @@ const rest = 120;
 
 export class AreaMeasures {
   /** What was measured, by what it was measured of. */
-  private measured = $state.raw<ReadonlyMap<string, AreaValues>>(new Map());
+  private measured = $state.raw<Readonly<Record<string, AreaValues>>>({});
   /** Why they could not be measured; null where they could. */
   failed = $state.raw<string | null>(null);
   private readonly areas = $derived.by(() => this.marks.all.filter(({ kind }) => isArea(kind)));
@@ -25,7 +25,7 @@ export class AreaMeasures {
 
   /** Values in an area; null until they are measured where it stands now. */
   of(mark: Mark): AreaValues | null {
-    return this.measured.get(keyOf(mark)) ?? null;
+    return this.measured[keyOf(mark)] ?? null;
   }
 
   /** Measures once nothing changes any more; returns what cancels it, as effects do. */
@@ -50,10 +50,11 @@ export class AreaMeasures {
         throw new Error(await answer.text());
       }
       const values = (await answer.json()) as readonly AreaValues[];
-      this.measured = new Map(areas.flatMap((mark, i) => {
+      const known = areas.flatMap((mark, i) => {
         const found = values[i];
         return found === undefined ? [] : [[keyOf(mark), found] as const];
-      }));
+      });
+      this.measured = Object.fromEntries(known);
       this.failed = null;
     } catch (error) {
       if (!signal.aborted) {
