@@ -212,7 +212,7 @@ def values_inside(image: Any, kind: str, points: Vector) -> Vector:
 def told_inside(page: Browser, number: int) -> list[float]:
     """Returns mean, SD, least and largest value as the list tells them of an area."""
     page.shows(f"mark-inside-{number}", "text.includes('mean')")
-    text = page.text(f"mark-inside-{number}").replace("\u2212", "-")
+    text = page.text(f"mark-inside-{number}")
     return [float(figure) for figure in re.findall(r"-?\d+(?:\.\d+)?", text)]
 
 

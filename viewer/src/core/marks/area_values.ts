@@ -1,5 +1,5 @@
 /** What the engine measures of areas, and how it is written. Values are in the scan's unit, areas in mm². */
-import { formatValue, formatWithin } from "../base/format";
+import { afterNumber, formatFixed, formatValue, formatWithin } from "../base/format";
 
 /** As the engine answers; without a voxel inside there are no values. */
 export interface AreaValues {
@@ -16,7 +16,7 @@ export interface AreaValues {
 
 /** Values of a scan, for how they are written. */
 export interface ValueScale {
-  /** With a space before it; empty where there is none. */
+  /** Empty where there is none. */
   readonly unit: string;
   /** From the least to the largest value of the scan. */
   readonly span: number;
@@ -25,7 +25,7 @@ export interface ValueScale {
 export function valueScale(scan: { readonly unit: string; readonly range: readonly [number, number] } | null): ValueScale {
   return scan === null
     ? { unit: "", span: 1 }
-    : { unit: scan.unit === "" ? "" : ` ${scan.unit}`, span: scan.range[1] - scan.range[0] };
+    : { unit: scan.unit, span: scan.range[1] - scan.range[0] };
 }
 
 /** Mean and SD have a digit more than single values have. */
@@ -33,7 +33,7 @@ const moreDigits = 10;
 
 /** "312 mm²", "12.3 mm²" */
 export function formatArea(area: number): string {
-  return `${area < 99.95 ? area.toFixed(1) : area.toFixed(0)} mm²`;
+  return formatFixed(area, area < 99.95 ? 1 : 0, "mm²");
 }
 
 /** Lines that tell the values: mean and SD, then the ends and where they are not all of it. */
@@ -45,14 +45,10 @@ export function valueLines(values: AreaValues | null, { unit, span }: ValueScale
   if (mean === null || deviation === null || minimum === null || maximum === null) {
     return [cut ? "outside of the scan" : "no voxel inside"];
   }
-  const finely = (value: number): string => minus(formatWithin(value, span / moreDigits));
+  const finely = (value: number): string => formatWithin(value, span / moreDigits);
+  const after = afterNumber(unit);
   return [
-    `mean ${finely(mean)} \u00b1 ${finely(deviation)}${unit}`,
-    `${minus(formatValue(minimum))} to ${minus(formatValue(maximum))}${unit}${cut ? ", cut by the scan's edge" : ""}`,
+    `mean ${finely(mean)} \u00b1 ${finely(deviation)}${after}`,
+    `${formatValue(minimum)} to ${formatValue(maximum)}${after}${cut ? ", cut by the scan's edge" : ""}`,
   ];
-}
-
-/** A minus as wide as a plus. */
-function minus(number: string): string {
-  return number.replace("-", "\u2212");
 }

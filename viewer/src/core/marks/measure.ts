@@ -6,6 +6,7 @@
  */
 import { formatArea, type AreaValues } from "./area_values";
 import { areaKinds, areaOutline, areaSize, draggedArea, isArea } from "./area";
+import { formatFixed } from "../base/format";
 import { distance, dot, isPoint, length, subtract, type Vec3 } from "../geometry/vector";
 
 export const markKinds = ["point", "distance", "angle", "path", ...areaKinds] as const;
@@ -114,7 +115,7 @@ export function formatMeasured(mark: Pick<Mark, "kind" | "points">): string {
   if (isArea(mark.kind)) {
     return formatArea(value);
   }
-  return mark.kind === "angle" ? `${degrees(value).toFixed(1)}°` : `${value.toFixed(1)} mm`;
+  return mark.kind === "angle" ? `${degrees(value).toFixed(1)}°` : formatFixed(value, 1, "mm");
 }
 
 /** What the engine has measured of an area; null where it has not. */

@@ -3,6 +3,7 @@
  *
  * Numbers count from 1 along the grid's axis, as the scan's file has its voxels. Points are in the scene [mm].
  */
+import { formatFixed } from "../base/format";
 import { transformPoint } from "../geometry/affine";
 import { addScaled, dot, type Vec3 } from "../geometry/vector";
 import type { ScanFrame } from "../scan/scan_volume";
@@ -80,9 +81,9 @@ export function slicePosition(centre: Vec3, { toward }: SliceAxes, known: boolea
   const axis = sizes.indexOf(Math.max(...sizes));
   const place = dot(centre, toward) * Math.sign(toward[axis] ?? 1);
   if (!known) {
-    return `${"xyz"[axis] ?? ""} ${place.toFixed(1)} mm`;
+    return `${"xyz"[axis] ?? ""} ${formatFixed(place, 1, "mm")}`;
   }
   // of the letters, those of growing coordinates are L, P and S
   const letter = (place < 0 ? "RAI" : "LPS")[axis] ?? "";
-  return `${letter} ${Math.abs(place).toFixed(1)} mm`;
+  return `${letter} ${formatFixed(Math.abs(place), 1, "mm")}`;
 }

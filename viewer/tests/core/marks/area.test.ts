@@ -59,15 +59,15 @@ test("an area is a mark like others", () => {
   const [ellipse] = saneMarks([marks[2]]);
   expect(ellipse).toEqual({ ...marks[2], id: 1 });
   expect(saneMarks([{ ...marks[2], points: points.slice(1) }])).toEqual([]);
-  expect(formatMeasured({ kind: "ellipse", points })).toBe("471 mm²");
+  expect(formatMeasured({ kind: "ellipse", points })).toBe("471\u202fmm²");
   const line = lineOf({ kind: "ellipse", points });
   expect(line[0]).toBe(line.at(-1));
   expect(withPointAt(marks, 3, 0, [0, 0, 0])[2]?.points[0]).toEqual([0, 0, 0]);
 });
 
 test("values inside are told with their unit, and where there are none", () => {
-  const scale = { unit: " HU", span: 4000 };
-  expect(valueLines(values, scale)).toEqual(["mean 40.3 ± 3.5 HU", "−20 to 90 HU"]);
+  const scale = { unit: "HU", span: 4000 };
+  expect(valueLines(values, scale)).toEqual(["mean 40.3 ± 3.5\u202fHU", "−20 to 90\u202fHU"]);
   expect(valueLines({ ...values, cut: true }, scale)[1]).toContain("cut");
   const none = { ...values, count: 0, mean: null, standard_deviation: null, minimum: null, maximum: null };
   expect(valueLines(none, scale)).toEqual(["no voxel inside"]);
@@ -105,7 +105,7 @@ test("3D Slicer reads points as one list, lines, and areas as closed curves, all
     ["end", [-1, -2, -3]],
   ]);
   expect(markups[1]?.display.visibility).toBe(false);
-  expect(markups[2]?.controlPoints[0]?.description).toBe("471 mm²; mean 40");
+  expect(markups[2]?.controlPoints[0]?.description).toBe("471\u202fmm²; mean 40");
   // the polygon through its points has nearly the area of the ellipse
   const around = markups[2]?.controlPoints.map(({ position }) => position) ?? [];
   expect(around.length).toBeGreaterThan(30);

@@ -50,8 +50,8 @@ test("an oblique slice has no number, and steps by the size of a voxel along its
 
 test("a position is named by the side of the body, or by the scan's axis where sides are not known", () => {
   const axial = { right: [1, 0, 0], up: [0, -1, 0], toward: [0, 0, -1] } as const;
-  expect(slicePosition([3, 4, 806.04], axial, true)).toBe("S 806.0 mm");
-  expect(slicePosition([3, 4, -2], axial, true)).toBe("I 2.0 mm");
-  expect(slicePosition([3, 4, -2], axial, false)).toBe("z -2.0 mm");
-  expect(slicePosition([-12.5, 0, 0], { ...axial, toward: [1, 0, 0] }, true)).toBe("R 12.5 mm");
+  expect(slicePosition([3, 4, 806.04], axial, true)).toBe("S 806.0\u202fmm");
+  expect(slicePosition([3, 4, -2], axial, true)).toBe("I 2.0\u202fmm");
+  expect(slicePosition([3, 4, -2], axial, false)).toBe("z −2.0\u202fmm");
+  expect(slicePosition([-12.5, 0, 0], { ...axial, toward: [1, 0, 0] }, true)).toBe("R 12.5\u202fmm");
 });
