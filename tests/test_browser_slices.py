@@ -277,7 +277,7 @@ def test_digits_over_a_slice_choose_its_window_and_elsewhere_a_side(opened: Open
     page.do("press", key="3")
     page.shows("window-axial", "text.includes('W 1000 L 400') && text.includes('Bone')")
     page.do("press", key="2")
-    page.shows("window-coronal", "text.includes('L \u2212500') && text.includes('Lung')")
+    page.shows("window-coronal", "text.includes('L -500') && text.includes('Lung')")
     np.testing.assert_allclose(opened.window(), (-1200, 200))
     assert page.read("window.palpate.camera.back") == camera
     page.do("press", key="Control+z")
