@@ -12,7 +12,7 @@ import { texelSize, type PictureTexels } from "./picture_texels";
 export interface DepthUniforms {
   readonly engineDepth: THREE.IUniform<THREE.DataTexture | null>;
   readonly depthSpan: THREE.IUniform<THREE.Vector2>;
-  readonly eye: THREE.IUniform<THREE.Vector2>;
+  readonly ofEyes: THREE.IUniform<THREE.Vector2>;
   readonly fit: THREE.IUniform<THREE.Vector2>;
 }
 
@@ -29,7 +29,7 @@ export class EnginePass {
       engineSize: { value: new THREE.Vector2() },
       partFirst: { value: new THREE.Vector2() },
       partSize: { value: new THREE.Vector2() },
-      eye: { value: new THREE.Vector2(0, 1) },
+      ofEyes: { value: new THREE.Vector2(0, 1) },
       used: { value: new THREE.Vector2() },
       fit: { value: new THREE.Vector2() },
       ...marcher.placeUniforms,
@@ -40,8 +40,8 @@ export class EnginePass {
 
   /** How deep what it shows lies, and where that is in the target. */
   get depthUniforms(): DepthUniforms {
-    const { engineDepth, depthSpan, eye, fit } = this.uniforms;
-    return { engineDepth, depthSpan, eye, fit };
+    const { engineDepth, depthSpan, ofEyes, fit } = this.uniforms;
+    return { engineDepth, depthSpan, ofEyes, fit };
   }
 
   async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
@@ -58,13 +58,13 @@ export class EnginePass {
     u.engineDepth.value = filled(u.engineDepth.value, depthSize, depthTexture, depths);
     u.brightest.value = isRaw ? 0 : picture.brightest;
     u.partSize.value.set(...picture.size);
-    u.eye.value.set(0, picture.eyes);
+    u.ofEyes.value.set(0, picture.eyes);
     u.depthSpan.value.set(picture.nearest, picture.farthest);
   }
 
   /** Turns to what an eye sees; where there are fewer pictures than eyes, the last is seen by all others. */
   turn(eye: number): void {
-    const { value } = this.uniforms.eye;
+    const { value } = this.uniforms.ofEyes;
     value.x = Math.min(eye, value.y - 1);
   }
 

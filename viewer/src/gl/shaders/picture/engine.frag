@@ -11,7 +11,7 @@ uniform vec2 engineSize;
 uniform vec2 partFirst;
 uniform vec2 partSize;
 // the eye, and how many there are
-uniform vec2 eye;
+uniform vec2 ofEyes;
 // part of the target in use [pixels], and how much more of the view it shows than the picture, along each axis
 uniform vec2 used;
 uniform vec2 fit;
@@ -25,20 +25,20 @@ vec3 linearFromSrgb(vec3 colour) {
 }
 
 vec4 colourAt(ivec2 pixel) {
-  pixel.y += int(eye.x * partSize.y);
+  pixel.y += int(ofEyes.x * partSize.y);
   vec4 stored = texelFetch(engineColour, pixel, 0);
   if (brightest == 0.0) {
     return stored;
   }
-  float opacity = texelFetch(engineColour, pixel + ivec2(0, int(eye.y * partSize.y)), 0).g;
+  float opacity = texelFetch(engineColour, pixel + ivec2(0, int(ofEyes.y * partSize.y)), 0).g;
   // what packing leaves where nothing is does not shine
   return opacity < 0.5 / 255.0 ? vec4(0.0) : vec4(brightest * linearFromSrgb(stored.rgb), opacity);
 }
 
 // at a place in what has come, 0 to 1 from its upper left corner
 float viewDepthAt(vec2 place) {
-  vec2 size = vec2(textureSize(engineDepth, 0)) / vec2(1.0, eye.y);
-  uint stored = texelFetch(engineDepth, ivec2(place * size + vec2(0.0, eye.x * size.y)), 0).r;
+  vec2 size = vec2(textureSize(engineDepth, 0)) / vec2(1.0, ofEyes.y);
+  uint stored = texelFetch(engineDepth, ivec2(place * size + vec2(0.0, ofEyes.x * size.y)), 0).r;
   return stored > 32767u ? farAway : mix(depthSpan.x, depthSpan.y, float(stored) / 32766.0);
 }
 

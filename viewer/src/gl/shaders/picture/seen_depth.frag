@@ -9,7 +9,7 @@ uniform float hazeDepth;
 // of the engine's picture, see `engine.frag`
 uniform highp usampler2D engineDepth;
 uniform vec2 depthSpan;
-uniform vec2 eye;
+uniform vec2 ofEyes;
 uniform vec2 used;
 uniform vec2 fit;
 // near and far plane [mm], and 1 where the view is orthographic
@@ -29,8 +29,8 @@ float windowDepth(float viewDepth) {
 
 float hazeDepthAt(vec2 texel) {
   vec2 place = 0.5 + fit * (texel / used - 0.5) * vec2(1.0, -1.0);
-  vec2 size = vec2(textureSize(engineDepth, 0)) / vec2(1.0, eye.y);
-  ivec2 pixel = ivec2(clamp(place * size, vec2(0.0), size - 1.0) + vec2(0.0, eye.x * size.y));
+  vec2 size = vec2(textureSize(engineDepth, 0)) / vec2(1.0, ofEyes.y);
+  ivec2 pixel = ivec2(clamp(place * size, vec2(0.0), size - 1.0) + vec2(0.0, ofEyes.x * size.y));
   uint stored = texelFetch(engineDepth, pixel, 0).r;
   bool isTold = stored > 32767u && stored < 65535u;
   return isTold ? windowDepth(mix(depthSpan.x, depthSpan.y, float(stored - 32768u) / 32766.0)) : hazeDepth;
