@@ -52,7 +52,6 @@ from palpate.protocol.segments import (
     CropScan,
     CutAlong,
     CutPreview,
-    CutSegment,
     EndGoing,
     EndPaint,
     Feel,
@@ -204,7 +203,6 @@ __all__ = [
     "CropScan",
     "CutAlong",
     "CutPreview",
-    "CutSegment",
     "DeformationModel",
     "DeviceLimits",
     "Displaced",
@@ -429,7 +427,6 @@ FromPage = (
     | MoveSegment
     | Grab
     | TurnGrabbed
-    | CutSegment
     | CutAlong
     | WatchGap
     | FollowEdits

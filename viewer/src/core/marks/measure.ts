@@ -4,6 +4,7 @@
  *
  * Frame: scene, LPS [mm]; angles [rad].
  */
+import { formatFixed } from "../base/format";
 import { distance, dot, isPoint, length, subtract, type Vec3 } from "../geometry/vector";
 
 export const markKinds = ["point", "distance", "angle", "path"] as const;
@@ -93,7 +94,7 @@ export function formatMeasured(mark: Pick<Mark, "kind" | "points">): string {
   if (value === null) {
     return "";
   }
-  return mark.kind === "angle" ? `${degrees(value).toFixed(1)}°` : `${value.toFixed(1)} mm`;
+  return mark.kind === "angle" ? `${degrees(value).toFixed(1)}°` : formatFixed(value, 1, "mm");
 }
 
 /**

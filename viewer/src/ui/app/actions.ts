@@ -274,7 +274,7 @@ function feel({ session, hand }: ActionTargets): readonly Action[] {
     },
     {
       group,
-      name: "Smooth surface, or the voxels' stairs",
+      name: "Smooth surface, or voxel steps",
       keys: ["V"],
       ready,
       run: change(({ smoothing }) => ({ smoothing: smoothing === "off" ? "intensities" : "off" })),
@@ -322,7 +322,7 @@ function touch({ session, stage, hand, page }: ActionTargets): readonly Action[]
     { group, name: "Turn what is grabbed to the left", keys: [","], repeats: true, ready: holds, run: turn(1) },
     { group, name: "Turn what is grabbed to the right", keys: ["."], repeats: true, ready: holds, run: turn(-1) },
     { group, name: "Sound of contact on, off", keys: ["S"], run: page.sound },
-    { group, name: "The guarantees: what is counted, what waits", keys: ["Shift+G"], run: page.guarantees },
+    { group, name: "Force checks: what is counted, what waits", keys: ["Shift+G"], run: page.guarantees },
     { group, name: "Record touch, stop recording", keys: ["Shift+R"], run: () => { session.toggleRecording(); } },
   ];
 }

@@ -157,7 +157,7 @@ function segmentControls({ session, token }: Surroundings, { steps }: UndoContro
 
 function touchControls({ session, support }: Surroundings, { marks }: ViewControls): TouchControls {
   const player = new Player(session);
-  const needle = new NeedleGuide(session, marks);
+  const needle = new NeedleGuide(marks);
   const strokes = new DrillStrokes(session);
   return { player, touch: new TouchMarkers(session, { player, needle }, support.software), needle, strokes };
 }

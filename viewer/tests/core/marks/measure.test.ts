@@ -17,7 +17,7 @@ import { addScaled, rotateAbout, type Vec3 } from "../../../src/core/geometry/ve
 
 test("a distance is that of its ends in mm", () => {
   expect(measured({ kind: "distance", points: [[1, 2, 3], [4, 6, 15]] })).toBe(13);
-  expect(formatMeasured({ kind: "distance", points: [[0, 0, 0], [0, 12.34, 0]] })).toBe("12.3 mm");
+  expect(formatMeasured({ kind: "distance", points: [[0, 0, 0], [0, 12.34, 0]] })).toBe("12.3\u202fmm");
   expect(formatMeasured({ kind: "point", points: [[0, 0, 0]] })).toBe("");
   expect(measured({ kind: "distance", points: [[1, 2, 3]] })).toBeNull();
 });
@@ -48,7 +48,7 @@ test("marks are named by their kind, in the numbers that are free, and can be ch
   expect(new Set(marks.map(({ id }) => id)).size).toBe(3);
 
   marks = withPointAt(marks, 1, 1, [0, 3, 4]);
-  expect(marks.map(formatMeasured)).toEqual(["5.0 mm", "90.0°", "2.0 mm"]);
+  expect(marks.map(formatMeasured)).toEqual(["5.0\u202fmm", "90.0°", "2.0\u202fmm"]);
   marks = changedMark(marks, 1, { name: "  width  " });
   marks = changedMark(marks, 3, { name: " ", visible: false });
   expect(marks.map(({ name, visible }) => [name, visible])).toEqual([
