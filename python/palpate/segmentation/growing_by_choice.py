@@ -9,6 +9,7 @@ the click is refused.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.growing_basins import basins_of
 from palpate.segmentation.growing_border import at_voxels
 from palpate.segmentation.growing_cells import Box, Cells, cells_around, connected
 from palpate.segmentation.growing_choice import Region, regions
@@ -71,11 +73,9 @@ def grown_by_choice(
     Raises:
         OptionError: Every region would leak, or none is small enough.
     """
-    progress("trying ranges of values and passages", None)
-    cells, found, why = _body(volume, places, most_ml=most_ml)
+    cells, found, why = _body(volume, places, most_ml=most_ml, progress=progress)
     if why is not None:
-        progress("looking for a tube", None)
-        cells, found = _tube(volume, places, most_ml=most_ml)
+        cells, found = _tube(volume, places, cells, most_ml=most_ml, progress=progress)
     if found is None:
         raise OptionError(why)
     progress("finding the border", None)
@@ -87,13 +87,14 @@ def grown_by_choice(
 
 
 def _body(
-    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float
+    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float, progress: Progress
 ) -> tuple[Cells, Region | None, str | None]:
     """Returns cells, the best region among them, and why it would leak, if it would."""
     side = SIDE
     while True:
-        cells, most = _cells(volume, places, side=side, reach=REACH, most_ml=most_ml)
-        found = regions(cells, most=most)
+        told = partial(progress, "trying ranges of values and passages")
+        cells = cells_around(volume, places, side=side, reach=REACH * side, told=told)
+        found = regions(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
         if finest or (chosen is not None and chosen[0].count >= FEW):
@@ -125,13 +126,24 @@ def _leak(best: Region, share: float, *, found: list[Region], seed: tuple[int, .
 
 
 def _tube(
-    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float
+    volume: Volume,
+    places: list[NDArray[np.int64]],
+    before: Cells,
+    *,
+    most_ml: float,
+    progress: Progress,
 ) -> tuple[Cells, Region | None]:
-    """Returns cells, and the tube that most ranges and necks agree on, if they do."""
+    """Returns cells, and the tube that most ranges and necks agree on, if they do.
+
+    Cells that were made before are not made again where they are those of the whole scan.
+    """
     side = SIDE
+    told = partial(progress, "looking for a tube")
     while True:
-        cells, most = _cells(volume, places, side=side, reach=TUBE_REACH, most_ml=most_ml)
-        found = tubes(cells, most=most)
+        cells = before
+        if before.side != side or before.cut_off(_all_of(before), volume.shape):
+            cells = cells_around(volume, places, side=side, reach=TUBE_REACH * side, told=told)
+        found = tubes(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
         thin = chosen is not None and is_tube(chosen[0]) and chosen[0].depth < LEAST_DEPTH
@@ -158,12 +170,14 @@ def _without_films(
     return connected(thick, starts) if all(thick[start] for start in starts) else region
 
 
-def _cells(
-    volume: Volume, places: list[NDArray[np.int64]], *, side: float, reach: int, most_ml: float
-) -> tuple[Cells, int]:
-    """Returns cells around seeds, and how many of them a region may have."""
-    cells = cells_around(volume, places, side=side, reach=reach * side)
-    return cells, int(most_ml * 1000.0 / side**3) + 1
+def _most(most_ml: float, side: float) -> int:
+    """Returns how many cells a region may have."""
+    return int(most_ml * 1000.0 / side**3) + 1
+
+
+def _all_of(cells: Cells) -> Box:
+    first, second, third = (slice(0, length) for length in cells.values.shape)
+    return first, second, third
 
 
 def _goes_on(best: Region, found: list[Region]) -> bool:
@@ -196,9 +210,7 @@ def _has_neck(region: Region, seed: tuple[int, ...]) -> bool:
     depth = sitk.GetArrayFromImage(
         sitk.SignedMaurerDistanceMap(image, True, False, False)  # noqa: FBT003
     )
-    heights = np.where(mask, -np.log(np.maximum(depth + 0.5, 1.0)), 1.0).astype(np.float32)
-    basins = sitk.GetArrayFromImage(
-        sitk.MorphologicalWatershed(sitk.GetImageFromArray(heights), -np.log(NECK), False, False)  # noqa: FBT003
-    )
+    depths = np.maximum(depth + np.float32(0.5), np.float32(1.0))
+    basins = basins_of(depths, mask, same=NECK).numbers
     own = (basins == basins[tuple(place // every + 1 for place in begin)]) & mask
     return bool(np.count_nonzero(own) < LEAST_SIDE * np.count_nonzero(mask))
