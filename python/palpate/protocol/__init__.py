@@ -47,6 +47,7 @@ from palpate.protocol.registration import (
     UndoRegistration,
 )
 from palpate.protocol.segments import (
+    ChangeGrown,
     ChangeShape,
     ChangeSteps,
     CropScan,
@@ -54,11 +55,13 @@ from palpate.protocol.segments import (
     CutPreview,
     CutSegment,
     EndGoing,
+    EndGrown,
     EndPaint,
     Feel,
     FindTable,
     Gap,
     Grab,
+    Grown,
     GrowSeeds,
     GrowSegment,
     Islands,
@@ -190,6 +193,7 @@ __all__ = [
     "BeforeOrAfter",
     "Boxes",
     "Calibration",
+    "ChangeGrown",
     "ChangeSettings",
     "ChangeShape",
     "ChangeSteps",
@@ -211,6 +215,7 @@ __all__ = [
     "DrawPicture",
     "DrawnPicture",
     "EndGoing",
+    "EndGrown",
     "EndPaint",
     "Fading",
     "Feel",
@@ -227,6 +232,7 @@ __all__ = [
     "GridPlace",
     "GrowSeeds",
     "GrowSegment",
+    "Grown",
     "Hand",
     "Hello",
     "Histogram",
@@ -374,6 +380,7 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | Grown
     | Islands
     | Scissors
     | TableFound
@@ -396,6 +403,8 @@ FromPage = (
     | Threshold
     | Otsu
     | GrowSegment
+    | ChangeGrown
+    | EndGrown
     | GrowSeeds
     | ChangeShape
     | ShowIslands

@@ -1,8 +1,8 @@
 """Basins of depths in a mask: each cell belongs to the summit that is reached by going deeper.
 
-A watershed (Beucher and Meyer 1993) by steepest ascent, cell by cell over faces; summits whose depth
-is nearly that of the way to a deeper one are no summits of their own (Najman and Schmitt, "Geodesic
-saliency of watershed contours", 1996, whose dynamics these are).
+A watershed (Beucher and Meyer 1993) by steepest ascent, cell by cell over faces. Summits whose
+depth is nearly that of the way to a deeper one are no summits of their own (their dynamics, Najman
+and Schmitt, "Geodesic saliency of watershed contours", 1996).
 
 Arrays are [z, y, x] of cells.
 """
@@ -10,6 +10,7 @@ Arrays are [z, y, x] of cells.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,16 @@ from numpy.typing import NDArray
 from palpate.segmentation.mask_shape import Mask
 
 __all__ = ["Basins", "basins_of"]
+
+
+class Ways(NamedTuple):
+    """Pairs of basins beside each other."""
+
+    first: NDArray[np.int64]
+    second: NDArray[np.int64]
+    """Their numbers, the second ones larger."""
+    depths: NDArray[np.float64]
+    """The greatest depth of a face between them."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +38,7 @@ class Basins:
     """Of the basin that a cell is in, from 1 on; 0 is none."""
     depths: NDArray[np.float64]
     """Of summits, by number."""
-    first: NDArray[np.int64]
-    second: NDArray[np.int64]
-    """Basins beside each other."""
-    ways: NDArray[np.float64]
-    """Depths of the ways between them."""
+    ways: Ways
 
 
 def basins_of(depths: NDArray[np.float32], mask: Mask, *, same: float) -> Basins:
@@ -40,12 +47,11 @@ def basins_of(depths: NDArray[np.float32], mask: Mask, *, same: float) -> Basins
     Basins are one where the way between them is at least ``same`` of the less deep one.
     """
     numbers, heights = _ascents(depths, mask)
-    first, second, ways = _ways(numbers, depths, len(heights))
-    joined = _joined(heights, first, second, ways, same=same)
-    roots, new = np.unique(joined, return_inverse=True)
+    ways = _ways(numbers, depths, len(heights))
+    roots, new = np.unique(_joined(heights, ways, same=same), return_inverse=True)
     numbers = np.where(mask, new[numbers], 0).astype(np.int32)
-    first, second, ways = _ways_of(new[first], new[second], ways, len(roots))
-    return Basins(numbers, heights[roots], first, second, ways)
+    ways = _once(Ways(new[ways.first], new[ways.second], ways.depths), len(roots))
+    return Basins(numbers, heights[roots], ways)
 
 
 def _ascents(
@@ -81,45 +87,30 @@ def _ascents(
     return found.reshape(mask.shape), heights
 
 
-def _ways(
-    numbers: NDArray[np.int32], depths: NDArray[np.float32], count: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Returns basins beside each other, and the greatest depths of their common faces."""
-    firsts, seconds, faces = [], [], []
+def _ways(numbers: NDArray[np.int32], depths: NDArray[np.float32], count: int) -> Ways:
+    """Returns the ways between basins, whose numbers are below ``count``."""
+    parts = []
     for axis in range(3):
         one, other = ((slice(None),) * axis + (part,) for part in (slice(None, -1), slice(1, None)))
         own, its = numbers[one], numbers[other]
-        meet = np.flatnonzero((own != its) & (own > 0) & (its > 0))
-        firsts.append(own.reshape(-1)[meet])
-        seconds.append(its.reshape(-1)[meet])
-        faces.append(
-            np.minimum(depths[one].reshape(-1)[meet], depths[other].reshape(-1)[meet])
-        )
-    return _ways_of(np.concatenate(firsts), np.concatenate(seconds), np.concatenate(faces), count)
+        meet = (own != its) & (own > 0) & (its > 0)
+        parts.append((own[meet], its[meet], np.minimum(depths[one][meet], depths[other][meet])))
+    first, second, faces = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return _once(Ways(first.astype(np.int64), second.astype(np.int64), faces), count)
 
 
-def _ways_of(
-    firsts: NDArray[np.int64], seconds: NDArray[np.int64], faces: NDArray[np.float64], count: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Returns pairs of different basins once, with the greatest depths between them."""
-    low, high = np.minimum(firsts, seconds), np.maximum(firsts, seconds)
-    keys = low.astype(np.int64) * count + high
-    order = np.lexsort((-faces, keys))
+def _once(ways: Ways, count: int) -> Ways:
+    """Returns each pair of different basins once, with the deepest of its ways."""
+    low, high = np.minimum(ways.first, ways.second), np.maximum(ways.first, ways.second)
+    keys = low * count + high
+    order = np.lexsort((-ways.depths, keys))
     order = order[low[order] != high[order]]
     keys = keys[order]
     kept = np.flatnonzero(np.diff(keys, prepend=-1))
-    keys = keys[kept]
-    return keys // count, keys % count, faces[order][kept].astype(np.float64)
+    return Ways(keys[kept] // count, keys[kept] % count, ways.depths[order][kept].astype(float))
 
 
-def _joined(
-    heights: NDArray[np.float64],
-    first: NDArray[np.int64],
-    second: NDArray[np.int64],
-    ways: NDArray[np.float64],
-    *,
-    same: float,
-) -> NDArray[np.int64]:
+def _joined(heights: NDArray[np.float64], ways: Ways, *, same: float) -> NDArray[np.int64]:
     """Returns for each summit the one that it is one with: the deepest, over the deepest ways."""
     roots = list(range(len(heights)))
     tops = heights.tolist()
@@ -131,10 +122,11 @@ def _joined(
         return one
 
     # summits of joined basins only become deeper
-    near = np.flatnonzero(ways >= same * np.minimum(heights[first], heights[second]))
-    for place in near[np.argsort(-ways[near], kind="stable")].tolist():
-        one, other = root(int(first[place])), root(int(second[place]))
+    least = same * np.minimum(heights[ways.first], heights[ways.second])
+    near = np.flatnonzero(ways.depths >= least)
+    for place in near[np.argsort(-ways.depths[near], kind="stable")].tolist():
+        one, other = root(int(ways.first[place])), root(int(ways.second[place]))
         less, more = sorted((one, other), key=lambda number: (tops[number], number))
-        if less != more and ways[place] >= same * tops[less]:
+        if less != more and ways.depths[place] >= same * tops[less]:
             roots[less] = more
     return np.array([root(one) for one in range(len(roots))], np.int64)

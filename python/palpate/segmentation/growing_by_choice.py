@@ -9,6 +9,7 @@ the click is refused.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -21,12 +22,14 @@ from palpate.segmentation.growing_basins import basins_of
 from palpate.segmentation.growing_border import at_voxels
 from palpate.segmentation.growing_cells import Box, Cells, cells_around, connected
 from palpate.segmentation.growing_choice import Region, regions
+from palpate.segmentation.growing_levels import Levels, levels_of
 from palpate.segmentation.growing_tube import is_tube, tubes
 from palpate.segmentation.growing_vote import ALIKE, agreed, best_of
+from palpate.segmentation.lengths_in_voxels import most_voxels
 from palpate.segmentation.mask_shape import Mask, opened
 from palpate.volumes.volume import Volume
 
-__all__ = ["grown_by_choice"]
+__all__ = ["Chosen", "grown_by_choice"]
 
 SIDE = 2.5
 """Of the first cells [mm]."""
@@ -34,6 +37,10 @@ REACH = 88
 """How many cells the region may reach from the seeds."""
 TUBE_REACH = 180
 """The same of a tube: an aorta that is clicked at its upper end."""
+FINER_REACH = 60
+"""The same of finer cells: what is looked for in them is small."""
+FINER_TUBE_REACH = 100
+"""The same of a tube."""
 FEW = 600
 """Regions of fewer cells are looked for again, in finer ones."""
 LEAST_DEPTH = 3
@@ -60,6 +67,27 @@ LEAST_EDGE = 0.8
 """Share of a region's border at an edge of values, below which it would leak."""
 
 
+@dataclass(frozen=True)
+class Chosen:
+    """A region of cells, and the same at the voxels in a box of the scan."""
+
+    cells: Cells
+    region: Region
+    box: Box
+    mask: Mask
+
+    def levels(self, volume: Volume, seed: NDArray[np.int64], *, most_ml: float) -> Levels:
+        """Returns the levels of narrower and wider ranges, which hold a seed [z, y, x]."""
+        return levels_of(
+            self.cells,
+            self.region,
+            (self.box, self.mask),
+            seed=seed,
+            edges=np.array(volume.spacing[::-1]),
+            most=most_voxels(most_ml, volume.voxel_volume),
+        )
+
+
 def grown_by_choice(
     volume: Volume,
     places: list[NDArray[np.int64]],
@@ -67,8 +95,8 @@ def grown_by_choice(
     most_ml: float,
     fill: bool,
     progress: Progress,
-) -> tuple[Box, Mask]:
-    """Returns a box of the scan, and the voxels in it of the best region at seeds [z, y, x].
+) -> Chosen:
+    """Returns the best region at seeds [z, y, x].
 
     Raises:
         OptionError: Every region would leak, or none is small enough.
@@ -79,11 +107,12 @@ def grown_by_choice(
     if found is None:
         raise OptionError(why)
     progress("finding the border", None)
-    if why is None:
-        return at_voxels(volume, cells, found, seeds=places, fill=fill)
-    box, region = at_voxels(volume, cells, found, seeds=places, fill=fill, within_range=True)
-    starts = [tuple(int(c) for c in place - [side.start for side in box]) for place in places]
-    return box, _without_films(region, starts, spacing=volume.spacing, radius=cells.side)
+    is_tube = why is not None
+    box, mask = at_voxels(volume, cells, found, seeds=places, fill=fill, within_range=is_tube)
+    if is_tube:
+        starts = [tuple(int(c) for c in place - [side.start for side in box]) for place in places]
+        mask = _without_films(mask, starts, spacing=volume.spacing, radius=cells.side)
+    return Chosen(cells, found, box, mask)
 
 
 def _body(
@@ -92,8 +121,10 @@ def _body(
     """Returns cells, the best region among them, and why it would leak, if it would."""
     side = SIDE
     while True:
+        told = partial(progress, "reading values")
+        reach = side * (REACH if side == SIDE else FINER_REACH)
+        cells = cells_around(volume, places, side=side, reach=reach, told=told)
         told = partial(progress, "trying ranges of values and passages")
-        cells = cells_around(volume, places, side=side, reach=REACH * side, told=told)
         found = regions(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
@@ -142,7 +173,8 @@ def _tube(
     while True:
         cells = before
         if before.side != side or before.cut_off(_all_of(before), volume.shape):
-            cells = cells_around(volume, places, side=side, reach=TUBE_REACH * side, told=told)
+            reach = side * (TUBE_REACH if side == SIDE else FINER_TUBE_REACH)
+            cells = cells_around(volume, places, side=side, reach=reach, told=told)
         found = tubes(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)

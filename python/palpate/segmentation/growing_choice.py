@@ -123,7 +123,8 @@ def regions(
     span, noise = span_of(cells, middle), _noise(cells.values)
     halves = [float(np.hypot(share * span, NOISE * noise)) for share in HALVES]
 
-    def follow(half: float, above: bool) -> list[Found]:
+    def follow(tried: tuple[float, bool]) -> list[Found]:
+        half, above = tried
         high = np.inf if above else middle + half
         in_range = (cells.values >= middle - half) & (cells.values <= high)
         found: list[Found] = []
@@ -134,10 +135,15 @@ def regions(
         return found
 
     tried = side_by_side(
-        lambda one: follow(*one), product(halves, (False, True)), told=told)
+        follow,
+        product(halves, (False, True)),
+        told=lambda share: told(0.8 * share),
+    )
     found = [one for some in tried for one in some]
     slopes = slopes_of(cells.values, [one.box for one in found])
-    return side_by_side(lambda one: measured(one, slopes), found, told=told)
+    return side_by_side(
+        lambda one: measured(one, slopes), found, told=lambda share: told(0.8 + 0.2 * share)
+    )
 
 
 def in_box(mask: Mask, box: Box) -> tuple[Mask, Box]:
@@ -179,7 +185,7 @@ def _followed(
     start = np.array([side.start for side in box])
     inside = [tuple(int(c) for c in np.array(seed) - start) for seed in seeds if there[seed]]
     held = PackedMask.of(without_holes(there[box]))
-    layer, near = held, tuple(slice(0, length) for length in there[box].shape)
+    layer, near = held, _all_of(there[box])
     for steps in range(STEPS + 1):
         fits = layer.mask()
         cores = [_nearest(fits, seed, steps + 1) for seed in inside]
@@ -202,13 +208,20 @@ def _core(mask: Mask, starts: list[tuple[int, ...]], near: Box) -> tuple[Mask, B
 
     It is looked for in a box where it was before layers were taken from the mask.
     """
-    if not all(side.start <= c < side.stop for s in starts for c, side in zip(s, near, strict=True)):
-        near = tuple(slice(0, length) for length in mask.shape)
+    if not all(
+        side.start <= c < side.stop for s in starts for c, side in zip(s, near, strict=True)
+    ):
+        near = _all_of(mask)
     begins = [tuple(c - side.start for c, side in zip(s, near, strict=True)) for s in starts]
     core = connected(mask[near], begins)
     whole = np.zeros(mask.shape, bool)
     whole[near] = core
     return whole, in_box(core, near)[1]
+
+
+def _all_of(mask: Mask) -> Box:
+    first, second, third = (slice(0, length) for length in mask.shape)
+    return first, second, third
 
 
 def _nearest(mask: Mask, seed: tuple[int, ...], reach: int) -> tuple[int, ...] | None:

@@ -58,11 +58,12 @@ LONG = 8.0
 
 def _reached(pieces: Basins, start: int, neck: float) -> Mask:
     """Returns what is one tube with a piece."""
-    less = np.minimum(pieces.depths[pieces.first], pieces.depths[pieces.second])
-    more = np.maximum(pieces.depths[pieces.first], pieces.depths[pieces.second])
-    open_ways = (pieces.ways >= neck * less) & (more <= WIDER * less)
+    ways = pieces.ways
+    less = np.minimum(pieces.depths[ways.first], pieces.depths[ways.second])
+    more = np.maximum(pieces.depths[ways.first], pieces.depths[ways.second])
+    is_open = (ways.depths >= neck * less) & (more <= WIDER * less)
     beside: dict[int, list[int]] = defaultdict(list)
-    for one, other in zip(pieces.first[open_ways], pieces.second[open_ways], strict=True):
+    for one, other in zip(ways.first[is_open], ways.second[is_open], strict=True):
         beside[int(one)].append(int(other))
         beside[int(other)].append(int(one))
     found, left = {start}, [start]

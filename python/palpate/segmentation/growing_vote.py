@@ -48,8 +48,8 @@ def agreed(cells: Cells, best: Region, found: list[Region]) -> Region:
     most = connected(votes > 0.5 * sum(one.score for one in alike), list(cells.seeds))
     first, second, third = (slice(0, length) for length in most.shape)
     mask, box = in_box(most, (first, second, third))
-    found = Found(mask, box, max(one.half for one in alike))
-    return measured(found, slopes_of(cells.values, [box]))
+    most_agreed = Found(mask, box, max(one.half for one in alike))
+    return measured(most_agreed, slopes_of(cells.values, [box]))
 
 
 def _alike(one: Region, other: Region) -> bool:

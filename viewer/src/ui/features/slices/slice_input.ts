@@ -1,9 +1,9 @@
 /**
  * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius; with the
  * live wire a click sets a point, a double click or Enter closes it, Backspace takes a point back; a level is painted
- * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or
- * grows a region, right drag sets window and level, middle or
- * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
+ * by a click. Where a region is to grow, the left button grows it from there, and dragging on makes it more or less.
+ * Else left drag moves the crosshair, a click says what is there or sets a point of a mark or of a pair, right drag
+ * sets window and level, middle or Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move where touch mode leads it so, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
  */
@@ -13,10 +13,11 @@ import { addScaled, type Vec3 } from "../../../core/geometry/vector";
 import type { HandControl } from "../touch/hand_control.svelte";
 import { clickReach, wheelPixels } from "../../widgets/mouse";
 import type { BrushControl } from "../segments/brush_control.svelte";
+import type { GrowControl } from "../segments/grow_control.svelte";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
-type Drag = "crosshair" | "window" | "pan" | "paint";
+type Drag = "crosshair" | "window" | "pan" | "paint" | "grow";
 
 /** Pixels of the wheel for a slice. */
 const pixelsPerSlice = 60;
@@ -36,8 +37,8 @@ const panKeys: Readonly<Record<string, readonly [number, number]>> = {
 export interface SliceClicks {
   /** Whether a mark or a pair of points waits for its next point. */
   readonly marking: boolean;
-  /** Whether a region waits for the point that it grows from. */
-  readonly growing: boolean;
+  /** A region that may wait for the point that it grows from. */
+  readonly growing: Pick<GrowControl, "armed" | "press" | "drag" | "release" | "leave">;
   /** Gives a point to what waits for it; false where nothing does. */
   readonly put: (point: Vec3) => boolean;
   /** Says what is at a point of a slice. */
@@ -144,6 +145,12 @@ export class SliceInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
+    } else if (event.button === 0 && this.clicks.growing.armed && !this.clicks.marking) {
+      const point = this.pointAt(event);
+      if (point !== null) {
+        this.drag = "grow";
+        this.clicks.growing.press(point);
+      }
     } else if (event.button === 0 && this.brushes && this.outline === null) {
       const { plane } = this;
       const point = this.pointAt(event);
@@ -176,7 +183,9 @@ export class SliceInput {
     if (x === 0 && y === 0) {
       return;
     }
-    if (this.drag === "paint") {
+    if (this.drag === "grow") {
+      this.clicks.growing.drag(x, y);
+    } else if (this.drag === "paint") {
       const point = this.pointAt(event);
       if (point !== null) this.brush.move(point);
     } else if (this.drag === "crosshair") {
@@ -203,6 +212,9 @@ export class SliceInput {
   private release(event: PointerEvent): void {
     if (this.drag === "paint") {
       this.brush.end();
+    } else if (this.drag === "grow") {
+      if (event.type === "pointerup") this.clicks.growing.release();
+      else this.clicks.growing.leave();
     }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
@@ -210,7 +222,7 @@ export class SliceInput {
     }
   }
 
-  /** Says what is there, sets a point of a mark, or grows a region. */
+  /** Says what is there, or sets a point of a mark. */
   private click(event: MouseEvent): void {
     const point = this.pointAt(event);
     if (this.pressed === null || point === null || event.detail > 1) {
@@ -230,7 +242,7 @@ export class SliceInput {
 
   /** Whether the left button paints: what waits for a click comes first. */
   private get brushes(): boolean {
-    return this.brush.ready && !this.clicks.marking && !this.clicks.growing;
+    return this.brush.ready && !this.clicks.marking && !this.clicks.growing.armed;
   }
 
   /** What draws outlines by clicks; null where the left button does something else. */
