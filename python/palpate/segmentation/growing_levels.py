@@ -11,6 +11,7 @@ Heights are stored as levels 0 to 255, ``USUAL`` for the region itself; arrays a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -41,7 +42,7 @@ class Levels:
     box: Box
     levels: NDArray[np.uint8]
     """Least level at which a voxel belongs to the region, where it hangs together with the seed."""
-    seed: tuple[int, ...]
+    seeds: Sequence[tuple[int, ...]]
     """In the box."""
     most: int
     """Voxels of the largest region."""
@@ -52,18 +53,18 @@ class Levels:
         counts = np.cumsum(np.bincount(self.levels.ravel(), minlength=256))
         changes = np.flatnonzero(np.diff(counts, prepend=0)[: MOST + 1])
         fit = int(np.searchsorted(counts, self.most, side="right")) - 1
-        least = max(int(self.levels[self.seed]), int(changes[0]))
+        least = max(int(changes[0]), *(int(self.levels[seed]) for seed in self.seeds))
         return min(least, USUAL), max(min(int(changes[-1]), fit), USUAL)
 
     def mask(self, level: int) -> Mask:
         """Returns the region of a level in the box, which hangs together over faces."""
-        return connected(self.levels <= level, [self.seed])
+        return connected(self.levels <= level, self.seeds)
 
 
-def alone(box: Box, region: Mask, seed: tuple[int, ...]) -> Levels:
+def alone(box: Box, region: Mask, seeds: Sequence[tuple[int, ...]]) -> Levels:
     """Returns the levels of a region that is the only one."""
     levels = np.where(region, np.uint8(USUAL), np.uint8(MOST + 1))
-    return Levels(box, levels, seed, int(np.count_nonzero(region)))
+    return Levels(box, levels, seeds, int(np.count_nonzero(region)))
 
 
 def levels_of(
@@ -71,7 +72,7 @@ def levels_of(
     region: Region,
     found: tuple[Box, Mask],
     *,
-    seed: NDArray[np.int64],
+    seeds: list[NDArray[np.int64]],
     edges: NDArray[np.float64],
     most: int,
 ) -> Levels:
@@ -81,19 +82,19 @@ def levels_of(
         cells: The cells.
         region: What of them was chosen.
         found: The box, and the region in it.
-        seed: Voxel of the scan that all regions hold.
+        seeds: Voxels of the scan that the region holds.
         edges: Sides of a voxel, z, y, x [mm].
         most: Voxels of the largest region.
     """
     near = _around(region.box, cells.values.shape, AROUND)
     mask = np.zeros(cells.values.shape, bool)
     mask[region.box] = region.mask
-    start = tuple(c - side.start for c, side in zip(cells.seeds[0], near, strict=True))
+    starts = [_place(seed, near) for seed in cells.seeds]
     off = cells.values[near] - seed_value(cells)
     ranges = (np.maximum(-off, 0.0) if region.open_above else np.abs(off)) / region.half
     levels = _level_of(ranges)
     own = np.where(mask[near], np.minimum(levels, USUAL), np.maximum(levels, USUAL + 1))
-    heights = _heights(own, start, steps=max(region.steps, 1))
+    heights = _heights(own, starts, steps=max(region.steps, 1))
     heights = np.where(mask[near], np.minimum(heights, USUAL), heights)
     # between cells the region's border is the one that was found
     part = Cells(
@@ -105,8 +106,8 @@ def levels_of(
     less = part.at(np.minimum(heights, USUAL), found[0], edges)
     inner = at_voxels[tuple(_within(own, whole) for own, whole in zip(found[0], box, strict=True))]
     inner[found[1]] = less[found[1]]
-    place = tuple(int(c) - side.start for c, side in zip(seed, box, strict=True))
-    return Levels(box, np.ceil(at_voxels).astype(np.uint8), place, most)
+    places = [_place(seed, box) for seed in seeds]
+    return Levels(box, np.ceil(at_voxels).astype(np.uint8), places, most)
 
 
 def _level_of(ranges: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -118,17 +119,19 @@ def _level_of(ranges: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _heights(
-    levels: NDArray[np.float32], start: tuple[int, ...], *, steps: int
+    levels: NDArray[np.float32], starts: Sequence[tuple[int, ...]], *, steps: int
 ) -> NDArray[np.float32]:
-    """Returns the least level at which a ball of so many layers brings the seed to each cell."""
+    """Returns the least level at which a ball of so many layers brings a seed to each cell."""
     fits = levels
     for step in range(steps):
         fits = _layer(fits, step, highest=True)
     # the ball lies where it fits best of the places that hold the seed
-    near = tuple(slice(max(0, c - steps), c + steps + 1) for c in start)
-    best = np.unravel_index(int(fits[near].argmin()), fits[near].shape)
-    place = tuple(int(c) + side.start for c, side in zip(best, near, strict=True))
-    heights = _reached(fits.astype(np.uint8), place).astype(np.float32)
+    places = []
+    for start in starts:
+        near = tuple(slice(max(0, c - steps), c + steps + 1) for c in start)
+        best = np.unravel_index(int(fits[near].argmin()), fits[near].shape)
+        places.append(tuple(int(c) + side.start for c, side in zip(best, near, strict=True)))
+    heights = _reached(fits.astype(np.uint8), places).astype(np.float32)
     for step in reversed(range(steps)):
         heights = np.maximum(_layer(heights, step, highest=False), levels)
     return heights
@@ -147,16 +150,21 @@ def _layer(values: NDArray[np.float32], step: int, *, highest: bool) -> NDArray[
     return found
 
 
-def _reached(levels: NDArray[np.uint8], start: tuple[int, ...]) -> NDArray[np.uint8]:
-    """Returns the least of the highest levels on all ways over faces from a place."""
+def _reached(levels: NDArray[np.uint8], starts: list[tuple[int, ...]]) -> NDArray[np.uint8]:
+    """Returns the least of the highest levels on all ways over faces from places."""
     sitk = simpleitk()
     marker = np.full_like(levels, 255)
-    marker[start] = levels[start]
+    for start in starts:
+        marker[start] = levels[start]
     heights = sitk.ReconstructionByErosion(
         sitk.GetImageFromArray(marker), sitk.GetImageFromArray(levels), fullyConnected=False
     )
     found: NDArray[np.uint8] = sitk.GetArrayFromImage(heights)
     return found
+
+
+def _place(voxel: Sequence[int] | NDArray[np.int64], box: Box) -> tuple[int, ...]:
+    return tuple(int(c) - side.start for c, side in zip(voxel, box, strict=True))
 
 
 def _around(box: Box, shape: tuple[int, ...], by: int) -> Box:

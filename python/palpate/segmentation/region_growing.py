@@ -25,7 +25,7 @@ from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.growing_by_choice import grown_by_choice
 from palpate.segmentation.growing_cells import Box
-from palpate.segmentation.growing_levels import Levels, alone
+from palpate.segmentation.growing_levels import USUAL, Levels, alone
 from palpate.segmentation.lengths_in_voxels import most_voxels, whole_voxels, within
 from palpate.segmentation.mask_shape import Mask, closed, filled, margin, squared_distance_to
 from palpate.volumes.volume import Volume
@@ -76,11 +76,6 @@ class Growing:
     fill: bool = True
     """Whether holes are filled and small dents closed at the end."""
 
-    @property
-    def finds(self) -> bool:
-        """Whether range and passage are found."""
-        return self.range is None and self.spread is None and self.passage is None
-
     def check(self) -> None:
         """Refuses what is out of range.
 
@@ -123,16 +118,9 @@ def grow(
     """
     how = growing or Growing()
     how.check()
-    places = _places(volume, seeds)
-    if how.finds:
-        chosen = grown_by_choice(
-            volume, places, most_ml=how.most_ml, fill=how.fill, progress=progress
-        )
-        box, region = chosen.box, chosen.mask
-    else:
-        box, region = _by_hand(volume, places, how=how, progress=progress)
+    levels = _levels(volume, seeds, how=how, progress=progress)
     mask = np.zeros(volume.shape, bool)
-    mask[box] = region
+    mask[levels.box] = levels.mask(USUAL)
     return mask
 
 
@@ -159,14 +147,24 @@ def grow_levels(
     """
     how = growing or Growing()
     how.check()
-    places = _places(volume, [seed])
-    if not how.finds:
-        box, region = _by_hand(volume, places, how=how, progress=progress)
-        start = tuple(int(c) - side.start for c, side in zip(places[0], box, strict=True))
-        return alone(box, region, start)
-    chosen = grown_by_choice(volume, places, most_ml=how.most_ml, fill=how.fill, progress=progress)
-    progress("looking at narrower and wider ranges", None)
-    return chosen.levels(volume, places[0], most_ml=how.most_ml)
+    return _levels(volume, [seed], how=how, progress=progress)
+
+
+def _levels(
+    volume: Volume, seeds: Sequence[Sequence[float]], *, how: Growing, progress: Progress
+) -> Levels:
+    """Returns the levels of the region that grows from seeds."""
+    places = _places(volume, seeds)
+    if how.range is None and how.spread is None and how.passage is None:
+        return grown_by_choice(
+            volume, places, most_ml=how.most_ml, fill=how.fill, progress=progress
+        )
+    box, region = _by_hand(volume, places, how=how, progress=progress)
+    return alone(box, region, [tuple(map(int, place - _start(box))) for place in places])
+
+
+def _start(box: Box) -> NDArray[np.int64]:
+    return np.array([side.start for side in box])
 
 
 def _by_hand(
