@@ -53,7 +53,6 @@ from palpate.protocol.segments import (
     CropScan,
     CutAlong,
     CutPreview,
-    CutSegment,
     EndGoing,
     EndGrown,
     EndPaint,
@@ -208,7 +207,6 @@ __all__ = [
     "CropScan",
     "CutAlong",
     "CutPreview",
-    "CutSegment",
     "DeformationModel",
     "DeviceLimits",
     "Displaced",
@@ -438,7 +436,6 @@ FromPage = (
     | MoveSegment
     | Grab
     | TurnGrabbed
-    | CutSegment
     | CutAlong
     | WatchGap
     | FollowEdits

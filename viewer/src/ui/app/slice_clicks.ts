@@ -10,6 +10,9 @@ export function sliceClicks({ growing, marks, picker, readout, registration }: S
     get marking() {
       return marks.placing !== null || registration.placing !== null;
     },
+    get area() {
+      return marks.drawsArea ? marks : null;
+    },
     growing,
     put: (point) => {
       if (registration.placing !== null) {

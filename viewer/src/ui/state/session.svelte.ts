@@ -1,6 +1,7 @@
 /**
  * What the page knows of the engine: scan, segments, settings, and what is now.
  */
+import { asSentence } from "../../core/base/format";
 import { ForceHistory } from "../../core/touch/force_history";
 import { decodeParticles, type ModelParticles } from "../../core/tissue/particles";
 import { newThreshold } from "../../core/segments/new_threshold";
@@ -34,6 +35,7 @@ import {
   type ToPage,
 } from "../../core/protocol";
 import { Connection, type ConnectionState } from "../../live/connection";
+import type { Silence } from "../../live/silence";
 import { recall, remember } from "./remembered";
 
 export interface ShownNotice {
@@ -63,6 +65,8 @@ const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
 
 export class Session {
   connection = $state.raw<ConnectionState>({ kind: "connecting" });
+  /** How long nothing has come from the engine. */
+  silence = $state.raw<Silence>("none");
   scan = $state.raw<Scan | null>(null);
   segments = $state.raw<readonly Segment[]>([]);
   /** Version of the segments' voxels that are no threshold. */
@@ -159,7 +163,18 @@ export class Session {
       malformed: (text) => {
         this.mismatch ??= `The engine sent something this page does not know (${text}).`;
       },
+      silence: (silence) => {
+        this.silence = silence;
+      },
+      stoodStill: (seconds) => {
+        this.notify("warning", `Palpate stood still for ${seconds} s. What you asked of it meanwhile was not done.`);
+      },
     });
+  }
+
+  /** What was told last is no longer what is: the engine is silent, or gone. */
+  get isOld(): boolean {
+    return this.live !== null && (this.connection.kind !== "open" || this.silence !== "none");
   }
 
   send(message: FromPage): void {
@@ -279,8 +294,9 @@ export class Session {
   }
 
   /** Shows a sentence for a while. */
-  notify(level: Notice["level"], text: string): void {
+  notify(level: Notice["level"], told: string): void {
     const id = ++this.noticeCount;
+    const text = asSentence(told);
     this.notices = [...this.notices.filter((notice) => notice.text !== text), { id, level, text }].slice(-4);
     setTimeout(() => {
       this.dismiss(id);

@@ -1,6 +1,7 @@
 /**
  * The tool in the person's hand: which one, how large, what it works on, and when it is pressed.
  */
+import { formatFixed } from "../../../core/base/format";
 import { likelyLayer, type Layer } from "../../../core/tools/needle";
 import type { Segment, State, TissueName, ToolKind } from "../../../core/protocol";
 import { fittingRadius, segmentsOf, type ToolName, type Works } from "../../../core/tools/tools";
@@ -25,6 +26,8 @@ export class ToolHand {
   private told = "";
   /** What is to be done once there is a segment to paint with. */
   private waiting: "tool" | "stroke" | null = null;
+  /** No stroke begins. */
+  private held = false;
   /** The probe's radius before it took that of the burr [mm]; null where it has its own. */
   private ownRadius: number | null = null;
 
@@ -82,12 +85,20 @@ export class ToolHand {
     this.tell();
   }
 
+  /** Holds the tool, so that no stroke begins, or lets it work again. */
+  hold(on: boolean): void {
+    this.held = on;
+    if (on) {
+      this.release();
+    }
+  }
+
   /** Begins a stroke; false where there is no tool to begin it with. */
   press(): boolean {
     if (this.kind === "none") {
       return false;
     }
-    if (!this.pressed && this.isPrepared("stroke") && this.tell()) {
+    if (!this.held && !this.pressed && this.isPrepared("stroke") && this.tell()) {
       this.pressed = true;
       if (this.kind === "painter") {
         this.paint.makeTouchable();
@@ -163,7 +174,7 @@ export class ToolHand {
     }
     if (this.ownRadius === null) {
       this.ownRadius = settings.probe_radius;
-      this.session.notify("info", `The probe is as large as the burr now: ${this.radius.toFixed(1)} mm.`);
+      this.session.notify("info", `The probe is as large as the burr now: ${formatFixed(this.radius, 1, "mm")}.`);
     }
     this.session.changeSettings({ probe_radius: this.radius });
   }
