@@ -826,6 +826,22 @@ export interface SegmentWork {
 }
 
 /**
+ * Tells of a region that is shown as segment `id` until a person keeps it or not.
+ *
+ * `level` is how wide its range of values is, from `least` to `most`; `usual` is the one
+ * that was found.
+ */
+export interface Grown {
+  readonly type: "grown";
+  readonly id: SegmentId;
+  readonly level: number;
+  readonly usual: number;
+  readonly least: number;
+  readonly most: number;
+  readonly volume_ml: number;
+}
+
+/**
  * Tells how many islands segment `id` has, and which of them would go.
  *
  * `preview` is a segment of those that would; null where all stay. `largest_ml` are the
@@ -1112,7 +1128,7 @@ export interface Otsu {
 }
 
 /**
- * Makes a segment of the connected voxels with values like those at `seed`.
+ * Shows a region of the connected voxels with values like those at `seed`: `Grown` answers.
  *
  * `spread` is half of the range of values, in standard deviations around the seed. Passages
  * narrower than `passage` [mm] are not entered, and the segment becomes no larger than
@@ -1124,6 +1140,18 @@ export interface GrowSegment {
   readonly spread: number | null;
   readonly passage: number | null;
   readonly most_ml: number;
+}
+
+/** Shows the region of a narrower or wider range: `Grown` answers, if one is shown. */
+export interface ChangeGrown {
+  readonly type: "change_grown";
+  readonly level: number;
+}
+
+/** Makes the region that is shown a segment, as one step of undo, or shows it no more. */
+export interface EndGrown {
+  readonly type: "end_grown";
+  readonly keeps: boolean;
 }
 
 /**
@@ -1567,6 +1595,7 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | Grown
   | Islands
   | Scissors
   | TableFound
@@ -1589,6 +1618,8 @@ export type FromPage =
   | Threshold
   | Otsu
   | GrowSegment
+  | ChangeGrown
+  | EndGrown
   | GrowSeeds
   | ChangeShape
   | ShowIslands
@@ -2281,6 +2312,16 @@ const isSegmentWork = record({
   what: nullable(text()),
 });
 
+const isGrown = record({
+  type: oneOf("grown"),
+  id: isSegmentId,
+  level: whole({ ge: 0, le: 255 }),
+  usual: whole({ ge: 0, le: 255 }),
+  least: whole({ ge: 0, le: 255 }),
+  most: whole({ ge: 0, le: 255 }),
+  volume_ml: real(),
+});
+
 const isIslands = record({
   type: oneOf("islands"),
   id: isSegmentId,
@@ -2367,6 +2408,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["grown", isGrown],
   ["islands", isIslands],
   ["scissors", isScissors],
   ["table_found", isTableFound],
