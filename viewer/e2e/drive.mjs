@@ -36,6 +36,8 @@
  *   {"do": "cut"}                                             ends it → {"value": [[seconds, name of a JPEG file], …]}
  *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
  *   {"do": "key", "key": "я", "code": "KeyZ", "alt": true}    as on a keyboard of another layout; "repeats": so often
+ *   {"do": "beforeOpen", "script": …}                         runs in every page that is opened from now on, before its own
+ *   {"do": "media", "forcedColors": "active", "media": "print"}  as the system has it; null: as it is
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
@@ -350,6 +352,14 @@ const actions = {
     devtools.off("Page.screencastFrame", film.take);
     await Promise.all(film.written);
     return { value: film.frames };
+  },
+  async beforeOpen({ script }) {
+    await page.addInitScript(script);
+    return {};
+  },
+  async media(options) {
+    await page.emulateMedia(options);
+    return {};
   },
   async axe() {
     await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));

@@ -734,12 +734,13 @@ export interface Outline {
  * a `part` of such a picture, it has its first column and row there, and is to be put over one
  * of the same view that shows state `over` or a later one. `state` is the number of what it
  * shows, which rises with every change of that. Rows from the upper edge, little-endian.
- * `milliseconds` is how long it was drawn.
+ * `milliseconds` is how long it was drawn. With several `eyes` rows, of colours and depths, are
+ * those of all of them, one eye after the other; `size` is that of each.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
  * shape [rows, columns, 4]; `depths` distances from the eye along the direction of view as
- * uint16 from `nearest` (0) to `farthest` (65534) [mm], 65535 where nothing is, shape
- * [rows, columns].
+ * uint16 from `nearest` (0) to `farthest` (32766) [mm], 32768 more where all of a ray is seen
+ * through: there what is seen lies about so deep; 65535 where nothing is; shape [rows, columns].
  *
  * `coding` "webp": `colours` is a WebP picture of twice as many rows, above the same RGB
  * divided by `brightest`, as sRGB, below opacity as grey. `depths` are those of every
@@ -750,6 +751,7 @@ export interface DrawnPicture {
   readonly type: "drawn_picture";
   readonly number: number;
   readonly size: readonly [number, number];
+  readonly eyes: number;
   readonly part: readonly [number, number] | null;
   readonly over: number | null;
   readonly state: number;
@@ -1064,7 +1066,8 @@ export interface PictureOver {
 /**
  * Requests pictures of the 3-D view in the last `PictureLook`; see `DrawnPicture`.
  *
- * One at once; where the view does not move (`moving`) finer ones follow, until another is
+ * One at once, with what each of the `cameras` sees: two eyes that look straight ahead, or one.
+ * Where the view does not move (`moving`) finer ones follow, until another is
  * requested. `size` has columns and rows [pixels]. The last picture is the mean of `samples`,
  * of `steps_per_voxel` steps for each smallest voxel edge. With `jitter` rays start at
  * different fractions of a step. Where the page shows this view already (`over`) and a part of
@@ -1073,7 +1076,7 @@ export interface PictureOver {
 export interface DrawPicture {
   readonly type: "draw_picture";
   readonly number: number;
-  readonly camera: SeenFrom;
+  readonly cameras: readonly SeenFrom[];
   readonly size: readonly [number, number];
   readonly moving: boolean;
   readonly over: PictureOver | null;
@@ -2223,6 +2226,7 @@ const isDrawnPicture = record({
   type: oneOf("drawn_picture"),
   number: whole(),
   size: tuple(whole(), whole()),
+  eyes: whole(),
   part: nullable(tuple(whole(), whole())),
   over: nullable(whole()),
   state: whole(),

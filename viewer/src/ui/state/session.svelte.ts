@@ -34,6 +34,7 @@ import {
   type ToPage,
 } from "../../core/protocol";
 import { Connection, type ConnectionState } from "../../live/connection";
+import type { Silence } from "../../live/silence";
 import { recall, remember } from "./remembered";
 
 export interface ShownNotice {
@@ -63,6 +64,8 @@ const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
 
 export class Session {
   connection = $state.raw<ConnectionState>({ kind: "connecting" });
+  /** How long nothing has come from the engine. */
+  silence = $state.raw<Silence>("none");
   scan = $state.raw<Scan | null>(null);
   segments = $state.raw<readonly Segment[]>([]);
   /** Version of the segments' voxels that are no threshold. */
@@ -155,7 +158,18 @@ export class Session {
       malformed: (text) => {
         this.mismatch ??= `The engine sent something this page does not know (${text}).`;
       },
+      silence: (silence) => {
+        this.silence = silence;
+      },
+      stoodStill: (seconds) => {
+        this.notify("warning", `Palpate stood still for ${seconds} s. What you asked of it meanwhile was not done.`);
+      },
     });
+  }
+
+  /** What was told last is no longer what is: the engine is silent, or gone. */
+  get isOld(): boolean {
+    return this.live !== null && (this.connection.kind !== "open" || this.silence !== "none");
   }
 
   send(message: FromPage): void {
