@@ -42,7 +42,9 @@ pub enum MaterialError {
     #[error("density {0} kg/m³ given; allowed: {low} to {high} kg/m³", low = DENSITY_LIMITS[0], high = DENSITY_LIMITS[1])]
     Density(f64),
     /// Energy that a crack takes.
-    #[error("fracture energy {0} J/m² given; allowed: above 0, infinity for matter that never tears")]
+    #[error(
+        "fracture energy {0} J/m² given; allowed: above 0, infinity for matter that never tears"
+    )]
     FractureEnergy(f64),
     /// Friction.
     #[error("friction {0} given; allowed: 0 to 10")]

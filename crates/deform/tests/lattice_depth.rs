@@ -32,7 +32,10 @@ fn a_ball_of_two_spacings_is_pushed_back_the_more_the_deeper_it_is() {
     let mut last = 0.0;
     for half in 1..=16 {
         let force = force_at(&mut bench, 2.0, 0.5 * f64::from(half));
-        assert!(force > last, "{force} N after {last} N, {half} half voxels deep");
+        assert!(
+            force > last,
+            "{force} N after {last} N, {half} half voxels deep"
+        );
         last = force;
     }
 }

@@ -377,7 +377,8 @@ impl Simulation {
             self.report(notice);
         }
         self.touch.set_radius(self.probe_radius());
-        self.touch.send(ServoCommand::Settings(self.touch_settings()));
+        self.touch
+            .send(ServoCommand::Settings(self.touch_settings()));
         Ok(self.settings)
     }
 

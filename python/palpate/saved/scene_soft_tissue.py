@@ -48,7 +48,7 @@ class SavedSoftTissue(msgspec.Struct, frozen=True, kw_only=True):
     """Of all segments, for each segment in their order; older files have none."""
     force_source: ForceSource = "matter"
     tears_by: Literal["strain", "energy"] = "strain"
-    """What the fourth constant of materials is; older files have the strain at which bonds break."""
+    """What the fourth constant of materials is; older files have the strain that bonds bear."""
 
 
 def saved_soft_tissue(session: Session) -> SavedSoftTissue:

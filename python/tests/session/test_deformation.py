@@ -438,7 +438,8 @@ def test_springs_to_where_particles_rest_make_them_stiffer() -> None:
 
 def test_layers_calibrations_and_motions_are_felt_in_a_session() -> None:
     def felt(**options: Any) -> float:
-        # a ball of 3 mm, 1 mm deep; deeper, the crystal slips, and each way to rest may end in another one
+        # a ball of 3 mm, 1 mm deep; deeper, the crystal slips, and each way to rest may end in
+        # another one
         with pressing(deep=-2.0) as session:
             session.set_deformation("fcc-lj", ModelOptions(edge=9, **options))
             session.run(1.55)

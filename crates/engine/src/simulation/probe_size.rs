@@ -35,7 +35,10 @@ impl Simulation {
         let spacing = self.voxels().grid().smallest_spacing();
         let [least, most] = SPACINGS.map(|count| count * spacing);
         let soft = FINGERTIP.clamp(least, most);
-        let grids = self.scene.segments().filter_map(|(_, segment, _)| segment.own_grid());
+        let grids = self
+            .scene
+            .segments()
+            .filter_map(|(_, segment, _)| segment.own_grid());
         let largest = grids.map(|grid| BallShape::largest_radius(grid.spacing()));
         wanted.max(largest.fold(soft, f64::min))
     }
@@ -52,7 +55,8 @@ impl Simulation {
         let radius = self.probe_radius();
         if radius != self.touch.radius() {
             self.touch.set_radius(radius);
-            self.touch.send(ServoCommand::Settings(self.touch_settings()));
+            self.touch
+                .send(ServoCommand::Settings(self.touch_settings()));
         }
     }
 }
