@@ -178,13 +178,13 @@ export interface Feel {
 /**
  * Material constants: `young` [Pa], `poisson`, `density` [kg/m³], Coulomb `friction`.
  *
- * Bonds break at `breaking_strain`; null where they never do.
+ * Bonds break at `fracture_energy`; null where they never do.
  */
 export interface Constants {
   readonly young: number;
   readonly poisson: number;
   readonly density: number;
-  readonly breaking_strain: number | null;
+  readonly fracture_energy: number | null;
   readonly friction: number;
 }
 
@@ -734,7 +734,7 @@ export interface Outline {
  * a `part` of such a picture, it has its first column and row there, and is to be put over one
  * of the same view that shows state `over` or a later one. `state` is the number of what it
  * shows, which rises with every change of that. Rows from the upper edge, little-endian.
- * `milliseconds` is how long it was drawn. With several `eyes` rows, of colours and depths, are
+ * `milliseconds` is how long it was drawn. With several `eyes` rows of colours and depths are
  * those of all of them, one eye after the other; `size` is that of each.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
@@ -823,6 +823,22 @@ export interface NeedleEvents {
 export interface SegmentWork {
   readonly type: "segment_work";
   readonly what: string | null;
+}
+
+/**
+ * Tells of a region that is shown as segment `id` until a person keeps it or not.
+ *
+ * `level` is how wide its range of values is, from `least` to `most`; `usual` is the one
+ * that was found.
+ */
+export interface Grown {
+  readonly type: "grown";
+  readonly id: SegmentId;
+  readonly level: number;
+  readonly usual: number;
+  readonly least: number;
+  readonly most: number;
+  readonly volume_ml: number;
 }
 
 /**
@@ -1112,7 +1128,7 @@ export interface Otsu {
 }
 
 /**
- * Makes a segment of the connected voxels with values like those at `seed`.
+ * Shows a region of the connected voxels with values like those at `seed`: `Grown` answers.
  *
  * `spread` is half of the range of values, in standard deviations around the seed. Passages
  * narrower than `passage` [mm] are not entered, and the segment becomes no larger than
@@ -1124,6 +1140,18 @@ export interface GrowSegment {
   readonly spread: number | null;
   readonly passage: number | null;
   readonly most_ml: number;
+}
+
+/** Shows the region of a narrower or wider range: `Grown` answers, if one is shown. */
+export interface ChangeGrown {
+  readonly type: "change_grown";
+  readonly level: number;
+}
+
+/** Makes the region that is shown a segment, as one step of undo, or shows it no more. */
+export interface EndGrown {
+  readonly type: "end_grown";
+  readonly keeps: boolean;
 }
 
 /**
@@ -1567,6 +1595,7 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | Grown
   | Islands
   | Scissors
   | TableFound
@@ -1589,6 +1618,8 @@ export type FromPage =
   | Threshold
   | Otsu
   | GrowSegment
+  | ChangeGrown
+  | EndGrown
   | GrowSeeds
   | ChangeShape
   | ShowIslands
@@ -1869,7 +1900,7 @@ const isConstants = record({
   young: real({ ge: 1, le: 2000000000000 }),
   poisson: real({ gt: -1, lt: 0.5 }),
   density: real({ ge: 0.1, le: 23000 }),
-  breaking_strain: nullable(real({ gt: 0, le: 1000000 })),
+  fracture_energy: nullable(real({ gt: 0, le: 1000000 })),
   friction: real({ ge: 0, le: 10 }),
 });
 
@@ -2281,6 +2312,16 @@ const isSegmentWork = record({
   what: nullable(text()),
 });
 
+const isGrown = record({
+  type: oneOf("grown"),
+  id: isSegmentId,
+  level: whole({ ge: 0, le: 255 }),
+  usual: whole({ ge: 0, le: 255 }),
+  least: whole({ ge: 0, le: 255 }),
+  most: whole({ ge: 0, le: 255 }),
+  volume_ml: real(),
+});
+
 const isIslands = record({
   type: oneOf("islands"),
   id: isSegmentId,
@@ -2367,6 +2408,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["grown", isGrown],
   ["islands", isIslands],
   ["scissors", isScissors],
   ["table_found", isTableFound],

@@ -382,6 +382,13 @@ function tools({ stage, tool }: ActionTargets): readonly Action[] {
     },
     {
       group,
+      name: "Keep the region that was found",
+      keys: ["Enter"],
+      ready: () => stage.growing.shown !== null,
+      run: () => { stage.growing.end(true); },
+    },
+    {
+      group,
       name: "Cut along the line that was painted",
       keys: ["Enter"],
       ready: () => stage.cutting.ready || stage.scissors.ready,

@@ -18,6 +18,7 @@ import {
   type FromPage,
   type Gap,
   type Hello,
+  type Grown,
   type Islands,
   type MaterialPreset,
   type NeedleEvent,
@@ -95,6 +96,10 @@ export class Session {
   segmentWork = $state.raw<string | null>(null);
   /** The segment of a table that was found, until a person has decided on it. */
   tableFound = $state.raw<number | null>(null);
+  /** A region that was grown, until a person keeps it or not. */
+  grown = $state.raw<Grown | null>(null);
+  /** Whether a region is looked for. */
+  growing = $state(false);
   /** Islands of a segment of which some would go, until a person has decided. */
   islands = $state.raw<Islands | null>(null);
   /** What scissors would cut out, until a person has decided. */
@@ -367,6 +372,9 @@ export class Session {
       case "table_found":
         this.tableFound = message.id;
         break;
+      case "grown":
+        this.grown = message;
+        break;
       case "islands":
         this.islands = message;
         break;
@@ -378,6 +386,7 @@ export class Session {
         break;
       case "segment_work":
         this.segmentWork = message.what;
+        this.growing = this.growing && message.what !== null;
         break;
       case "needle_events":
         this.needleEvents = message.events;
@@ -416,6 +425,8 @@ export class Session {
     this.segmentWork = null;
     this.tableFound = null;
     this.tableSuggested = false;
+    this.grown = null;
+    this.growing = false;
     this.islands = null;
     this.scissors = null;
     // what was asked before is forgotten with the connection that it was asked on

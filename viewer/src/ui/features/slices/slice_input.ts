@@ -1,11 +1,11 @@
 /**
  * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius; with the
  * live wire a click sets a point, a double click or Enter closes it, Backspace takes a point back; a level is painted
- * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or
- * grows a region, right drag sets window and level, middle or
- * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
- * or any move where touch mode leads it so, leads the hand in the plane; with Shift a double click brings the probe
- * there, without it gives the slice the whole picture, or takes it back.
+ * by a click. Where a region is to grow, the left button grows it from there, and dragging on makes it more or less.
+ * Else left drag moves the crosshair, a click says what is there or sets a point of a mark or of a pair, right drag
+ * sets window and level, middle or Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with
+ * Ctrl. Shift + move, or any move where touch mode leads it so, leads the hand in the plane; with Shift a double click
+ * brings the probe there, without it gives the slice the whole picture, or takes it back.
  * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
  */
 import type { Rect } from "../../../core/view/picture_layout";
@@ -14,10 +14,11 @@ import { addScaled, type Vec3 } from "../../../core/geometry/vector";
 import type { HandControl } from "../touch/hand_control.svelte";
 import { clickReach, wheelNotches, wheelPixels } from "../../widgets/mouse";
 import type { BrushControl } from "../segments/brush_control.svelte";
+import type { GrowControl } from "../segments/grow_control.svelte";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
-type Drag = "crosshair" | "window" | "pan" | "paint" | "area";
+type Drag = "crosshair" | "window" | "pan" | "paint" | "area" | "grow";
 
 /** Pixels of the wheel that move the hand by a pixel of the slice. */
 const pixelsPerDepth = 20;
@@ -44,8 +45,8 @@ export interface SliceClicks {
     readonly putCorner: (point: Vec3, axes: SlicePlane) => void;
     readonly showCorner: (point: Vec3) => void;
   } | null;
-  /** Whether a region waits for the point that it grows from. */
-  readonly growing: boolean;
+  /** A region that may wait for the point that it grows from. */
+  readonly growing: Pick<GrowControl, "armed" | "press" | "drag" | "release" | "leave">;
   /** Gives a point to what waits for it; false where nothing does. */
   readonly put: (point: Vec3) => boolean;
   /** Says what is at a point of a slice. */
@@ -168,6 +169,12 @@ export class SliceInput {
       this.setCorner(event);
       this.drag = "area";
       this.began = [event.clientX, event.clientY];
+    } else if (event.button === 0 && this.clicks.growing.armed && !this.clicks.marking) {
+      const point = this.pointAt(event);
+      if (point !== null) {
+        this.drag = "grow";
+        this.clicks.growing.press(point);
+      }
     } else if (event.button === 0 && this.brushes && this.outline === null) {
       const { plane } = this;
       const point = this.pointAt(event);
@@ -203,7 +210,9 @@ export class SliceInput {
       return;
     }
     const corner = this.clicks.area === null ? null : this.pointAt(event);
-    if (corner !== null) {
+    if (this.drag === "grow") {
+      this.clicks.growing.drag(x, y);
+    } else if (corner !== null) {
       this.clicks.area?.showCorner(corner);
     } else if (this.drag === "paint") {
       const point = this.pointAt(event);
@@ -234,6 +243,9 @@ export class SliceInput {
       this.brush.end();
     } else if (this.drag === "area" && this.movedFar(event)) {
       this.setCorner(event);
+    } else if (this.drag === "grow") {
+      if (event.type === "pointerup") this.clicks.growing.release();
+      else this.clicks.growing.leave();
     }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
@@ -257,7 +269,7 @@ export class SliceInput {
     return Math.hypot(clientX - this.began[0], clientY - this.began[1]) >= clickReach;
   }
 
-  /** Says what is there, sets a point of a mark, or grows a region. */
+  /** Says what is there, or sets a point of a mark. */
   private click(event: MouseEvent): void {
     const point = this.pointAt(event);
     if (this.pressed === null || point === null || event.detail > 1) {
@@ -291,7 +303,7 @@ export class SliceInput {
 
   /** Whether the left button paints: what waits for a click comes first. */
   private get brushes(): boolean {
-    return this.brush.ready && !this.clicks.marking && !this.clicks.growing;
+    return this.brush.ready && !this.clicks.marking && !this.clicks.growing.armed;
   }
 
   /** What draws outlines by clicks; null where the left button does something else. */
@@ -355,7 +367,7 @@ export class SliceInput {
   }
 
   private key(event: KeyboardEvent): void {
-    if (isForControl(event)) {
+    if (isForControl(event, "keys")) {
       return;
     }
     const { width, height } = this.pane.getBoundingClientRect();
@@ -394,7 +406,8 @@ export class SliceInput {
   }
 }
 
-/** Whether an event belongs to a control that stands over the slice. */
-function isForControl({ target }: Event): boolean {
-  return target instanceof Element && target.closest("[data-controls]") !== null;
+/** Whether an event belongs to a control that stands over the slice; one may leave the keys to it. */
+function isForControl({ target }: Event, what: "mouse" | "keys" = "mouse"): boolean {
+  const control = target instanceof Element ? target.closest<HTMLElement>("[data-controls]") : null;
+  return control !== null && (what === "mouse" || control.dataset["controls"] !== "mouse");
 }
