@@ -267,7 +267,9 @@ impl Band<'_> {
         let zero = L::Float::splat(0.0);
         let haze = far.or_else(seen.haze.less(zero), zero - seen.haze.div(packet.stretch));
         let is_haze = seen.depth.less(zero);
-        let depths = haze.or_else(is_haze, seen.depth.div(packet.stretch)).store();
+        let depths = haze
+            .or_else(is_haze, seen.depth.div(packet.stretch))
+            .store();
         let codes = seen.segment.store();
         for lane in 0..LANES as u32 {
             let (x, y) = (column + lane % PACKET.0, row + lane / PACKET.0);

@@ -148,7 +148,10 @@ impl<'a, L: Gather> March<'a, L> {
     #[inline(always)]
     fn ended(mut self) -> (Seen<L>, Layers<'a, L>) {
         let is_any = L::Float::splat(0.0).less(self.weight);
-        self.seen.haze = self.weighted.div(self.weight).or_else(is_any, self.seen.haze);
+        self.seen.haze = self
+            .weighted
+            .div(self.weight)
+            .or_else(is_any, self.seen.haze);
         (self.seen, self.layers)
     }
 
