@@ -129,13 +129,13 @@ def test_matter_a_third_of_a_voxel_beside_its_voxels_is_seen_there(
 
 def test_constants_and_regions_are_chosen_and_taken_back(page: Browser) -> None:
     page.do("choose", testid="material-1", value="liver")
-    page.shows("matter-1", "text.includes('1.06 g/cm³, breaks at 34 %, friction 20 %')")
+    page.shows("matter-1", "text.includes('1.06 g/cm³, tears at 164 J/m², friction 20 %')")
     page.do("click", testid="constants-1")
     assert "Roulot" in page.text("source-1")
     page.do("fill", testid="density-1", text="1.2")
     page.shows("source-1", "text.includes('your own')")
-    page.do("fill", testid="breaking_strain-1", text="")
-    page.shows("matter-1", "text.includes('1.2 g/cm³, never breaks')")
+    page.do("fill", testid="fracture_energy-1", text="")
+    page.shows("matter-1", "text.includes('1.2 g/cm³, never tears')")
     # what cannot be is refused beside its field, and the engine is not asked
     page.do("fill", testid="poisson-1", text="0.5")
     assert "0.5 given; allowed: -0.99 to 0.499" in page.text("refused-1")
@@ -143,7 +143,7 @@ def test_constants_and_regions_are_chosen_and_taken_back(page: Browser) -> None:
     for _ in range(2):
         page.do("press", key="Control+z")
     page.shows("source-1", "text.includes('Roulot')")
-    page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %')")
+    page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, tears at 164 J/m²')")
     page.do("click", testid="constants-1")
 
     # all of it hard, told in a line, and taken back
@@ -240,7 +240,7 @@ def test_a_pressed_liver_gives_way_on_the_page_and_comes_back(page: Browser) -> 
     start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
     page.do("choose", testid="material-1", value="liver")
     page.wait(f"{MATTER}.model === 'lattice'")
-    page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %')")
+    page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, tears at 164 J/m²')")
     before = [start[0], start[1] - 6.0, start[2]]
     page.read(f"window.palpate.place({before})")
     page.all_done()

@@ -107,7 +107,8 @@ def test_rates_are_under_diagnostics_and_who_draws_in_the_bar(page: Browser) -> 
 
 
 def test_the_bar_says_what_the_pointer_stands_on_and_what_is_felt(page: Browser) -> None:
-    box = page.read("document.querySelector('[data-testid=canvas]').getBoundingClientRect()")
+    canvas = "document.querySelector('[data-testid=canvas]')"
+    box = page.read(f"{canvas}.getBoundingClientRect().toJSON()")
     page.do("point", x=box["x"] + box["width"] / 2, y=box["y"] + box["height"] / 2)
     page.shows("pointed", "/mm$/.test(text)")
     assert page.text("status-touch") == "off"

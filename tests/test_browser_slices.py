@@ -335,8 +335,13 @@ def test_layouts_have_names_and_are_remembered(opened: Opened) -> None:
     page.do("choose", testid="layout-names", value="slices")
     page.wait("window.palpate.slices.length === 3")
     assert page.read(seen) == "hidden"
-    for name in NAMES:
-        assert opened.plane(name)["height"] > 500
+    # together they have all of it
+    planes = [opened.plane(name) for name in NAMES]
+    canvas = page.read(
+        "(({clientWidth, clientHeight}) => clientWidth * clientHeight)"
+        "(document.querySelector('canvas'))"
+    )
+    assert sum(plane["width"] * plane["height"] for plane in planes) > 0.97 * canvas
     url = page.read("window.location.href")
     page.do("open", url=url, width=1280, height=860)
     page.wait("window.palpate.slices.length === 3")
@@ -345,7 +350,8 @@ def test_layouts_have_names_and_are_remembered(opened: Opened) -> None:
     page.wait("window.palpate.slices.length === 3")
     assert page.read(seen) == "visible"
     large, *small = (opened.plane(name) for name in ("axial", "coronal", "sagittal"))
-    assert all(large["width"] > 2 * pane["width"] for pane in small)
+    sizes = [pane["width"] * pane["height"] for pane in small]
+    assert large["width"] * large["height"] > 3 * max(sizes)
     page.do("choose", testid="layout-names", value="four")
     # what was not seen has kept its view
     np.testing.assert_allclose(page.read("window.palpate.camera.back"), camera["back"], atol=1e-6)
@@ -456,7 +462,8 @@ def test_layout_and_window_are_remembered(opened: Opened) -> None:
 
 
 OVERLAPS = """(() => {
-  const parts = ['.views', '.edge', '.scale', '.read > *', '.name', '.info > *', '.bar',
+  const parts = ['.views', '.edge', '.scale', '.read > *', '.name', '.info > *',
+    '[data-testid^=bar-]',
     'svg[aria-label*=Views]']
   const boxes = parts.flatMap((part) => [...document.querySelectorAll(`.picture ${part}`)].map(
     (each) => [part, each.getBoundingClientRect()]))

@@ -61,7 +61,7 @@ pub fn press_block<'py>(
         young,
         poisson,
         density: 1000.0,
-        breaking_strain: f64::INFINITY,
+        fracture_energy: f64::INFINITY,
         friction: 0.0,
     };
     let block = PressedBlock {

@@ -22,18 +22,18 @@ impl From<MaterialError> for CoreError {
     }
 }
 
-/// Young's modulus [Pa], Poisson's ratio, density [kg/m³], breaking strain, friction.
+/// Young's modulus [Pa], Poisson's ratio, density [kg/m³], fracture energy [J/m²], friction.
 pub type SolidTuple = (f64, f64, f64, f64, f64);
 
 /// An interval of HU with the constants at its ends.
 pub type LinearTuple = ((f64, f64), SolidTuple, SolidTuple);
 
-fn solid((young, poisson, density, breaking_strain, friction): SolidTuple) -> SolidSi {
+fn solid((young, poisson, density, fracture_energy, friction): SolidTuple) -> SolidSi {
     SolidSi {
         young,
         poisson,
         density,
-        breaking_strain,
+        fracture_energy,
         friction,
     }
 }
@@ -121,7 +121,7 @@ fn solid_tuple(solid: Solid) -> SolidTuple {
         si.young,
         si.poisson,
         si.density,
-        si.breaking_strain,
+        si.fracture_energy,
         si.friction,
     )
 }

@@ -22,8 +22,8 @@
  *   {"do": "hold", "key": "x"}                                a key, until the same with "up": true
  *   {"do": "point", "x": …, "y": …}                           the mouse, in pixels of the page
  *   {"do": "clickAt", "testid": …, "x": …, "y": …}            in shares of an element; "doubleClickAt" too
- *   {"do": "wheelOver", "testid": …, "x": …, "y": …}          over an element's middle, 120 is a notch; "times": so often,
- *                                                             "every" so many ms → {"value": ms that it took}
+ *   {"do": "wheelOver", "testid": …, "x": …, "y": …}          over an element's middle, 120 is a notch; "times": so
+ *                                                             often, "every" so many ms → {"value": ms that it took}
  *   {"do": "clickText", "text": …}                            a button by its name
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list

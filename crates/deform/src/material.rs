@@ -26,6 +26,8 @@ const DENSITY_LIMITS: [f64; 2] = [0.1, 23_000.0];
 const MEGAPASCAL: f64 = 1e-6;
 /// kg/mm³ in a kg/m³.
 const PER_CUBIC_MILLIMETRE: f64 = 1e-9;
+/// 1 J/m² in N·mm/mm².
+const JOULE_PER_SQUARE_METRE: f64 = 1e-3;
 
 /// Constants that no matter has.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -39,9 +41,11 @@ pub enum MaterialError {
     /// Density.
     #[error("density {0} kg/m³ given; allowed: {low} to {high} kg/m³", low = DENSITY_LIMITS[0], high = DENSITY_LIMITS[1])]
     Density(f64),
-    /// Strain at which bonds break.
-    #[error("breaking strain {0} given; allowed: above 0, infinity for matter that never breaks")]
-    BreakingStrain(f64),
+    /// Energy that a crack takes.
+    #[error(
+        "fracture energy {0} J/m² given; allowed: above 0, infinity for matter that never tears"
+    )]
+    FractureEnergy(f64),
     /// Friction.
     #[error("friction {0} given; allowed: 0 to 10")]
     Friction(f64),
@@ -70,8 +74,8 @@ pub struct SolidSi {
     pub poisson: f64,
     /// Density ρ [kg/m³].
     pub density: f64,
-    /// Strain at which a bond breaks; infinity where none does.
-    pub breaking_strain: f64,
+    /// Energy that a crack takes for its area [J/m²]; infinity where none opens.
+    pub fracture_energy: f64,
     /// Coulomb friction with a tool.
     pub friction: f64,
 }
@@ -93,8 +97,8 @@ impl SolidSi {
         if !within(self.density, DENSITY_LIMITS) {
             return Err(MaterialError::Density(self.density));
         }
-        if self.breaking_strain.is_nan() || self.breaking_strain <= 0.0 {
-            return Err(MaterialError::BreakingStrain(self.breaking_strain));
+        if self.fracture_energy.is_nan() || self.fracture_energy <= 0.0 {
+            return Err(MaterialError::FractureEnergy(self.fracture_energy));
         }
         if !within(self.friction, [0.0, 10.0]) {
             return Err(MaterialError::Friction(self.friction));
@@ -103,7 +107,7 @@ impl SolidSi {
             young: self.young * MEGAPASCAL,
             poisson: self.poisson,
             density: self.density * PER_CUBIC_MILLIMETRE,
-            breaking_strain: self.breaking_strain,
+            fracture_energy: self.fracture_energy * JOULE_PER_SQUARE_METRE,
             friction: self.friction,
         })
     }
@@ -118,8 +122,8 @@ pub struct Solid {
     pub poisson: f64,
     /// Density ρ [kg/mm³].
     pub density: f64,
-    /// Strain at which a bond breaks; infinity where none does.
-    pub breaking_strain: f64,
+    /// Energy that a crack takes for its area [N·mm/mm²]; infinity where none opens.
+    pub fracture_energy: f64,
     /// Coulomb friction with a tool.
     pub friction: f64,
 }
@@ -132,7 +136,7 @@ impl Solid {
             young: self.young / MEGAPASCAL,
             poisson: self.poisson,
             density: self.density / PER_CUBIC_MILLIMETRE,
-            breaking_strain: self.breaking_strain,
+            fracture_energy: self.fracture_energy / JOULE_PER_SQUARE_METRE,
             friction: self.friction,
         }
     }
@@ -157,7 +161,7 @@ impl Solid {
             young: mix(low.young, high.young),
             poisson: mix(low.poisson, high.poisson),
             density: mix(low.density, high.density),
-            breaking_strain: mix(low.breaking_strain, high.breaking_strain),
+            fracture_energy: mix(low.fracture_energy, high.fracture_energy),
             friction: mix(low.friction, high.friction),
         }
     }
@@ -215,7 +219,7 @@ impl MaterialLaw {
     }
 
     /// E by a power of the apparent density: `coefficient` [Pa at 1 g/cm³], `density` [kg/m³]
-    /// at the ends of the interval of HU; `other` gives ν, breaking strain and friction.
+    /// at the ends of the interval of HU; `other` gives ν, fracture energy and friction.
     ///
     /// # Errors
     /// Where the interval or the law is none, or no matter has the constants at its ends.

@@ -34,7 +34,7 @@ fn body() -> (Voxels, Materials) {
         young: 1e4,
         poisson: 0.4,
         density: 1000.0,
-        breaking_strain: f64::INFINITY,
+        fracture_energy: f64::INFINITY,
         friction: 0.0,
     };
     let materials = Materials {

@@ -34,10 +34,73 @@ fn pull(lattice: &mut Lattice, strain: f64) -> f64 {
     -top.map(|(_, index)| lattice.force(index).z).sum::<f64>()
 }
 
+/// The fracture energy [N·mm/mm²] with which bonds of this length break at a strain.
+fn for_breaking_strain(strain: f64, spacing: f64) -> f64 {
+    4.5 * solid(0.25).shear() * spacing * strain * strain
+}
+
+/// Tears a block of 24 mm off the plate that it stands on, and gives the work for the area [N·mm/mm²].
+fn work_of_tearing(spacing: f64, fracture_energy: f64) -> f64 {
+    let count = (24.0 / spacing) as u32;
+    let size = UVec3::new(count, count, 4);
+    let mut lattice = Lattice::new(size, spacing, Border::Free, |node| {
+        let inside = node.cmpge(glam::IVec3::ZERO).all() && node.cmplt(size.as_ivec3()).all();
+        let fracture_energy = match node.z {
+            0 => fracture_energy,
+            _ => f64::INFINITY,
+        };
+        match inside {
+            true => NodeMaterial::Deformable(Solid {
+                fracture_energy,
+                ..solid(0.25)
+            }),
+            false => NodeMaterial::Empty,
+        }
+    });
+    let layout = *lattice.layout();
+    let ends: Vec<_> = layout.nodes().filter(|(node, _)| node.z % 3 == 0).collect();
+    for (_, index) in &ends {
+        (0..3).for_each(|axis| lattice.hold(*index, axis, true));
+    }
+    let mut inelastic = Inelastic::new(&mut lattice, InelasticSettings::default());
+    let strain = (fracture_energy / (4.5 * solid(0.25).shear() * spacing)).sqrt();
+    let settings = RelaxSettings {
+        tolerance: 1e-4,
+        iterations: 1000,
+        reference: 1e-3,
+    };
+    let mut work = 0.0;
+    for step in 1..=80 {
+        let up = 0.1 * f64::from(step) * strain * spacing;
+        for (_, index) in ends.iter().filter(|(node, _)| node.z == 3) {
+            lattice.set_moved(*index, DVec3::Z * up);
+        }
+        loop {
+            Relaxer::default().relax(&mut lattice, &[], &settings, &|| false);
+            let breaking = inelastic.break_and_yield(&mut lattice, true, |_| false);
+            work += breaking.work;
+            if breaking.count == 0 {
+                break;
+            }
+        }
+    }
+    work / (24.0 * 24.0)
+}
+
+#[test]
+fn a_tear_takes_the_fracture_energy_at_any_spacing() {
+    let wanted = for_breaking_strain(0.1, 2.0);
+    for spacing in [1.0, 2.0, 4.0] {
+        let share = work_of_tearing(spacing, wanted) / wanted;
+        // nodes at the sides of the block have fewer bonds
+        assert!((0.85..1.15).contains(&share), "{spacing} mm: {share}");
+    }
+}
+
 #[test]
 fn bonds_break_at_their_strain_and_their_work_is_what_was_stored_in_them() {
     let brittle = Solid {
-        breaking_strain: 0.05,
+        fracture_energy: for_breaking_strain(0.05, 1.0),
         ..solid(0.25)
     };
     let mut lattice = bar(brittle);

@@ -20,7 +20,7 @@ const LIVER: SolidSi = SolidSi {
     young: 1e6,
     poisson: 0.3,
     density: 1060.0,
-    breaking_strain: f64::INFINITY,
+    fracture_energy: f64::INFINITY,
     friction: 0.2,
 };
 
@@ -184,7 +184,8 @@ fn what_breaks_is_told_as_an_event_and_counted() {
     let materials = made_of(
         id,
         SolidSi {
-            breaking_strain: 0.1,
+            // breaks at a strain of 0.1 on 1 mm
+            fracture_energy: 17.3,
             ..LIVER
         },
         Vec::new(),

@@ -8,7 +8,7 @@ const LIVER: SolidSi = SolidSi {
     young: 5e3,
     poisson: 0.45,
     density: 1060.0,
-    breaking_strain: 0.3,
+    fracture_energy: 164.0,
     friction: 0.2,
 };
 
@@ -23,6 +23,7 @@ fn si_is_taken_to_newtons_and_millimetres_at_the_door() {
         "5 kPa are 0.005 N/mm²"
     );
     assert!((solid.density - 1.06e-6).abs() < ROUNDING, "kg/mm³");
+    assert!((solid.fracture_energy - 0.164).abs() < ROUNDING, "N/mm");
 }
 
 #[test]
@@ -72,10 +73,10 @@ fn impossible_constants_are_refused_with_what_is_allowed() {
         ),
         (
             SolidSi {
-                breaking_strain: 0.0,
+                fracture_energy: 0.0,
                 ..LIVER
             },
-            "breaking",
+            "fracture",
         ),
         (
             SolidSi {

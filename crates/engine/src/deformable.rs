@@ -9,6 +9,7 @@ mod deformation_loop;
 mod displacements;
 mod rigid_regions;
 
+pub use deformable_segments::has_soft_segments;
 pub use deformable_view::{DeformableView, ShownParts};
 pub use deformation::{Deformation, DeformationStatus, ForceSource};
 pub use deformation_loop::{DeformationLoop, WakeUp};

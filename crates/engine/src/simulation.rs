@@ -41,6 +41,7 @@ mod hand_end;
 mod led_hand;
 mod objects;
 mod press;
+mod probe_size;
 mod publish;
 mod recovery;
 mod regions;
@@ -238,6 +239,7 @@ impl Simulation {
     /// One pass: exchanges with the servo and publishes what is shown.
     pub fn step(&mut self) {
         self.touch.exchange(&self.scene);
+        self.follow_probe_radius();
         self.advance_press();
         self.advance_grip();
         self.advance_tool();
@@ -335,7 +337,7 @@ impl Simulation {
         self.stroke.lift();
         self.pull_needle();
         let grid = *self.voxels().grid();
-        let touchable = touchable_of(&self.scene, self.settings.probe_radius);
+        let touchable = touchable_of(&self.scene, self.probe_radius());
         let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
             point,
             reach: PLACEMENT_REACH,
@@ -374,8 +376,9 @@ impl Simulation {
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.report(notice);
         }
-        self.touch.set_radius(self.settings.probe_radius);
-        self.touch.send(ServoCommand::Settings(self.settings));
+        self.touch.set_radius(self.probe_radius());
+        self.touch
+            .send(ServoCommand::Settings(self.touch_settings()));
         Ok(self.settings)
     }
 

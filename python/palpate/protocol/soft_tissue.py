@@ -44,13 +44,13 @@ __all__ = [
 class Constants(msgspec.Struct, frozen=True):
     """Material constants: ``young`` [Pa], ``poisson``, ``density`` [kg/m³], Coulomb ``friction``.
 
-    Bonds break at ``breaking_strain``; null where they never do.
+    A crack takes ``fracture_energy`` [J/m²]; null where tissue never tears.
     """
 
     young: Annotated[float, msgspec.Meta(ge=1.0, le=2e12)]
     poisson: Annotated[float, msgspec.Meta(gt=-1.0, lt=0.5)]
     density: Annotated[float, msgspec.Meta(ge=0.1, le=23_000.0)]
-    breaking_strain: Annotated[float, msgspec.Meta(gt=0.0, le=1e6)] | None
+    fracture_energy: Annotated[float, msgspec.Meta(gt=0.0, le=1e6)] | None
     friction: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)]
 
 

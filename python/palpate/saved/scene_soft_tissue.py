@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import msgspec
 import numpy as np
 
@@ -45,6 +47,8 @@ class SavedSoftTissue(msgspec.Struct, frozen=True, kw_only=True):
     regions: list[_Region] = []
     """Of all segments, for each segment in their order; older files have none."""
     force_source: ForceSource = "matter"
+    tears_by: Literal["strain", "energy"] = "strain"
+    """What the fourth constant of materials is; older files have the strain that bonds bear."""
 
 
 def saved_soft_tissue(session: Session) -> SavedSoftTissue:
@@ -63,6 +67,7 @@ def saved_soft_tissue(session: Session) -> SavedSoftTissue:
         options=model["options"],
         regions=regions,
         force_source=model["force_source"],
+        tears_by="energy",
     )
 
 
@@ -75,7 +80,7 @@ def restore_soft_tissue(session: Session, saved: SavedSoftTissue) -> None:
     for each in saved.materials:
         # what was made of it stays so, whatever is known of the scan's unit by now
         session._soft_tissue.restore_material(  # noqa: SLF001  # a scene restores its session
-            each.segment, _given_material(each), undoable=False
+            each.segment, _given_material(each, saved.tears_by), undoable=False
         )
     for segment_id in {each.segment for each in saved.regions}:
         regions = [
@@ -109,14 +114,19 @@ def _written(constants: tuple[float, ...]) -> _Constants:
     return [number if np.isfinite(number) else None for number in constants]
 
 
-def _given_material(saved: _Material) -> Material | LinearMaterial | str | None:
+def _given_material(saved: _Material, tears_by: str) -> Material | LinearMaterial | str | None:
     if saved.constants is None:
         return saved.preset
-    low = _read(saved.constants)
+    low = _read(saved.constants, tears_by)
     if saved.interval is None or saved.high is None:
         return low
-    return LinearMaterial(saved.interval, low, _read(saved.high))
+    return LinearMaterial(saved.interval, low, _read(saved.high, tears_by))
 
 
-def _read(constants: _Constants) -> Material:
-    return Material(*(np.inf if number is None else number for number in constants))
+def _read(constants: _Constants, tears_by: str) -> Material:
+    read = Material(*(np.inf if number is None else number for number in constants))
+    if tears_by == "energy":
+        return read
+    # bonds of 1 mm that break at that strain take this energy (docs/understand/deformation.md)
+    shear = read.young / (2.0 * (1.0 + read.poisson))
+    return read._replace(fracture_energy=4.5 * shear * 1e-3 * read.fracture_energy**2)

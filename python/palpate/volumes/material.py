@@ -40,8 +40,8 @@ class Material(NamedTuple):
     nearest possible value and reports that."""
     density: float = 1050.0
     """Density [kg/m³], 0.1 to 23000; no model uses it, since tissue is brought to rest."""
-    breaking_strain: float = float("inf")
-    """Strain at which bonds break; infinity for tissue that never breaks."""
+    fracture_energy: float = float("inf")
+    """Energy that a crack takes for its area [J/m²]; infinity for tissue that never tears."""
     friction: float = 0.2
     """Static Coulomb friction with a tool, 0 to 10; kinetic friction is four fifths of it, 2 at
     most."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,8 @@ TOP = 24.0
 """Upper end of the soft block [mm]."""
 DEEP = 1.5
 """How far it is pressed [mm]."""
+BALL = 3.0
+"""Radius of the probe [mm]: soft tissue is pressed by no smaller one."""
 OFFLINE = SessionOptions(real_time=False)
 """Every run of the same session gives the same."""
 GEL = Material(young=2.0e4, poisson=0.45, friction=0.0)
@@ -38,10 +41,11 @@ def scene(unit: str = "HU") -> Scene:
 def pressed(
     material: Material | LinearMaterial | str | None, model: str | None, *, locked: bool = False
 ) -> Recording:
-    path = ScriptedPath((24.3, 24.4, 30.0))
-    path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
-    path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.6)
+    path = ScriptedPath((24.3, 24.4, TOP + BALL + 6.0))
+    path = path.move((24.3, 24.4, TOP + BALL - DEEP), seconds=1.0)
+    path = path.move((24.3, 24.4, TOP + BALL - DEEP), seconds=0.6)
     with Session(scene(), device=path, options=OFFLINE) as session:
+        session.settings(TouchSettings(probe_radius=BALL))
         session.set_material(1, material)
         session.set_deformation(model)
         session.set_locked(1, locked=locked)
@@ -60,6 +64,24 @@ def test_soft_matter_pushes_less_than_hard_matter_and_as_its_stiffness_says() ->
     assert 1.7 < stiffer / soft < 2.05
 
 
+def test_a_point_presses_soft_tissue_as_a_ball_and_hard_tissue_as_a_point() -> None:
+    path = ScriptedPath((24.3, 24.4, TOP + BALL + 2.0))
+    for depth in (2.0, 4.0, 6.0, 8.0):
+        path = path.move((24.3, 24.4, TOP + BALL - depth), seconds=0.1)
+        path = path.move((24.3, 24.4, TOP + BALL - depth), seconds=0.4)
+    with Session(scene(), device=path, options=OFFLINE) as session:
+        assert session.frame()["probe_radius"] == 0.0
+        session.set_material(1, GEL)
+        session.set_deformation("lattice")
+        forces = [session.run(0.5).forces[-1][2] for _ in range(4)]
+        assert session.frame()["probe_radius"] == BALL
+        # a point slipped between the nodes from 4 mm on, and felt nothing any more
+        assert all(4.0 * less > more > 1.2 * less for less, more in pairwise(forces))
+        session.set_deformation(None)
+        session.run(0.1)
+        assert session.frame()["probe_radius"] == 0.0
+
+
 def test_what_is_locked_is_hard() -> None:
     hard = pressed(None, None).forces
     np.testing.assert_allclose(pressed(GEL, "lattice", locked=True).forces, hard, atol=1e-9)
@@ -68,7 +90,7 @@ def test_what_is_locked_is_hard() -> None:
 def test_no_force_comes_before_the_matter_is_touched_and_none_pulls() -> None:
     recording = pressed(GEL, "lattice")
     assert recording.forces[:, 2].min() >= 0.0
-    free = recording.devices[:, 2] > TOP + 2.0
+    free = recording.devices[:, 2] > TOP + BALL + 2.0
     assert free.sum() > 200
     assert not recording.forces[free].any()
 
@@ -416,8 +438,9 @@ def test_springs_to_where_particles_rest_make_them_stiffer() -> None:
 
 def test_layers_calibrations_and_motions_are_felt_in_a_session() -> None:
     def felt(**options: Any) -> float:
-        # deeper, the crystal slips, and each way to rest may end in another one
-        with pressing(deep=0.0) as session:
+        # a ball of 3 mm, 1 mm deep; deeper, the crystal slips, and each way to rest may end in
+        # another one
+        with pressing(deep=-2.0) as session:
             session.set_deformation("fcc-lj", ModelOptions(edge=9, **options))
             session.run(1.55)
             now = session.deformation()
@@ -472,7 +495,7 @@ def test_segments_say_what_they_are_made_of() -> None:
         assert own is not None
         assert own.preset is None
         assert own.low == own.high
-        assert (own.low.poisson, own.low.breaking_strain) == (0.3, None)
+        assert (own.low.poisson, own.low.fracture_energy) == (0.3, None)
         session.set_material(1, wanted_material(protocol.SetMaterial(1, None, None, undoable=True)))
         assert material_of(session.segments()[0]) is None
         # each of them is a step of undo; what a page asks for by itself is none

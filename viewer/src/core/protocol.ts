@@ -178,13 +178,13 @@ export interface Feel {
 /**
  * Material constants: `young` [Pa], `poisson`, `density` [kg/m³], Coulomb `friction`.
  *
- * Bonds break at `breaking_strain`; null where they never do.
+ * Bonds break at `fracture_energy`; null where they never do.
  */
 export interface Constants {
   readonly young: number;
   readonly poisson: number;
   readonly density: number;
-  readonly breaking_strain: number | null;
+  readonly fracture_energy: number | null;
   readonly friction: number;
 }
 
@@ -1900,7 +1900,7 @@ const isConstants = record({
   young: real({ ge: 1, le: 2000000000000 }),
   poisson: real({ gt: -1, lt: 0.5 }),
   density: real({ ge: 0.1, le: 23000 }),
-  breaking_strain: nullable(real({ gt: 0, le: 1000000 })),
+  fracture_energy: nullable(real({ gt: 0, le: 1000000 })),
   friction: real({ ge: 0, le: 10 }),
 });
 

@@ -169,7 +169,7 @@ fn solid(poisson: f64, ratio: f64) -> Result<Solid, MaterialError> {
         young: ratio * YOUNG,
         poisson,
         density: 1000.0,
-        breaking_strain: f64::INFINITY,
+        fracture_energy: f64::INFINITY,
         friction: 0.0,
     };
     si.checked()

@@ -88,7 +88,7 @@ mod tests {
             young,
             poisson,
             density: 1000.0,
-            breaking_strain: 0.5,
+            fracture_energy: f64::INFINITY,
             friction: 0.0,
         };
         si.checked().expect("matter")

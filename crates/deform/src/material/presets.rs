@@ -44,100 +44,106 @@ const fn solid(
     young: f64,
     poisson: f64,
     density: f64,
-    breaking_strain: f64,
+    fracture_energy: f64,
     friction: f64,
 ) -> SolidSi {
     SolidSi {
         young,
         poisson,
         density,
-        breaking_strain,
+        fracture_energy,
         friction,
     }
 }
+
+/// Fracture energies that several presets share [J/m²].
+const LIVER: f64 = 164.0;
+const CORTICAL: f64 = 1000.0;
 
 /// All presets.
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "thesis-bone",
-        source: "thesis 5.28.3; breaking strain: Reilly & Burstein, J. Biomech. 8 (1975), as cited",
+        source: "thesis 5.28.3; fracture energy: that of cortical bone",
         law: || {
             MaterialLaw::linear(
                 [700.0, 3000.0],
-                solid(5e9, 0.30, 920.0, 0.02, 0.3),
-                solid(21e9, 0.32, 1900.0, 0.02, 0.3),
+                solid(5e9, 0.30, 920.0, CORTICAL, 0.3),
+                solid(21e9, 0.32, 1900.0, CORTICAL, 0.3),
             )
         },
     },
     Preset {
         name: "thesis-soft-tissue",
-        source: "thesis 5.28.3; breaking strain: that of liver",
+        source: "thesis 5.28.3; fracture energy: that of liver",
         law: || {
             MaterialLaw::linear(
                 [10.0, 60.0],
-                solid(3.4e4, 0.47, 1100.0, 0.34, 0.2),
-                solid(3.5e4, 0.48, 1200.0, 0.34, 0.2),
+                solid(3.4e4, 0.47, 1100.0, LIVER, 0.2),
+                solid(3.5e4, 0.48, 1200.0, LIVER, 0.2),
             )
         },
     },
     Preset {
         name: "liver",
-        source: "E: Roulot et al., J. Hepatol. 48 (2008), 5.49 ± 1.59 kPa in healthy people; breaking \
-                 strain: Kemper et al., Ann. Adv. Automot. Med. 54 (2010), slow tension, as cited",
-        law: || MaterialLaw::constant(solid(5.5e3, 0.45, 1060.0, 0.34, 0.2)),
+        source: "E: Roulot et al., J. Hepatol. 48 (2008), 5.49 ± 1.59 kPa in healthy people; fracture \
+                 energy: Gokgol et al., Med. Eng. Phys. 34 (2012), 164 ± 6 J/m², needles in bovine liver",
+        law: || MaterialLaw::constant(solid(5.5e3, 0.45, 1060.0, LIVER, 0.2)),
     },
     Preset {
         name: "skin",
         source: "E: Agache et al., Arch. Dermatol. Res. 269 (1980), 0.42 MPa in the young as cited, \
-                 doubled with age by its abstract; breaking strain: Ní Annaidh et al., J. Mech. \
-                 Behav. Biomed. Mater. 5 (2012), 0.54 ± 0.17",
-        law: || MaterialLaw::constant(solid(4.2e5, 0.45, 1090.0, 0.54, 0.4)),
+                 doubled with age by its abstract; fracture energy: 1.1 kJ/m² by needles, 1.7 to \
+                 30 kJ/m² by scissors and tears, in the table of Chin. J. Mech. Eng. 35 (2022) 96",
+        law: || MaterialLaw::constant(solid(4.2e5, 0.45, 1090.0, 2500.0, 0.4)),
     },
     Preset {
         name: "fat",
         source: "E: Comley & Fleck, Int. J. Solids Struct. 47 (2010), 1 to 3 kPa as cited; a shear \
                  modulus of 0.75 kPa by elastography (abstract of J. Mech. Behav. Biomed. Mater., \
-                 2023, strain-dependent shear properties of adipose tissue) agrees; breaking \
-                 strain: assumed",
-        law: || MaterialLaw::constant(solid(2.0e3, 0.45, 950.0, 0.5, 0.2)),
+                 2023, strain-dependent shear properties of adipose tissue) agrees; fracture \
+                 energy: 4.1 kJ/m² in tears, in the table of Chin. J. Mech. Eng. 35 (2022) 96",
+        law: || MaterialLaw::constant(solid(2.0e3, 0.45, 950.0, 4100.0, 0.2)),
     },
     Preset {
         name: "muscle",
         source: "E: Gennisson et al., Ultrasound Med. Biol. 36 (2010), at rest across the fibres \
-                 (shear modulus about 4 kPa), as cited; breaking strain: assumed",
-        law: || MaterialLaw::constant(solid(1.2e4, 0.45, 1050.0, 0.5, 0.2)),
+                 (shear modulus about 4 kPa), as cited; fracture energy: 0.55 to 8 kJ/m² in the \
+                 table of Chin. J. Mech. Eng. 35 (2022) 96, their middle",
+        law: || MaterialLaw::constant(solid(1.2e4, 0.45, 1050.0, 2000.0, 0.2)),
     },
     Preset {
         name: "cartilage",
         source: "E and ν: Athanasiou et al., J. Orthop. Res. 9 (1991), in equilibrium (human knee), \
-                 as cited; breaking strain: Kempson, Adult Articular Cartilage (1979), as cited",
-        law: || MaterialLaw::constant(solid(6.0e5, 0.25, 1100.0, 0.3, 0.02)),
+                 as cited; fracture energy: 0.14 to 1.2 kJ/m², Chin-Purcell & Lewis, J. Biomech. \
+                 Eng. 118 (1996), as cited",
+        law: || MaterialLaw::constant(solid(6.0e5, 0.25, 1100.0, 500.0, 0.02)),
     },
     Preset {
         name: "brain",
         source: "E: Budday et al., J. Mech. Behav. Biomed. Mater. 46 (2015), indentation of white \
-                 and grey matter, 1.4 to 1.9 kPa, as cited; breaking strain: assumed",
-        law: || MaterialLaw::constant(solid(1.7e3, 0.45, 1040.0, 0.5, 0.1)),
+                 and grey matter, 1.4 to 1.9 kPa, as cited; fracture energy: assumed",
+        law: || MaterialLaw::constant(solid(1.7e3, 0.45, 1040.0, 10.0, 0.1)),
     },
     Preset {
         name: "cortical-bone",
-        source: "E: Rho et al., J. Biomech. 26 (1993), 18.6 GPa in tension, as cited; breaking \
-                 strain: Reilly & Burstein, J. Biomech. 8 (1975), as cited",
-        law: || MaterialLaw::constant(solid(18.6e9, 0.30, 1900.0, 0.02, 0.3)),
+        source: "E: Rho et al., J. Biomech. 26 (1993), 18.6 GPa in tension, as cited; fracture \
+                 energy: 0.82 to 1.15 kJ/m² by the abstract of ESDA2004, p. 527 (ASME, 2004)",
+        law: || MaterialLaw::constant(solid(18.6e9, 0.30, 1900.0, CORTICAL, 0.3)),
     },
     Preset {
         name: "trabecular-bone",
         source: "E = 6.85 GPa · ρ^1.49, femoral neck: Morgan et al., J. Biomech. 36 (2003), as cited; \
                  powers of 1.49 to 2.18 by its abstract; density 0.1 to 1.2 g/cm³ over 0 to 1000 \
-                 HU: Rho et al., Med. Eng. Phys. 17 (1995), rounded, as cited; breaking strain: \
-                 yield of Bayraktar et al., J. Biomech. 37 (2004), doubled, as cited",
+                 HU: Rho et al., Med. Eng. Phys. 17 (1995), rounded, as cited; fracture \
+                 energy: assumed",
         law: || {
             MaterialLaw::power(
                 [0.0, 1000.0],
                 [100.0, 1200.0],
                 6.85e9,
                 1.49,
-                solid(1e9, 0.30, 1000.0, 0.015, 0.3),
+                solid(1e9, 0.30, 1000.0, 300.0, 0.3),
             )
         },
     },

@@ -19,7 +19,7 @@ pub const LIVER: SolidSi = SolidSi {
     young: 1e6,
     poisson: 0.3,
     density: 1060.0,
-    breaking_strain: f64::INFINITY,
+    fracture_energy: f64::INFINITY,
     friction: 0.0,
 };
 /// Upper face of the block [mm].

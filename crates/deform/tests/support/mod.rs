@@ -11,7 +11,7 @@ pub fn solid(poisson: f64) -> Solid {
         young: 1e6,
         poisson,
         density: 1000.0,
-        breaking_strain: f64::INFINITY,
+        fracture_energy: f64::INFINITY,
         friction: 0.0,
     };
     si.checked().expect("a solid")

@@ -96,6 +96,12 @@ impl DeformableSegments {
     }
 }
 
+/// Whether anything is deformable.
+#[must_use]
+pub fn has_soft_segments(scene: &Scene) -> bool {
+    matter_in(scene).any(|(_, _, law)| law.is_some())
+}
+
 /// Deformable segments within `reach` [mm] of a place.
 #[must_use]
 pub fn soft_segments(scene: &Scene, place: DVec3, reach: f64) -> SegmentSet {

@@ -76,6 +76,12 @@ pub struct ToolStroke {
 }
 
 impl ToolStroke {
+    /// Whether a tool is in the hand, at work or not.
+    #[must_use]
+    pub fn has_tool(&self) -> bool {
+        self.settings.is_some()
+    }
+
     /// Chooses a tool, or none.
     pub fn set_tool(&mut self, settings: Option<ToolSettings>) {
         self.settings = settings;

@@ -142,6 +142,12 @@ impl TouchSender {
         self.lock_tape().is_full()
     }
 
+    /// The radius that the probe is to have [mm].
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Tells the radius that the probe is to have [mm], which must have been checked; roots are
     /// made for it. The servo comes there by itself.
     pub fn set_radius(&mut self, radius: f64) {

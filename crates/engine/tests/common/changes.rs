@@ -70,7 +70,7 @@ pub fn change_something(rig: &mut Rig, ids: &[SegmentId; 2], random: &mut Random
                 young: 1e6,
                 poisson: 0.3,
                 density: 1000.0,
-                breaking_strain: f64::INFINITY,
+                fracture_energy: f64::INFINITY,
                 friction: random.share(),
             };
             let law = MaterialLaw::constant(solid).ok();

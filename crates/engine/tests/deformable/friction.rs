@@ -17,7 +17,7 @@ fn rough(friction: f64) -> Option<MaterialLaw> {
         young: 2e4,
         poisson: 0.45,
         density: 1050.0,
-        breaking_strain: f64::INFINITY,
+        fracture_energy: f64::INFINITY,
         friction,
     };
     MaterialLaw::constant(gel).ok()

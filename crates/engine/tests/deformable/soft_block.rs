@@ -23,7 +23,7 @@ pub fn lattice_rig() -> Rig {
         young: 2e4,
         poisson: 0.45,
         density: 1050.0,
-        breaking_strain: f64::INFINITY,
+        fracture_energy: f64::INFINITY,
         friction: 0.0,
     };
     let law = MaterialLaw::constant(gel).unwrap();

@@ -159,8 +159,8 @@ def wanted_material(wanted: protocol.SetMaterial) -> Material | str | None:
     if wanted.preset is not None or wanted.constants is None:
         return wanted.preset
     constants = msgspec.structs.asdict(wanted.constants)
-    breaking = constants.pop("breaking_strain")
-    return Material(**constants, breaking_strain=math.inf if breaking is None else breaking)
+    breaking = constants.pop("fracture_energy")
+    return Material(**constants, fracture_energy=math.inf if breaking is None else breaking)
 
 
 def regions_of(regions: Iterable[Region]) -> list[protocol.MatterRegion]:
@@ -180,11 +180,11 @@ def _wanted_regions(wanted: protocol.SetRegions) -> list[Region]:
 
 
 def _constants(material: Material) -> protocol.Constants:
-    breaking = material.breaking_strain
+    breaking = material.fracture_energy
     return protocol.Constants(
         young=material.young,
         poisson=material.poisson,
         density=material.density,
-        breaking_strain=breaking if math.isfinite(breaking) else None,
+        fracture_energy=breaking if math.isfinite(breaking) else None,
         friction=material.friction,
     )

@@ -10,7 +10,7 @@ CONSTANTS = {
     "young": 7000.0,
     "poisson": 0.3,
     "density": 1200.0,
-    "breaking_strain": None,
+    "fracture_energy": None,
     "friction": 0.35,
 }
 
@@ -51,7 +51,7 @@ def test_all_constants_of_a_material_reach_all_pages_and_are_undone(server: Any)
     [
         ({"young": 0.0}, "Expected `float` >= 1.0 - at `$.constants.young`"),
         ({"poisson": 0.5}, "Expected `float` < 0.5 - at `$.constants.poisson`"),
-        ({"breaking_strain": 0.0}, "Expected `float` > 0.0 - at `$.constants.breaking_strain`"),
+        ({"fracture_energy": 0.0}, "Expected `float` > 0.0 - at `$.constants.fracture_energy`"),
         ({"friction": -0.1}, "Expected `float` >= 0.0 - at `$.constants.friction`"),
     ],
 )

@@ -14,9 +14,9 @@ export interface WindowPreset extends WindowLevel {
 }
 
 /**
- * Windows of CT in HU, in the order of their keys 1 to 9. Abdomen, lung, bone and brain are those of 3D Slicer's Volumes
- * module; soft tissue, liver, mediastinum and temporal bone those of Radiopaedia (Murphy, "Windowing (CT)", rID 52108);
- * that of angiography is usual in archives.
+ * Windows of CT in HU, in the order of their keys 1 to 9. Abdomen, lung, bone and brain are those of 3D Slicer's
+ * Volumes module; soft tissue, liver, mediastinum and temporal bone those of Radiopaedia (Murphy, "Windowing (CT)",
+ * rID 52108); that of angiography is usual in archives.
  */
 export const windowPresets: readonly WindowPreset[] = [
   { name: "Abdomen", window: 350, level: 40 },

@@ -1,6 +1,6 @@
 /**
- * Ellipses and rectangles in a plane: regions of interest. Each is held by three points: its middle, and the ends of two
- * half axes at right angles.
+ * Ellipses and rectangles in a plane: regions of interest. Each is held by three points: its middle, and the ends of
+ * two half axes at right angles.
  *
  * Frame: scene, LPS [mm].
  */
@@ -24,7 +24,7 @@ export function isArea(kind: string): kind is AreaKind {
   return areaKinds.some((each) => each === kind);
 }
 
-/** The points of the area between two opposite corners; null where there is none. The second is taken in the first's plane. */
+/** The points of the area between two opposite corners, in the plane of the first; null where there is none. */
 export function areaBetween(corner: Vec3, opposite: Vec3, { right, up }: AreaAxes): readonly Vec3[] | null {
   const across = subtract(opposite, corner);
   const [x, y] = [dot(across, right) / 2, dot(across, up) / 2];

@@ -22,7 +22,10 @@ export interface ValueScale {
   readonly span: number;
 }
 
-export function valueScale(scan: { readonly unit: string; readonly range: readonly [number, number] } | null): ValueScale {
+/** Of a scan; of none before there is one. */
+export function valueScale(
+  scan: { readonly unit: string; readonly range: readonly [number, number] } | null,
+): ValueScale {
   return scan === null
     ? { unit: "", span: 1 }
     : { unit: scan.unit, span: scan.range[1] - scan.range[0] };

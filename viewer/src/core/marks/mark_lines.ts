@@ -49,5 +49,43 @@ export function labelPlace(kind: MarkKind, places: readonly MarkPlace[]): MarkPl
   if (second === undefined || kind === "point") {
     return first;
   }
-  return kind === "angle" || isArea(kind) ? second : { x: (first.x + second.x) / 2, y: (first.y + second.y) / 2, before: 0 };
+  if (kind === "angle" || isArea(kind)) {
+    return second;
+  }
+  return { x: (first.x + second.x) / 2, y: (first.y + second.y) / 2, before: 0 };
+}
+
+/** Of a label's lines, and about a letter [CSS pixels]. */
+export const labelLine = 15;
+const letterWidth = 8;
+/** What stands in the corners of a slice: its name, the read-out, what it shows, the scale. Sizes [CSS pixels]. */
+const corners = [
+  { left: true, top: true, width: 96, height: 30 },
+  { left: false, top: true, width: 210, height: 44, narrow: { width: 120, height: 78 } },
+  { left: true, top: false, width: 190, height: 60, narrow: { width: 160, height: 82 } },
+  { left: false, top: false, width: 130, height: 40 },
+] as const;
+/** Up to this width a pane is narrow. */
+const narrowPane = 420;
+
+/** Where a label of some lines goes so that it stands on nothing that tells of the slice; its first baseline. */
+export function clearOfCorners(
+  place: { readonly x: number; readonly y: number },
+  lines: readonly string[],
+  pane: Viewport,
+): { readonly x: number; readonly y: number } {
+  const width = letterWidth * Math.max(...lines.map(({ length }) => length));
+  const below = labelLine * (lines.length - 1) + 4;
+  const x = Math.max(4, Math.min(place.x, pane.width - width - 4));
+  let y = Math.max(labelLine, Math.min(place.y, pane.height - below));
+  for (const corner of corners) {
+    const { width: wide, height: tall } = pane.width <= narrowPane && "narrow" in corner ? corner.narrow : corner;
+    const beside = corner.left ? x >= wide : x + width <= pane.width - wide;
+    if (!beside && corner.top && y - labelLine < tall) {
+      y = tall + labelLine;
+    } else if (!beside && !corner.top && y + below > pane.height - tall) {
+      y = pane.height - tall - below;
+    }
+  }
+  return { x, y };
 }

@@ -25,7 +25,14 @@ export interface Mark {
 }
 
 /** Points that make a mark whole. */
-export const pointsOf: Readonly<Record<MarkKind, number>> = { point: 1, distance: 2, angle: 3, path: 2, ellipse: 3, rectangle: 3 };
+export const pointsOf: Readonly<Record<MarkKind, number>> = {
+  point: 1,
+  distance: 2,
+  angle: 3,
+  path: 2,
+  ellipse: 3,
+  rectangle: 3,
+};
 
 const kindNames: Readonly<Record<MarkKind, string>> = {
   point: "Point",
@@ -92,7 +99,7 @@ export function lineOf({ kind, points }: Pick<Mark, "kind" | "points">): readonl
   return [...outline, ...outline.slice(0, 1)];
 }
 
-/** What a mark measures: a length [mm], an angle [rad], an area [mm²], nothing of a point or while points are missing. */
+/** What it measures: a length [mm], an angle [rad], an area [mm²]; nothing of a point or while points are missing. */
 export function measured({ kind, points }: Pick<Mark, "kind" | "points">): number | null {
   const [first, second, third] = points;
   if ((kind === "distance" || kind === "path") && first !== undefined && second !== undefined) {

@@ -10,8 +10,8 @@ import { areaOutline, isArea } from "./area";
 import { formatMeasured, type Mark } from "./measure";
 import type { Vec3 } from "../geometry/vector";
 
-const schema =
-  "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
+const schemas = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema";
+const schema = `${schemas}/markups-schema-v1.0.3.json#`;
 
 type MarkupType = "Fiducial" | "Line" | "Angle" | "ClosedCurve";
 

@@ -76,7 +76,7 @@ const describedAs: Readonly<Record<keyof Constants, (range: string) => string>> 
   young: (range) => range,
   poisson: (range) => `ν ${range}`,
   density: (range) => range,
-  breaking_strain: (range) => (range === "never" ? "never breaks" : `breaks at ${range}`),
+  fracture_energy: (range) => (range === "never" ? "never tears" : `tears at ${range}`),
   friction: (range) => `friction ${range}`,
 };
 

@@ -58,15 +58,13 @@ export const writtenConstants: readonly WrittenConstant[] = [
     none: null,
   },
   {
-    key: "breaking_strain",
-    label: "Breaks at",
-    title:
-      "Breaking strain: how much longer than at first a bond of the lattice becomes before it breaks; without a " +
-      "number none does",
-    unit: "%",
-    scale: 0.01,
-    min: 0.1,
-    max: 10_000,
+    key: "fracture_energy",
+    label: "Fracture energy",
+    title: "The energy that a tear takes for its area; without a number the tissue never tears",
+    unit: "J/m²",
+    scale: 1,
+    min: 0.01,
+    max: 1e6,
     none: "never",
   },
   {
@@ -88,7 +86,7 @@ export const customTissue: Constants = {
   young: 12_000,
   poisson: 0.45,
   density: 1050,
-  breaking_strain: null,
+  fracture_energy: null,
   friction: 0.2,
 };
 

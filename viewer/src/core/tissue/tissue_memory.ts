@@ -133,14 +133,14 @@ function isRegion(value: unknown): value is RememberedRegion {
 }
 
 function isConstants(value: unknown): value is Constants {
-  const { young, poisson, density, breaking_strain, friction } = asMap(value);
+  const { young, poisson, density, fracture_energy, friction } = asMap(value);
   const within = (number: unknown, low: number, high: number): boolean =>
     typeof number === "number" && number >= low && number <= high;
   return (
     within(young, 1, 2e12) &&
     within(poisson, -0.999, 0.4999) &&
     within(density, 0.1, 23_000) &&
-    (breaking_strain === null || within(breaking_strain, 1e-9, 1e6)) &&
+    (fracture_energy === null || within(fracture_energy, 1e-9, 1e6)) &&
     within(friction, 0, 10)
   );
 }

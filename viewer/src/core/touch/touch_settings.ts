@@ -66,9 +66,16 @@ export function larger(radius: number, steps: number): number {
 /** Shorter than what the controls show [mm]. */
 const noDifference = 0.05;
 
-/** What to say of a radius that is smaller than the one asked for; none where it is not. */
-export function heldRadiusNote(asked: number, admitted: number): string | null {
-  return asked - admitted < noDifference ? null : `held at ${formatFixed(admitted, 1, "mm")}: no room here`;
+/**
+ * What to say of a radius that is not the one asked for; none where it is.
+ * @param soft whether soft tissue is pressed, which needs a ball at least as large as a small fingertip.
+ */
+export function heldRadiusNote(asked: number, admitted: number, soft: boolean): string | null {
+  const size = formatFixed(admitted, 1, "mm");
+  if (asked - admitted >= noDifference) {
+    return `held at ${size}: no room here`;
+  }
+  return soft && admitted - asked >= noDifference ? `${size}, to press soft tissue` : null;
 }
 
 export interface ModelChoice {

@@ -5,8 +5,8 @@ import type { SliceName } from "../slices/slice_plane";
 
 export const layouts = ["view", "slice", "four", "big", "slices"] as const;
 /**
- * The 3-D view alone, beside one slice, or among three; one slice large with the others and the 3-D view beside it; three
- * slices without the 3-D view.
+ * The 3-D view alone, beside one slice, or among three; one slice large with the others and the 3-D view beside it;
+ * three slices without the 3-D view.
  */
 export type Layout = (typeof layouts)[number];
 

@@ -78,7 +78,8 @@ test("the table has the values of areas in columns of their own", () => {
   const [head, , , lesion] = marksTable(marks, true, "HU", () => values).split("\r\n").map((row) => row.split(","));
   const cell = (name: string): string | undefined => lesion?.[head?.indexOf(name) ?? -1];
   expect([cell("value"), cell("unit")]).toEqual(["471.24", "mm2"]);
-  expect(["mean (HU)", "SD (HU)", "min (HU)", "max (HU)", "voxels"].map(cell)).toEqual(["40.25", "3.5", "-20", "90", "12"]);
+  const names = ["mean (HU)", "SD (HU)", "min (HU)", "max (HU)", "voxels"];
+  expect(names.map(cell)).toEqual(["40.25", "3.5", "-20", "90", "12"]);
 });
 
 test("3D Slicer reads points as one list, lines, and areas as closed curves, all in LPS mm", () => {
@@ -109,5 +110,6 @@ test("3D Slicer reads points as one list, lines, and areas as closed curves, all
   // the polygon through its points has nearly the area of the ellipse
   const around = markups[2]?.controlPoints.map(({ position }) => position) ?? [];
   expect(around.length).toBeGreaterThan(30);
-  expect(markups.flatMap(({ controlPoints }) => controlPoints).every((each) => each.positionStatus === "defined")).toBe(true);
+  const all = markups.flatMap(({ controlPoints }) => controlPoints);
+  expect(all.every((each) => each.positionStatus === "defined")).toBe(true);
 });

@@ -1,6 +1,6 @@
 /** Marks: what they measure, and that nothing that was kept can break them. */
 import { expect, test } from "vitest";
-import { labelPlace, placesOnSlice, strengthOf } from "../../../src/core/marks/mark_lines";
+import { clearOfCorners, labelPlace, placesOnSlice, strengthOf } from "../../../src/core/marks/mark_lines";
 import {
   angleAt,
   changedMark,
@@ -102,4 +102,21 @@ test("a slice shows marks that it meets, those beside it faintly, and others not
   expect(beside).toBeGreaterThan(0.1);
   expect(beside).toBeLessThan(0.9);
   expect(strengthOf(places([[0, 0, 40], [10, 0, 90]]))).toBe(0);
+});
+
+const paneSizes = [[400, 330], [800, 600], [213, 314]] as const;
+
+test.each(paneSizes)("in a pane of %d × %d labels leave its corners clear", (width, height) => {
+  const lines = ["471 mm²", "mean 40.3 ± 3.5 HU", "−20 to 90 HU"];
+  const pane = { width, height };
+  for (let x = 0; x <= width; x += 20) {
+    for (let y = 0; y <= height; y += 20) {
+      const label = clearOfCorners({ x, y }, lines, pane);
+      // no letter outside, nor where name and read-out stand or what the slice is
+      expect(label.x).toBeGreaterThanOrEqual(4);
+      expect(label.y - 15).toBeGreaterThanOrEqual(label.x < 96 ? 29 : 0);
+      expect(label.y + 30).toBeLessThanOrEqual(label.x < 130 ? height - 60 : height);
+    }
+  }
+  expect(clearOfCorners({ x: width / 2, y: height / 2 }, ["47.1°"], pane)).toEqual({ x: width / 2, y: height / 2 });
 });

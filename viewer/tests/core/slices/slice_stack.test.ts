@@ -16,7 +16,8 @@ function scanAt(angle: number, mirrored = false) {
     rotateAbout(edge, [0.6, 0, 0.8], angle),
   );
   const rows = [0, 1, 2].flatMap((row) => [...edges.map((edge) => edge[row as 0 | 1 | 2]), [7, -3, 40][row] ?? 0]);
-  return frameOf({ dimensions: [20, 30, 11], patient_from_grid: [...rows, 0, 0, 0, 1], slope: 1, intercept: 0 } as unknown as Scan);
+  const patient_from_grid = [...rows, 0, 0, 0, 1];
+  return frameOf({ dimensions: [20, 30, 11], patient_from_grid, slope: 1, intercept: 0 } as unknown as Scan);
 }
 
 describe.each([0, 0.2])("of a scan turned by %d", (angle) => {

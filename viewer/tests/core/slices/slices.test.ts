@@ -1,7 +1,13 @@
 import { describe, expect, it } from "vitest";
 import { layouts, panesOf, type Rect } from "../../../src/core/view/picture_layout";
 import { circleOnSlice } from "../../../src/core/slices/slice_marks";
-import { draggedWindow, firstWindow, namedWindow, windowPresets, windowsFor } from "../../../src/core/appearance/window_level";
+import {
+  draggedWindow,
+  firstWindow,
+  namedWindow,
+  windowPresets,
+  windowsFor,
+} from "../../../src/core/appearance/window_level";
 
 describe("panes", () => {
   it.each(layouts)("of layout %s stand side by side inside the picture", (layout) => {

@@ -17,7 +17,7 @@ import type { Constants, DeformationModel, Displaced, MaterialPreset, MatterPart
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
 const yields = { least: 0.005, most: 0.5 };
 
-const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
+const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2 };
 const hard: Constants = { ...soft, young: 21e9, poisson: 0.32 };
 const presets: readonly MaterialPreset[] = [
   { name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft },
@@ -54,14 +54,14 @@ test("moduli are written with three digits and the unit that fits", () => {
 test("a material that follows HU is told from one end to the other and has no constants to change", () => {
   const [liver, bone] = presets.map((preset) => ({ ...preset, preset: preset.name }));
   expect(liver && describeMaterial(liver)).toBe(
-    "5.50\u202fkPa, ν 0.45, 1.06\u202fg/cm³, breaks at 34\u202f%, friction 20\u202f%",
+    "5.50\u202fkPa, ν 0.45, 1.06\u202fg/cm³, tears at 164\u202fJ/m², friction 20\u202f%",
   );
   expect(bone && describeMaterial(bone)).toBe(
-    "5.00\u202fGPa to 21.0\u202fGPa, ν 0.3 to 0.32, 1.06\u202fg/cm³, breaks at 34\u202f%, friction 20\u202f%",
+    "5.00\u202fGPa to 21.0\u202fGPa, ν 0.3 to 0.32, 1.06\u202fg/cm³, tears at 164\u202fJ/m², friction 20\u202f%",
   );
   expect(
-    describeMaterial({ low: { ...soft, breaking_strain: null }, high: { ...soft, breaking_strain: null } }),
-  ).toContain("never breaks");
+    describeMaterial({ low: { ...soft, fracture_energy: null }, high: { ...soft, fracture_energy: null } }),
+  ).toContain("never tears");
   expect(presets.map(presetTitle)).toEqual(["Liver", "Thesis bone (by HU)"]);
   expect(liver && constantsOf(liver)).toEqual(soft);
   expect(bone && constantsOf(bone)).toBeNull();

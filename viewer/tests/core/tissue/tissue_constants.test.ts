@@ -2,8 +2,8 @@ import { expect, test } from "vitest";
 import { described, customTissue, typed, writtenConstants, written } from "../../../src/core/tissue/tissue_constants";
 import type { Constants } from "../../../src/core/protocol";
 
-const liver: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
-const bone: Constants = { young: 18.6e9, poisson: 0.3, density: 1900, breaking_strain: null, friction: 0.3 };
+const liver: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2 };
+const bone: Constants = { young: 18.6e9, poisson: 0.3, density: 1900, fracture_energy: null, friction: 0.3 };
 
 function of(key: keyof Constants): (typeof writtenConstants)[number] {
   const found = writtenConstants.find((each) => each.key === key);
@@ -13,7 +13,7 @@ function of(key: keyof Constants): (typeof writtenConstants)[number] {
 
 test("each constant is written in its unit, and read back as it was", () => {
   const fields = writtenConstants.map((each) => written(each, liver));
-  expect(fields).toEqual(["5.5", "0.45", "1.06", "34", "20"]);
+  expect(fields).toEqual(["5.5", "0.45", "1.06", "164", "20"]);
   expect(writtenConstants.map((each) => described(each, bone))).toEqual([
     "18\u2009600\u2009000\u202fkPa",
     "0.3",
@@ -34,14 +34,14 @@ test.each([
   ["young", "0", "Modulus E: it cannot be 0. Enter 0.001 to 2\u2009000\u2009000\u2009000\u202fkPa."],
   ["poisson", "0.5", "Poisson's ν: it cannot be 0.5. Enter −0.99 to 0.499."],
   ["density", "", "Density ρ: no number was entered. Enter 0.0001 to 23\u202fg/cm³."],
-  ["breaking_strain", "-3", "Breaks at: it cannot be -3. Enter 0.1 to 10\u2009000\u202f%, or nothing for never."],
+  ["fracture_energy", "-3", "Fracture energy: it cannot be -3. Enter 0.01 to 1\u2009000\u2009000\u202fJ/m², or nothing for never."],
   ["friction", "soft", "Friction: it cannot be soft. Enter 0 to 1\u2009000\u202f%."],
 ] as const)("%s of %o is refused with what is allowed", (key, text, refused) => {
   expect(typed(of(key), text, liver)).toEqual({ refused });
 });
 
-test("without a breaking strain no bond breaks", () => {
-  expect(typed(of("breaking_strain"), " ", liver)).toEqual({ constants: { ...liver, breaking_strain: null } });
+test("without a fracture energy nothing tears", () => {
+  expect(typed(of("fracture_energy"), " ", liver)).toEqual({ constants: { ...liver, fracture_energy: null } });
 });
 
 test("what may be typed the engine takes", () => {
@@ -49,7 +49,7 @@ test("what may be typed the engine takes", () => {
     young: [1, 2e12],
     poisson: [-0.999999, 0.499999],
     density: [0.1, 23_000],
-    breaking_strain: [1e-9, 1e6],
+    fracture_energy: [1e-9, 1e6],
     friction: [0, 10],
   };
   for (const { key, scale, min, max } of writtenConstants) {

@@ -93,13 +93,14 @@ test("controls end where the device does, and never offer more than makes sense"
 });
 
 test("a radius that has no room is said to be held, in the millimetres that it has", () => {
-  expect(heldRadiusNote(5, 2)).toBe("held at 2.0\u202fmm: no room here");
-  expect(heldRadiusNote(5, 5)).toBeNull();
-  expect(heldRadiusNote(0, 0)).toBeNull();
+  expect(heldRadiusNote(5, 2, false)).toBe("held at 2.0\u202fmm: no room here");
+  expect(heldRadiusNote(5, 5, false)).toBeNull();
+  expect(heldRadiusNote(0, 0, false)).toBeNull();
   // what a step of rounding leaves is no difference
-  expect(heldRadiusNote(0.3, 0.1 + 0.2 - 1e-9)).toBeNull();
+  expect(heldRadiusNote(0.3, 0.1 + 0.2 - 1e-9, false)).toBeNull();
+  expect(heldRadiusNote(0, 3, true)).toBe("3.0\u202fmm, to press soft tissue");
   // a ball that is not smaller yet is no ball without room
-  expect(heldRadiusNote(1, 3)).toBeNull();
+  expect(heldRadiusNote(1, 3, false)).toBeNull();
 });
 
 test("every thesis model warns and exact does not", () => {
@@ -109,7 +110,7 @@ test("every thesis model warns and exact does not", () => {
 });
 
 test("without friction of its own a segment has that of its material, and without one that of touch", () => {
-  const constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: null, friction: 0.2 };
+  const constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: null, friction: 0.2 };
   const material = { preset: null, low: constants, high: { ...constants, friction: 0.4 } };
   const rough = { ...settings, friction_static: 0.7 };
   expect(frictionWithoutOwn({ material: null }, rough)).toBe(0.7);

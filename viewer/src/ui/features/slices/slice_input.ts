@@ -367,7 +367,7 @@ export class SliceInput {
   }
 
   private key(event: KeyboardEvent): void {
-    if (isForControl(event)) {
+    if (isForControl(event, "keys")) {
       return;
     }
     const { width, height } = this.pane.getBoundingClientRect();
@@ -406,7 +406,8 @@ export class SliceInput {
   }
 }
 
-/** Whether an event belongs to a control that stands over the slice. */
-function isForControl({ target }: Event): boolean {
-  return target instanceof Element && target.closest("[data-controls]") !== null;
+/** Whether an event belongs to a control that stands over the slice; one may leave the keys to it. */
+function isForControl({ target }: Event, what: "mouse" | "keys" = "mouse"): boolean {
+  const control = target instanceof Element ? target.closest<HTMLElement>("[data-controls]") : null;
+  return control !== null && (what === "mouse" || control.dataset["controls"] !== "mouse");
 }

@@ -1,0 +1,62 @@
+//! How large the probe is: as it was set, or in soft tissue at least as large as a small fingertip.
+//!
+//! A ball that is small beside the distance of a model's nodes gets between them: tissue that was
+//! pressed slips around it and pushes back no more. Of 1 spacing it does so at a depth of 4 to 5
+//! spacings, of 1.5 at 7; of 2 not at 10 (`crates/deform/tests/lattice_depth.rs`).
+
+use palpate_haptics::ball::BallShape;
+
+use super::Simulation;
+use crate::deformable::has_soft_segments;
+use crate::servo::ServoCommand;
+use crate::touch::Settings;
+
+/// Radius of the ball that presses soft tissue, at least [mm].
+const FINGERTIP: f64 = 3.0;
+/// The same in spacings of the model: what is smaller slips between its nodes, and what is larger
+/// does not fit well into its box.
+const SPACINGS: [f64; 2] = [2.0, 5.0];
+
+impl Simulation {
+    /// The settings as the servo has them: those that were set, with the probe's present radius.
+    pub(super) fn touch_settings(&self) -> Settings {
+        Settings {
+            probe_radius: self.probe_radius(),
+            ..self.settings
+        }
+    }
+
+    /// The radius that the probe is to have [mm].
+    pub(super) fn probe_radius(&self) -> f64 {
+        let wanted = self.settings.probe_radius;
+        if !self.presses_soft_tissue() {
+            return wanted;
+        }
+        let spacing = self.voxels().grid().smallest_spacing();
+        let [least, most] = SPACINGS.map(|count| count * spacing);
+        let soft = FINGERTIP.clamp(least, most);
+        let grids = self
+            .scene
+            .segments()
+            .filter_map(|(_, segment, _)| segment.own_grid());
+        let largest = grids.map(|grid| BallShape::largest_radius(grid.spacing()));
+        wanted.max(largest.fold(soft, f64::min))
+    }
+
+    /// Whether a model is on that the bare probe may press.
+    fn presses_soft_tissue(&self) -> bool {
+        self.deformation.now().model.is_some()
+            && !self.stroke.has_tool()
+            && has_soft_segments(&self.scene)
+    }
+
+    /// Has touch follow where the probe is to have another radius.
+    pub(super) fn follow_probe_radius(&mut self) {
+        let radius = self.probe_radius();
+        if radius != self.touch.radius() {
+            self.touch.set_radius(radius);
+            self.touch
+                .send(ServoCommand::Settings(self.touch_settings()));
+        }
+    }
+}
