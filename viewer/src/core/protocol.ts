@@ -178,7 +178,7 @@ export interface Feel {
 /**
  * Material constants: `young` [Pa], `poisson`, `density` [kg/m³], Coulomb `friction`.
  *
- * Bonds break at `fracture_energy`; null where they never do.
+ * A crack takes `fracture_energy` [J/m²]; null where tissue never tears.
  */
 export interface Constants {
   readonly young: number;
