@@ -70,9 +70,7 @@ def test_depths_are_kept_to_their_step(picture: DrawnArrays) -> None:
 
 @pytest.mark.data
 @pytest.mark.parametrize("packing", [Packing(), Packing(75, depth_step=1.0, depth_every=2)])
-def test_depths_of_what_is_seen_through_are_told_apart(
-    data_folder: Path, packing: Packing
-) -> None:
+def test_depths_of_what_is_seen_through_are_told_apart(data_folder: Path, packing: Packing) -> None:
     scene = DrawnScene(read(data_folder / "cthead_stanford" / "CThead.mha"), mode="absorption")
     camera = scene.camera("first", SIZE)
     drawn = scene._renderer.draw(camera, SIZE, samples=1, haste=True)
