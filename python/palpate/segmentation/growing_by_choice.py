@@ -48,7 +48,7 @@ FINER = 0.5
 """Side of the next finer cells."""
 FINEST = 0.75
 """Side of the finest cells, by that of a voxel."""
-LEAST_FINER = 0.8
+LEAST_FINER = 0.9
 """Cells that are less finer than this, by their side, are not looked at."""
 NECK = 0.6
 """Depth in a neck by that of the less deep side, below which it is one."""
