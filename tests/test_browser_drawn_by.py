@@ -38,8 +38,6 @@ def page(way: SlowWay) -> Iterator[Browser]:
         light = json.dumps({"occlusion": 0, "shadow": 0})
         opened.read(f"localStorage.setItem('palpate.lighting.CThead', {json.dumps(light)})")
         assert opened.do("open", url=way.url, **SIZE)["firstPicture"] is not None
-        opened.do("clickText", text="Quality")
-        opened.do("clickText", text="Stereo")
         yield opened
 
 
@@ -50,7 +48,7 @@ def test_where_the_browser_draws_by_the_cpu_the_engine_draws(page: Browser) -> N
         "engine": True,
         "obstacle": None,
     }
-    assert page.text("drawn-by") == "the engine"
+    assert page.text("drawn-by") == "engine"
     assert page.read("window.palpate.shown.divisor") <= 4
     page.finish()
     assert page.read("window.palpate.shown.divisor") == 1
@@ -175,14 +173,20 @@ def test_a_view_that_turns_is_followed_before_the_engine_has_drawn_it(
 @pytest.mark.parametrize("mode", ["absorption", "emission", "mip"])
 def test_a_view_through_the_scan_is_followed_too(page: Browser, way: SlowWay, mode: str) -> None:
     page.do("choose", testid="blend", value=mode)
-    assert_a_turn_is_followed(page, way)
+    # what lies before and behind its depth moves otherwise
+    assert_a_turn_is_followed(page, way, share=0.85)
     page.read("window.palpate.bench.turn(-0.1)")
     page.do("choose", testid="blend", value="shaded")
     page.finish()
 
 
-def assert_a_turn_is_followed(page: Browser, way: SlowWay) -> NDArray[np.float64]:
-    """Turns the view while nothing comes; returns its true picture."""
+def assert_a_turn_is_followed(
+    page: Browser, way: SlowWay, *, share: float = 0.7
+) -> NDArray[np.float64]:
+    """Turns the view while nothing comes; returns its true picture.
+
+    The turned picture is off by no more than a share of what the one before it is.
+    """
     page.finish()
     before = canvas(page, "turned-before")
     numbers = page.read("window.palpate.bench.numbers")
@@ -202,7 +206,7 @@ def assert_a_turn_is_followed(page: Browser, way: SlowWay) -> NDArray[np.float64
     moved = np.abs(true - before).mean()
     assert np.abs(turned - before).mean() > 0.5 * moved
     # coarse as it is, it is nearer to the true picture than the one before
-    assert np.abs(turned - true).mean() < 0.7 * moved
+    assert np.abs(turned - true).mean() < share * moved
     return true
 
 

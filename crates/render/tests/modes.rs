@@ -206,19 +206,15 @@ fn haze_of(blend: Blend) -> f64 {
         6..18 => 400.0,
         _ => 0.0,
     });
-    let camera = Camera {
-        distance: 100.0,
-        ..parallel(DVec3::splat(12.0), DVec3::Z, 0.1)
-    };
-    let mut view = request(camera, 1);
+    let mut view = request(parallel(DVec3::splat(12.0), DVec3::Z, 0.1), 1);
     view.steps_per_voxel = 4.0;
     f64::from(picture(&scene(&voxels), &appearance(blend, 1e-3), &view).depths[0])
 }
 
 #[test]
 fn where_all_of_a_ray_is_seen_depth_is_that_of_its_middle_below_zero() {
-    // the eye is 88 mm above the upper face, which is at z = 24
-    let (densest, middle) = (-(88.0 + 24.0 - 9.5), -(88.0 + 24.0 - 12.0));
+    // rays begin 500 mm before the middle, at z = 512
+    let (densest, middle) = (9.5 - 512.0, 12.0 - 512.0);
     assert_near(haze_of(Blend::Mip), densest, 0.3);
     assert_near(haze_of(Blend::Average), middle, 0.6);
     // by extinction, which is in proportion to the value: 900 beside eleven times 400
@@ -227,7 +223,7 @@ fn where_all_of_a_ray_is_seen_depth_is_that_of_its_middle_below_zero() {
         .map(|z| f64::from(z) + 0.5)
         .map(|z| z * if z == 9.5 { 900.0 } else { 400.0 })
         .sum();
-    let mean = -(88.0 + 24.0 - weighted / sum);
+    let mean = weighted / sum - 512.0;
     assert_near(haze_of(Blend::Absorption), mean, 0.3);
     assert_near(haze_of(Blend::Emission), mean, 0.3);
     assert!(haze_of(Blend::Shaded).is_infinite());

@@ -138,8 +138,8 @@ def render(
 
     Args:
         scene: A scan, or one with segments; visible segments are bodies or surfaces in their
-            colours, as they are shown. Beside a threshold of bone that can be touched, other bone of
-            a CT is only hinted at, as on the page.
+            colours, as they are shown. Beside a threshold of bone that can be touched, other bone
+            of a CT is only hinted at, as on the page.
         view: Side on which the viewer stands: "anterior", "posterior", "left", "right", "superior"
             or "inferior" of the patient, "first" for the view that the page begins with, or a
             ``palpate.Camera``.

@@ -734,7 +734,7 @@ export interface Outline {
  * a `part` of such a picture, it has its first column and row there, and is to be put over one
  * of the same view that shows state `over` or a later one. `state` is the number of what it
  * shows, which rises with every change of that. Rows from the upper edge, little-endian.
- * `milliseconds` is how long it was drawn. With several `eyes` rows, of colours and depths, are
+ * `milliseconds` is how long it was drawn. With several `eyes` rows of colours and depths are
  * those of all of them, one eye after the other; `size` is that of each.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,

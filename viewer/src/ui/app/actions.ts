@@ -19,6 +19,8 @@ import type { HandControl } from "../features/touch/hand_control.svelte";
 import { anatomy } from "../features/appearance/appearance_control.svelte";
 import type { Session } from "../state/session.svelte";
 import type { Stage } from "./stage";
+import { settings, settingNames } from "../../core/base/settings";
+import { groups, type Group as PanelGroup } from "./panel_groups.svelte";
 import { themes, type ThemeControl } from "../theme/theme.svelte";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 import type { UndoControl } from "./undo_control";
@@ -29,6 +31,8 @@ export interface Action {
   readonly group: Group;
   /** What it does, as a person would say it. */
   readonly name: string;
+  /** Usual other words for it. */
+  readonly words?: string;
   /** The first one is shown; the others do the same. */
   readonly keys: readonly string[];
   readonly run: () => void;
@@ -64,6 +68,10 @@ export interface ActionTargets {
     readonly tour: () => void;
     readonly sound: () => void;
     readonly guarantees: () => void;
+    /** Shows the settings that some words mean; all without a word. */
+    readonly settings: (typed?: string) => void;
+    /** Shows a group of the left panel. */
+    readonly group: (group: PanelGroup) => void;
     readonly panel: (side: "left" | "right") => void;
     readonly escape: () => void;
   };
@@ -490,6 +498,20 @@ function work({ session, stage, undo, exporter, theme, page }: ActionTargets): r
     }) as const),
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
+    { group, name: "Settings", keys: ["Ctrl+,"], run: () => { page.settings(); } },
+    ...settingNames.map((each) => ({
+      group,
+      name: `Settings: ${settings[each].name}`,
+      words: settings[each].words,
+      keys: [],
+      run: () => { page.settings(settings[each].name); },
+    }) as const),
+    ...groups.map(({ name, title }) => ({
+      group,
+      name: `Show the group ${title}`,
+      keys: [],
+      run: () => { page.group(name); },
+    }) as const),
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },
     { group, name: "Show the tour", keys: [], run: page.tour },
     { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },

@@ -5,6 +5,7 @@ import type { GpuSupport } from "../../gl/base/gpu_support";
 import { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import { AreaMeasures } from "../features/marks/area_measures.svelte";
 import { MarkControl } from "../features/marks/mark_control.svelte";
+import { Pointed } from "../features/picking/pointed.svelte";
 import { Readout } from "../features/picking/readout.svelte";
 import { EditRateControl } from "../features/scan/edit_rate_control.svelte";
 import { RemovalControl } from "../features/scan/removal_control.svelte";
@@ -81,6 +82,8 @@ interface ViewControls {
   readonly areas: AreaMeasures;
   /** What was clicked last: what it is, where, and its value. */
   readonly readout: Readout;
+  /** What the mouse stands on in the 3-D view. */
+  readonly pointed: Pointed;
 }
 
 interface TouchControls {
@@ -141,6 +144,7 @@ function viewControls({ session, support, token }: Surroundings, { steps }: Undo
     marks,
     areas: new AreaMeasures(session, marks, token),
     readout: new Readout(),
+    pointed: new Pointed(),
   };
 }
 

@@ -31,7 +31,7 @@ const nearSpeed = 0.8;
 const shortest = 1 / 30;
 
 /** What concerns the page as a whole, also while a text is typed; so do undo and redo, where nothing is typed. */
-const ofPage: readonly string[] = ["Ctrl+S", "Ctrl+K", "Ctrl+O"];
+const ofPage: readonly string[] = ["Ctrl+S", "Ctrl+K", "Ctrl+O", "Ctrl+,"];
 const ofSteps: readonly string[] = ["Ctrl+Z", "Ctrl+Shift+Z", "Ctrl+Y"];
 
 /** What the keys lead. */

@@ -70,7 +70,10 @@ export class PointerInput {
     on("lostpointercapture", this.release.bind(this));
     // a page that is not looked at presses on nothing
     window.addEventListener("blur", this.leave.bind(this), { signal: aborter.signal });
-    on("pointerleave", () => (this.last = null));
+    on("pointerleave", () => {
+      this.last = null;
+      this.stage.pointed.leave();
+    });
     on("click", this.click.bind(this));
     on("dblclick", this.bringProbe.bind(this));
     on("wheel", this.wheel.bind(this));
@@ -125,6 +128,7 @@ export class PointerInput {
   }
 
   private move(event: PointerEvent): void {
+    this.point(event);
     const pair = this.fingers.move(event.pointerId, this.placeOf(event));
     if (this.drag === "fingers") {
       this.lead(pair);
@@ -169,6 +173,18 @@ export class PointerInput {
     } else if (doing === "hand" || doing === "tool" || event.shiftKey || this.leadsInPlane) {
       this.hand.move(x, y, 0);
     }
+  }
+
+  /** Says what a mouse without a button stands on, once it rests. */
+  private point({ buttons, offsetX, offsetY, pointerType }: PointerEvent): void {
+    if (buttons !== 0 || pointerType === "touch") {
+      this.stage.pointed.leave();
+      return;
+    }
+    this.stage.pointed.move(() => {
+      const picked = this.stage.picker.at(offsetX, offsetY);
+      return picked && this.readingOf(picked);
+    });
   }
 
   /** Two fingers zoom about the place between them, and move the picture; in touch mode they turn it. */
