@@ -48,6 +48,8 @@ FINER = 0.5
 """Side of the next finer cells."""
 FINEST = 0.75
 """Side of the finest cells, by that of a voxel."""
+LEAST_FINER = 0.9
+"""Cells that are less finer than this, by their side, are not looked at."""
 NECK = 0.6
 """Depth in a neck by that of the less deep side, below which it is one."""
 LEAST_SIDE = 0.7
@@ -163,10 +165,10 @@ def _body(
         told = partial(progress, "trying ranges of values and passages")
         found = regions(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
-        finest = side <= FINEST * min(volume.spacing)
-        if finest or (chosen is not None and chosen[0].count >= FEW):
+        finer = _finer(side, volume)
+        if finer is None or (chosen is not None and chosen[0].count >= FEW):
             break
-        side = max(FINER * side, FINEST * min(volume.spacing))
+        side = finer
     if chosen is None:
         why = (
             f"the region becomes larger than {most_ml:g} ml; allowed: another place, a smaller "
@@ -214,11 +216,11 @@ def _tube(
             cells = cells_around(volume, places, side=side, reach=reach, told=told)
         found = tubes(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
-        finest = side <= FINEST * min(volume.spacing)
+        finer = _finer(side, volume)
         thin = chosen is not None and is_tube(chosen[0]) and chosen[0].depth < LEAST_DEPTH
-        if finest or not thin:
+        if finer is None or not thin:
             break
-        side = max(FINER * side, FINEST * min(volume.spacing))
+        side = finer
     if chosen is None:
         return cells, None
     best, share = chosen
@@ -237,6 +239,12 @@ def _without_films(
     """Returns what hangs together with the seeds where a ball fits, such as no rim of a vein."""
     thick = opened(region, spacing, radius)
     return connected(thick, starts) if all(thick[start] for start in starts) else region
+
+
+def _finer(side: float, volume: Volume) -> float | None:
+    """Returns the side of the next finer cells; None where these are no finer to speak of."""
+    finer = max(FINER * side, FINEST * min(volume.spacing))
+    return finer if finer < LEAST_FINER * side else None
 
 
 def _most(most_ml: float, side: float) -> int:

@@ -102,8 +102,10 @@ def levels_of(
     )
     first, second, third = (slice(0, length) for length in heights.shape)
     box = _joined(part.voxels_of((first, second, third), 0, edges), found[0])
-    at_voxels = np.maximum(part.at(np.maximum(heights, USUAL + 1), box, edges), USUAL + 1)
-    less = part.at(np.minimum(heights, USUAL), found[0], edges)
+    # where there are no cells ``at`` gives 0, so levels are taken from the highest
+    beyond = 255.0 - part.at(255.0 - np.maximum(heights, USUAL + 1), box, edges)
+    at_voxels = np.maximum(beyond, USUAL + 1)
+    less = np.minimum(255.0 - part.at(255.0 - np.minimum(heights, USUAL), found[0], edges), USUAL)
     inner = at_voxels[tuple(_within(own, whole) for own, whole in zip(found[0], box, strict=True))]
     inner[found[1]] = less[found[1]]
     places = [_place(seed, box) for seed in seeds]

@@ -72,7 +72,7 @@ def test_levels_of_a_grown_region_change_it_and_one_undo_takes_back_what_was_kep
         page.receive(
             "segments", until=lambda m: [each["touchable"] for each in m["segments"]] == [True] * 2
         )
-        kept = session.segment(2)
+        kept = session.segment(session.segments()[1]["id"])
         assert kept.voxel_count * kept.volume.voxel_volume / 1000.0 == pytest.approx(volumes[0])
         page.send({"type": "undo"})
         page.receive("segments", until=lambda m: len(m["segments"]) == 1)
