@@ -65,12 +65,12 @@ def test_a_turntable_in_firefox_is_a_film_of_the_turning_view(tmp_path: Path) ->
             " document.querySelector('[data-testid=save-image]').click(),"
             " document.querySelector('[data-testid=film-save]').click())"
         )
-        page.wait(
-            "window.__film !== undefined || document.querySelector('.notice.error') !== null"
-        )
+        page.wait("window.__film !== undefined || document.querySelector('.notice.error') !== null")
         assert page.read("document.querySelector('.notice.error')?.textContent ?? null") is None
         # an EBML file, which a browser can play
-        head = page.read("window.__film.slice(0, 4).arrayBuffer().then(b => [...new Uint8Array(b)])")
+        head = page.read(
+            "window.__film.slice(0, 4).arrayBuffer().then(b => [...new Uint8Array(b)])"
+        )
         assert head == [0x1A, 0x45, 0xDF, 0xA3]
         # the length of a second: more than one picture
         assert page.read("window.__film.size") > 1000

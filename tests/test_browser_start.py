@@ -39,7 +39,10 @@ def test_a_browser_whose_language_is_no_valid_tag_shows_the_scan(command: Comman
 @pytest.mark.parametrize(
     ("when", "script"),
     [
-        ("its scripts are read", "Intl.NumberFormat = function () { throw new Error('no numbers') }"),
+        (
+            "its scripts are read",
+            "Intl.NumberFormat = function () { throw new Error('no numbers') }",
+        ),
         ("it is made", "window.Worker = function () { throw new Error('no numbers') }"),
         (
             "its panels are made",

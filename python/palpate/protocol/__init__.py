@@ -79,7 +79,9 @@ from palpate.protocol.segments import (
     SegmentSteps,
     SegmentWork,
     ShowIslands,
+    ShownSegments,
     ShowScissors,
+    ShowSegments,
     StopSegmentWork,
     SuggestTable,
     TableFound,
@@ -317,7 +319,9 @@ __all__ = [
     "ShowParts",
     "ShowRegistration",
     "ShowScissors",
+    "ShowSegments",
     "ShownAs",
+    "ShownSegments",
     "SmoothingDegree",
     "State",
     "StepKind",
@@ -420,6 +424,7 @@ FromPage = (
     | TraceLevel
     | FillOutline
     | SegmentProperties
+    | ShowSegments
     | SegmentFeel
     | SetMaterial
     | SetRegions

@@ -6,6 +6,7 @@ kept here, so that a segment that is hidden and shown again is felt as before.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from threading import RLock
 
@@ -84,6 +85,25 @@ class FeltSegments:
                     self._engine.set_touchable(segment_id, wish.is_felt)
             except OptionError:
                 self._wishes[segment_id] = before
+                raise
+
+    def show(self, visible: Mapping[int, bool]) -> None:
+        """Changes which segments are shown, all at once.
+
+        Raises:
+            OptionError: There is no such segment; then none is changed.
+        """
+        with self._lock:
+            before = self._wishes.copy()
+            for segment_id, shown in visible.items():
+                self._wishes[segment_id] = replace(self.of(segment_id), visible=shown)
+            try:
+                with option_errors():
+                    self._engine.set_all_touchable(
+                        [(each, self.of(each).is_felt) for each in visible]
+                    )
+            except OptionError:
+                self._wishes = before
                 raise
 
     def begin(self, segment_id: int, wish: TouchWish) -> int:
