@@ -97,7 +97,7 @@ def is_there(page: Browser, testid: str) -> bool:
 def test_hiding_what_is_touched_ends_the_contact_and_undo_brings_it_back(page: Browser) -> None:
     page.shows("touched", "text === 'Free: nothing is touched'")
     assert np.linalg.norm(press(page)["force"]) > 0.5
-    page.shows("touched", "text === 'threshold · rigid · 1000 HU'")
+    page.shows("touched", "text === 'threshold · hard · 1000 HU'")
     page.do("click", testid="visible-1")
     page.all_done()
     page.wait("!window.palpate.state.contact")

@@ -146,10 +146,10 @@ def test_constants_and_regions_are_chosen_and_taken_back(page: Browser) -> None:
     page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %')")
     page.do("click", testid="constants-1")
 
-    # all of it rigid, told in a line, and taken back
+    # all of it hard, told in a line, and taken back
     page.do("click", testid="show-regions-1")
     page.do("click", testid="whole-1-rigid")
-    page.shows("regions-1", "text === 'rigid'")
+    page.shows("regions-1", "text === 'hard'")
     page.do("press", key="Control+z")
     page.wait("document.querySelector('[data-testid=whole-1-deformable]').checked")
     page.do("click", testid="show-regions-1")

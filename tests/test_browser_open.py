@@ -48,7 +48,9 @@ def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
         # names of files that are dropped may be those of patients
         assert page.read("document.title") == "scan · Palpate"
         assert page.read("window.palpate.scan.dimensions") == [256, 256, 113]
-        page.wait("document.querySelector('aside').textContent.includes('ts files are a copy')")
+        page.wait(
+            "document.querySelector('aside').textContent.includes('emporary copy; save the scene')"
+        )
         chosen_over_the_scan(page, study / "thin")
         archive_dropped(page, study / "thin", tmp_path / "study.zip")
         segments_from_a_file(page, data_folder / "dcmqi_seg" / "liver.dcm")

@@ -48,7 +48,7 @@ PAINTED_VOLUME = (
     "(([number, unit]) => Number(number) / (unit === 'ml' ? 1 : 1000))("
     "[...document.querySelectorAll('[data-testid^=segment-] .name')]"
     ".find(({ textContent }) => textContent.includes('Painted 1'))"
-    ".querySelector('.volume').textContent.split(' '))"
+    ".querySelector('.volume').textContent.split(/\\s/))"
 )
 """Of the segment that is painted [ml]."""
 

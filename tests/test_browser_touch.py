@@ -357,7 +357,7 @@ def test_the_way_of_the_probe_is_drawn_and_can_be_hidden(block: Path) -> None:
         assert near.any(), "the line passes where the probe was"
 
 
-# --- the guarantees ---------------------------------------------------------------------
+# --- force checks -----------------------------------------------------------------------
 
 
 def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) -> None:
@@ -367,7 +367,7 @@ def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) 
         "(() => { const of = name => document.querySelector(`[data-testid=${name}]`);"
         " const light = of('status-light');"
         " return of('light').dataset.colour === 'green' && light.textContent.trim() === "
-        "'guarantees ok' && /Guarantees.*green/.test(light.ariaLabel); })()"
+        "'Force checks passed' && /Force checks.*green/.test(light.ariaLabel); })()"
     )
 
     # by the keyboard alone: G opens it, Escape closes it

@@ -77,7 +77,7 @@ def test_the_light_turns_red_where_walls_give_way_and_says_how_often(
         press_hard(page)
         wait_for(page, "red")
         for light in LIGHTS:
-            page.shows(light, r"/^[\d\u2009]+ violations?$/.test(text)")
+            page.shows(light, r"/^[\d\u2009]+ failed checks?$/.test(text)")
             label = page.read(f"document.querySelector('[data-testid={light}]').ariaLabel")
             assert "red" in label
         page.do("click", testid="light")

@@ -14,6 +14,7 @@ use palpate_volume::tissue::Tissue;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arrays::triple;
 use crate::errors::CoreError;
 use crate::frame::dictionary;
 use crate::scenario::Figures;
@@ -75,6 +76,8 @@ pub fn needle_dict<'py>(py: Python<'py>, needle: &NeedleDisplay) -> PyResult<Bou
     dictionary!(py,
         "inside": needle.place.is_some(),
         "depth": place.depth,
+        "entry": triple(place.entry),
+        "direction": triple(place.direction),
         "segment": place.segment,
         "tip": needle.forces.stiffness + needle.forces.cutting,
         "friction": needle.forces.friction,

@@ -26,6 +26,8 @@ START_LIMIT = 120.0
 """Seconds until an address must be printed; a scan takes about one."""
 END_LIMIT = 60.0
 """Seconds until a process must have ended; most take less than one."""
+NARROW_SPACE, MINUS = "\u202f", "\u2212"
+"""As the page writes them before a unit and a negative number."""
 ANSWER_LIMIT = 300.0
 """Seconds for one answer of the browser: software GL on a busy machine takes its time."""
 
@@ -65,20 +67,26 @@ class Browser:
         return self.do("read", expression=expression).get("value")
 
     def text(self, testid: str) -> str:
-        """Returns the text of an element; where its source goes on in a new line stands a space."""
-        return re.sub(r"\s*\n\s*", " ", str(self.do("text", testid=testid)["value"]))
+        """Returns the text of an element, in plain spaces and hyphens as a test types them."""
+        text = str(self.do("text", testid=testid)["value"])
+        # where its source goes on in a new line stands a space
+        return re.sub(r"\s*\n\s*", " ", text).replace(NARROW_SPACE, " ").replace(MINUS, "-")
 
     def wait(self, expression: str, *, seconds: float = 60.0) -> None:
         """Waits until an expression in the page is true."""
         self.do("wait", seconds=seconds, **{"for": expression})
 
     def shows(self, testid: str, condition: str) -> None:
-        """Waits until a condition on the ``text`` of an element holds.
+        """Waits until a condition on the ``text`` of an element holds, as ``text`` returns it.
 
         Numbers on the page follow the state at a pace that can be read.
         """
         element = f"document.querySelector('[data-testid={testid}]')"
-        self.wait(f"(text => text !== undefined && ({condition}))({element}?.textContent.trim())")
+        self.wait(
+            f"(text => text !== undefined && ({condition}))"
+            f"({element}?.textContent.trim().replaceAll('{NARROW_SPACE}', ' ')"
+            f".replaceAll('{MINUS}', '-'))"
+        )
 
     def all_done(self) -> None:
         """Waits until the engine has done all that the page has asked for, and has told of it."""

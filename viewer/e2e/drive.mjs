@@ -22,7 +22,8 @@
  *   {"do": "hold", "key": "x"}                                a key, until the same with "up": true
  *   {"do": "point", "x": …, "y": …}                           the mouse, in pixels of the page
  *   {"do": "clickAt", "testid": …, "x": …, "y": …}            in shares of an element; "doubleClickAt" too
- *   {"do": "wheelOver", "testid": …, "y": …}                  over an element's middle
+ *   {"do": "wheelOver", "testid": …, "x": …, "y": …}          over an element's middle, 120 is a notch; "times": so often,
+ *                                                             "every" so many ms → {"value": ms that it took}
  *   {"do": "clickText", "text": …}                            a button by its name
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
@@ -209,10 +210,14 @@ const actions = {
     await page.getByRole("button", { name: text }).click();
     return {};
   },
-  async wheelOver({ testid, y }) {
+  async wheelOver({ testid, x = 0, y = 0, times = 1, every = 0 }) {
     await byTestId(testid).hover();
-    await page.mouse.wheel(0, y);
-    return {};
+    const begun = Date.now();
+    for (let turn = 0; turn < times; ++turn) {
+      await page.waitForTimeout(Math.max(0, begun + turn * every - Date.now()));
+      await page.mouse.wheel(x, y);
+    }
+    return { value: Date.now() - begun };
   },
   async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0], button = "left", hold = false }) {
     const box = await byTestId(testid).boundingBox();

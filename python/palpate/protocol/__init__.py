@@ -52,7 +52,6 @@ from palpate.protocol.segments import (
     CropScan,
     CutAlong,
     CutPreview,
-    CutSegment,
     EndGoing,
     EndPaint,
     Feel,
@@ -206,7 +205,6 @@ __all__ = [
     "CropScan",
     "CutAlong",
     "CutPreview",
-    "CutSegment",
     "DeformationModel",
     "DeviceLimits",
     "Displaced",
@@ -434,7 +432,6 @@ FromPage = (
     | MoveSegment
     | Grab
     | TurnGrabbed
-    | CutSegment
     | CutAlong
     | WatchGap
     | FollowEdits

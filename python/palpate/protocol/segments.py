@@ -29,7 +29,6 @@ __all__ = [
     "CropScan",
     "CutAlong",
     "CutPreview",
-    "CutSegment",
     "EndGoing",
     "EndPaint",
     "Feel",
@@ -437,14 +436,6 @@ class TurnGrabbed(Message, frozen=True, tag="turn_grabbed"):
     """Rotates the attached segment about the probe by a rotation vector [rad]."""
 
     rotation: Vector
-
-
-class CutSegment(Message, frozen=True, tag="cut_segment"):
-    """Splits a segment by the plane through a point; the part in front of it is a new segment."""
-
-    id: SegmentId
-    point: Vector
-    normal: Vector
 
 
 class CutAlong(Message, frozen=True, tag="cut_along"):

@@ -124,13 +124,16 @@ class ToolState(msgspec.Struct, frozen=True):
 class NeedleState(msgspec.Struct, frozen=True):
     """A needle that is in use or still inserted.
 
-    ``depth`` is the distance of its tip from the point of entry [mm], ``segment`` the one at the
-    tip, 0 for none. ``tip`` and ``friction`` are the forces at tip and shaft, ``wall`` that of a
-    rigid obstacle [N]. ``events`` is the number of ``NeedleEvents``.
+    ``depth`` is the distance of its tip from the point of entry [mm], ``entry`` that point in the
+    scene [mm] and ``direction`` the way inward, of length 1 (both zeros where it is out);
+    ``segment`` is the one at the tip, 0 for none. ``tip`` and ``friction`` are the forces at tip
+    and shaft, ``wall`` that of a rigid obstacle [N]. ``events`` is the number of ``NeedleEvents``.
     """
 
     inside: bool
     depth: float
+    entry: Vector
+    direction: Vector
     segment: int
     tip: float
     friction: float

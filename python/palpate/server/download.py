@@ -47,7 +47,7 @@ def file_response(
         called: What the page asks for, in the sentence that it does not.
     """
     if len(body) > most_bytes:
-        return refusal(f"{len(body)} bytes given; allowed: {most_bytes}")
+        return refusal(f"{len(body)} bytes are too many. Send at most {most_bytes}")
     try:
         wanted = msgspec.json.decode(body, type=kind)
     except msgspec.DecodeError as error:

@@ -1,4 +1,4 @@
-"""Sentences for the page: what they say of options of the command line is left out."""
+"""Sentences for the page: what happened, then what to do, and no options of the command line."""
 
 from __future__ import annotations
 
@@ -23,8 +23,36 @@ OPTIONS = (
 """How messages name options, and what stands for that on the page."""
 
 
+ADVICE = (
+    # "to try again", "to unlock it"
+    (r"to (?=\w)", ""),
+    (r"choosing ", "choose "),
+    (r"(add|choose|give|look|open|set|stop|try|unlock) ", r"\1 "),
+    (r"(?=once more)", "try "),
+    (r"(?=after |none\b)", "possible: "),
+    # whatever else is allowed is a thing, a number or a range
+    (r"", "use "),
+)
+"""How what is allowed begins, and how the advice begins that stands for it: the first that fits."""
+
+
 def page_words(sentence: str) -> str:
-    """Returns a sentence without the options of the command line that it names."""
+    """Returns a sentence without the options of the command line that it names.
+
+    "radius 30 mm given; allowed: 0 to 20 mm" becomes "radius 30 mm cannot be used. Use 0 to 20 mm".
+    """
     for named, instead in OPTIONS:
         sentence = re.sub(named, instead, sentence)
-    return sentence
+    happened, is_told, allowed = sentence.partition("; allowed: ")
+    return f"{_what_happened(happened)}. {_advice(allowed)}" if is_told else sentence
+
+
+def _what_happened(given: str) -> str:
+    instead = " was given" if re.search(r"(^|[\s:])no [^:]*$", given) else " cannot be used"
+    return re.sub(r" given$", instead, given)
+
+
+def _advice(allowed: str) -> str:
+    begins, instead = next(each for each in ADVICE if re.match(each[0], allowed))
+    advice = re.sub(begins, instead, allowed, count=1)
+    return advice[:1].upper() + advice[1:]

@@ -164,5 +164,7 @@ main {{ max-width: 36em }} h1 {{ font-size: 20px; color: #fff }} code {{ color: 
 
 def refusal(reason: str) -> HTMLResponse:
     """Returns the page that a refused request gets, with the reason as plain text."""
-    text = f"Not let in: {reason}. Open the address that `palpate open` printed, token and all."
+    text = (
+        f"Access denied: {reason}. Use the full address printed by `palpate open`, with its token."
+    )
     return HTMLResponse(REFUSAL.format(text=escape(text)), status_code=403)

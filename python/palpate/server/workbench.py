@@ -129,5 +129,5 @@ class Workbench:
             await receive()
             await send({"type": "websocket.close", "code": 1013, "reason": "no scan is open"})
         else:
-            answer = PlainTextResponse("no scan is open; allowed: open one first", status_code=409)
+            answer = PlainTextResponse("no scan is open. Open one first", status_code=409)
             await answer(scope, receive, send)

@@ -55,6 +55,10 @@ class NeedleState(TypedDict):
     inside: bool
     depth: float
     """Distance of the tip from where it was inserted [mm]."""
+    entry: Triple
+    """Where it was inserted, scene [mm]; zeros outside."""
+    direction: Triple
+    """Its way inward, of length 1; zeros outside."""
     segment: int
     """Segment at the tip."""
     tip: float

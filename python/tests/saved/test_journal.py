@@ -341,13 +341,23 @@ def test_where_objects_stand_how_they_feel_and_look_come_back_to_a_page(tmp_path
         server.page() as page,
     ):
         (before,) = page.receive("segments")["segments"]
-        middle = np.mean(before["bounds"], axis=0).tolist()
+        x, y, z = np.mean(before["bounds"], axis=0).tolist()
         page.send({"type": "segment_feel", "id": 1, "feel": feel})
         move = {"type": "move_segment", "id": 1, "pose": pose.ravel().tolist()}
         page.send({**move, "goes_on": True})
         page.send({**move, "goes_on": False})
         page.receive("segments", until=lambda m: m["segments"][0]["shown_as"] == "surface")
-        page.send({"type": "cut_segment", "id": 1, "point": middle, "normal": [0.0, 0.0, 1.0]})
+        page.send(
+            {
+                "type": "cut_along",
+                "id": 1,
+                "eye": [x, y - 200.0, z],
+                "view": [0.0, 1.0, 0.0],
+                "line": [[x - 50.0, y - 150.0, z], [x + 50.0, y - 150.0, z]],
+                "closed": False,
+                "preview": False,
+            }
+        )
         left = page.receive("segments", until=lambda m: len(m["segments"]) == 2)["segments"]
     with (
         running(make_ball(), page_folder, state=tmp_path / "state") as server,

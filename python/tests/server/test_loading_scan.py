@@ -90,7 +90,7 @@ def test_why_a_scan_does_not_come_is_told_before_serving_ends(tmp_path: Path) ->
         slow.go.set()
         # the page comes late: what it waited for has failed meanwhile
         line = lines_of(ask(access, "/api/library/coming", "POST"))[-1]
-        assert line == {"kind": "failed", "reason": "no scan; allowed: scans"}
+        assert line == {"kind": "failed", "reason": "no scan. Use scans"}
         assert given_up.wait(PATIENCE)
         assert ask(access, "/api/volume").status_code == 409
     assert isinstance(loading.failure, OptionError)

@@ -60,12 +60,31 @@ def test_no_sentence_of_reading_names_an_option_on_the_page() -> None:
         ),
         (
             "a is a 4-D image of 6 volumes; allowed: one of them, with `frame=NUMBER` from 1 to 6",
-            "a is a 4-D image of 6 volumes; allowed: one of them",
+            "a is a 4-D image of 6 volumes. Use one of them",
         ),
         ("allowed: at most 8, or more with `max_voxels=COUNT`", "allowed: at most 8"),
         (
             "allowed: the scan's voxels, or others with `resample=True`",
             "allowed: the scan's voxels",
+        ),
+        ("radius 30 mm given; allowed: 0 to 20 mm", "radius 30 mm cannot be used. Use 0 to 20 mm"),
+        ("no seed given; allowed: one or more", "no seed was given. Use one or more"),
+        (
+            "skin is locked; allowed: to unlock it, or hide it",
+            "skin is locked. Unlock it, or hide it",
+        ),
+        (
+            "a stroke without a tool given; allowed: choosing a tool first",
+            "a stroke without a tool cannot be used. Choose a tool first",
+        ),
+        ("no scan is open; allowed: open one first", "no scan is open. Open one first"),
+        (
+            "segments came or went meanwhile; allowed: once more",
+            "segments came or went meanwhile. Try once more",
+        ),
+        (
+            "it is deformed; allowed: after it is laid as it was",
+            "it is deformed. Possible: after it is laid as it was",
         ),
         ("a -- b, -1 to --1; slices are missing", "a -- b, -1 to --1; slices are missing"),
     ],

@@ -122,6 +122,10 @@ def test_a_needle_in_the_hand_is_told_of_and_withdrawn() -> None:
         needle = session.frame()["needle"]
         assert needle["inside"]
         assert needle["depth"] > 5.0
+        # in tissue the tip stays on the line that it went in along; the hand pulls it aside a little
+        assert needle["direction"] == pytest.approx((0.0, 1.0, 0.0), abs=0.05)
+        tip = np.add(needle["entry"], np.multiply(needle["depth"], needle["direction"]))
+        assert session.frame()["proxy"] == pytest.approx(tip.tolist(), abs=0.2)
         kinds = [(event.kind, event.segment) for event in session.needle_events()]
         assert kinds[:2] == [("punctured", 1), ("punctured", 2)]
         assert needle["events"] == len(kinds)

@@ -415,13 +415,16 @@ export interface ToolState {
 /**
  * A needle that is in use or still inserted.
  *
- * `depth` is the distance of its tip from the point of entry [mm], `segment` the one at the
- * tip, 0 for none. `tip` and `friction` are the forces at tip and shaft, `wall` that of a
- * rigid obstacle [N]. `events` is the number of `NeedleEvents`.
+ * `depth` is the distance of its tip from the point of entry [mm], `entry` that point in the
+ * scene [mm] and `direction` the way inward, of length 1 (both zeros where it is out);
+ * `segment` is the one at the tip, 0 for none. `tip` and `friction` are the forces at tip
+ * and shaft, `wall` that of a rigid obstacle [N]. `events` is the number of `NeedleEvents`.
  */
 export interface NeedleState {
   readonly inside: boolean;
   readonly depth: number;
+  readonly entry: Vector;
+  readonly direction: Vector;
   readonly segment: number;
   readonly tip: number;
   readonly friction: number;
@@ -1444,14 +1447,6 @@ export interface TurnGrabbed {
   readonly rotation: Vector;
 }
 
-/** Splits a segment by the plane through a point; the part in front of it is a new segment. */
-export interface CutSegment {
-  readonly type: "cut_segment";
-  readonly id: SegmentId;
-  readonly point: Vector;
-  readonly normal: Vector;
-}
-
 /**
  * Splits a segment along a line drawn on the picture, extruded away from the eye.
  *
@@ -1638,7 +1633,6 @@ export type FromPage =
   | MoveSegment
   | Grab
   | TurnGrabbed
-  | CutSegment
   | CutAlong
   | WatchGap
   | FollowEdits
@@ -2041,6 +2035,8 @@ const isToolState = record({
 const isNeedleState = record({
   inside: flag,
   depth: real(),
+  entry: isVector,
+  direction: isVector,
   segment: whole(),
   tip: real(),
   friction: real(),

@@ -33,7 +33,7 @@ from palpate.volumes.volume import Volume
 
 __all__ = ["Opener"]
 
-PASSING = "its files are a copy that goes when it is closed: a saved scene has the scan in it"
+PASSING = "temporary copy; save the scene with the scan to keep it"
 """Warning of a scan that was uploaded, or came from a server."""
 MADE = "it is in no file: a saved scene has the scan in it, and Export writes it"
 """Warning of a scan that was reconstructed."""

@@ -64,7 +64,7 @@ class Upload:
                 )
             self.files = [(root.joinpath(*_parts(one.name)), one.size) for one in wanted]
             if len({str(path).casefold() for path, _ in self.files}) < len(self.files):
-                raise OptionError("two files have one name; allowed: each once")
+                raise OptionError("two files have one name; allowed: files with different names")
         except BaseException:
             self.folder.cleanup()
             raise
@@ -78,7 +78,9 @@ class Upload:
             OptionError: Files have not come.
         """
         if self._missing:
-            raise OptionError(f"{len(self._missing)} files have not come; allowed: all of them")
+            raise OptionError(
+                f"{len(self._missing)} files have not come; allowed: give the files again"
+            )
         root = Path(self.folder.name)
         within = list(root.iterdir())
         return within[0] if len(within) == 1 else root
@@ -215,4 +217,4 @@ async def _receive(request: Request, file: BinaryIO, *, size: int) -> None:
     except ClientDisconnect:
         raise OptionError("the page has left while a file came") from None
     if received < size:
-        raise OptionError(f"{received} of {size} bytes have come; allowed: all of them")
+        raise OptionError(f"{received} of {size} bytes have come; allowed: give the files again")

@@ -135,7 +135,7 @@ class RegistrationMessages:
     def file_response(self, body: bytes) -> Response:
         """Answers with a file that a page asks for, or with why there is none."""
         if not self._places:
-            return refusal("there is no second scan; allowed: after one is shown with the first")
+            return refusal("there is no second scan. Add one first")
         return download_response(
             body,
             FileRequest,
@@ -162,9 +162,9 @@ class RegistrationMessages:
 
     def _begin(self, wanted: protocol.Register, _: Outbox) -> None:
         if not self._places:
-            raise OptionError("there is no second scan; allowed: after one is shown with the first")
+            raise OptionError("there is no second scan; allowed: add one first")
         if self._task is not None and not self._task.done():
-            raise OptionError("a registration runs already; allowed: after it has ended or stopped")
+            raise OptionError("a registration runs already; allowed: stop it first")
         self._publish_change(doing="Beginning", share=None, curve=[], failure=None)
         self._task = asyncio.create_task(asyncio.to_thread(self._work, wanted, self._stops))
 
@@ -239,7 +239,7 @@ class RegistrationMessages:
     def _go(self, at: int, *, before: bool) -> None:
         """Shows a place that was found earlier; nothing where there is none."""
         if self._task is not None and not self._task.done():
-            raise OptionError("a registration runs; allowed: after it has ended or stopped")
+            raise OptionError("a registration runs; allowed: stop it first")
         if not int(before) <= at < len(self._places):
             return
         self._at, self._before = at, before

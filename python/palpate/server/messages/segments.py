@@ -88,7 +88,6 @@ class SegmentMessages:
         table.add(protocol.MoveSegment, self._move, runs=Runs.IN_ORDER)
         table.add(protocol.Grab, self._grab, runs=Runs.IN_ORDER)
         table.add(protocol.TurnGrabbed, self._turn_grabbed, runs=Runs.IN_ORDER)
-        table.add(protocol.CutSegment, self._cut, runs=Runs.IN_ORDER)
         table.add(protocol.CutAlong, self._cut_along, runs=Runs.IN_ORDER)
         table.add(protocol.WatchGap, self._watch_gap, runs=Runs.IN_ORDER)
 
@@ -116,11 +115,6 @@ class SegmentMessages:
 
     def _turn_grabbed(self, message: protocol.TurnGrabbed, _: Outbox) -> None:
         self._session.turn_grabbed(message.rotation)
-
-    def _cut(self, wanted: protocol.CutSegment, _: Outbox) -> None:
-        self._segments.cut(
-            wanted.id, lambda: self._session.cut(wanted.id, wanted.point, wanted.normal)
-        )
 
     def _cut_along(self, wanted: protocol.CutAlong, _: Outbox) -> None:
         cut = PaintedCut(line=wanted.line, eye=wanted.eye, view=wanted.view, closed=wanted.closed)

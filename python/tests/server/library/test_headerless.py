@@ -78,7 +78,7 @@ def test_dropped_slices_have_a_name_and_pictures_a_size(
     assert opened is not None
     assert opened.session.scene.volume.name == "skull"
     volume = opened.session.scene.volume
-    assert "a copy that goes" in volume.traits.warnings[-1]
+    assert "temporary copy" in volume.traits.warnings[-1]
     warnings = volume.warnings
     # each is told once
     assert len(set(warnings)) == len(warnings)

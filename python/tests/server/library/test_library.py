@@ -152,7 +152,7 @@ def test_a_dropped_folder_is_listed_opened_and_gone_with_its_scan(
     opened = client.workbench.opened
     assert opened is not None
     assert opened.files is not None
-    assert "a copy that goes" in opened.session.scene.volume.warnings[-1]
+    assert "temporary copy" in opened.session.scene.volume.warnings[-1]
     folder = Path(opened.files.name)
     assert folder.is_dir()
     client.job("open", {"path": str(study), "series": "1.2.3"})
@@ -205,12 +205,12 @@ def test_uploads_are_bounded(client: LibraryClient, monkeypatch: pytest.MonkeyPa
         told = [{"name": name, "size": size} for name, size in files]
         return client.ask("POST", "library/uploads", told).text
 
-    assert "17.0 GiB given; allowed: at most 16 GiB" in asked(("big", 17 << 30))
+    assert "17.0 GiB cannot be used. Use at most 16 GiB" in asked(("big", 17 << 30))
     assert "less than nothing" in asked(("a", -1))
     assert "two files have one name" in asked(("a", 1), ("A", 1))
-    assert "0 files given" in asked()
+    assert "0 files cannot be used" in asked()
     monkeypatch.setattr(server_upload, "SPARE", 1 << 60)
-    assert "allowed: 0 MiB" in asked(("a", 1))
+    assert "Use 0 MiB" in asked(("a", 1))
 
 
 def test_a_file_brings_as_many_bytes_as_were_told(client: LibraryClient) -> None:
@@ -233,7 +233,7 @@ def test_a_dropped_bomb_is_refused(client: LibraryClient, tmp_path: Path) -> Non
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("zeros", bytes(50 << 20))
     (failed,) = client.job("find", {"upload": client.upload({"bomb.zip": path.read_bytes()})})
-    assert "allowed: at most 200 times" in failed["reason"]
+    assert "Use at most 200 times" in failed["reason"]
 
 
 def test_the_library_needs_the_token(client: LibraryClient) -> None:
@@ -273,7 +273,7 @@ def test_volumes_of_a_servers_series_are_listed_once_they_are_here(
     np.testing.assert_array_equal(voxels, palpate.read(folder, series="2").array.ravel())
     # they belong to that scan now, and go with it
     (failed,) = client.job("open", {"find": told["find"], "choice": 0})
-    assert "is gone; allowed: give the files again" in failed["reason"]
+    assert "is gone. Give the files again" in failed["reason"]
     assert client.about()["scan"] == "abdomen, time 2"
 
 
@@ -295,7 +295,7 @@ def test_a_series_of_a_server_is_listed_and_opened(
     np.testing.assert_array_equal(voxels, palpate.read(head).array)
     opened = client.workbench.opened
     assert opened is not None
-    assert any("a copy that goes" in each for each in opened.session.scene.volume.warnings)
+    assert any("temporary copy" in each for each in opened.session.scene.volume.warnings)
     # its files are not there later: nothing to open again
     assert client.about()["recent"] == []
     # the server is gone by now, and the open scan stays

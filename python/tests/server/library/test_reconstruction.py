@@ -140,11 +140,11 @@ def test_a_page_brings_the_file_that_states_the_geometry(
     # what the form says beside the file, and a file of other projections
     doubled = {**wanted, "request": {**wanted["request"], "zero": "back"}}
     told = client.ask("POST", "library/reconstruct/grid", doubled).text
-    assert told.startswith("zero given with a geometry file; allowed: one of them")
+    assert told.startswith("zero given with a geometry file. Use one of them")
     short = write_geometry(tmp_path / "short.xml", stated[:20]).read_bytes()
     other = {**wanted, "geometry": client.upload({"short.xml": short})}
     told = client.ask("POST", "library/reconstruct/grid", other).text
-    said = "short.xml describes 20 projections, and ball_proj.mha holds 30; allowed: as many"
+    said = "short.xml describes 20 projections, and ball_proj.mha holds 30. Use as many"
     assert told == said
     assert client.job("reconstruct", other) == [{"kind": "failed", "reason": said}]
 

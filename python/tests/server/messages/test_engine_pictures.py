@@ -388,8 +388,8 @@ def test_a_second_scan_is_seen_where_it_lies_and_moves(session: Session) -> None
 @pytest.mark.parametrize(
     ("asked", "sentence"),
     [
-        ({}, "picture requested before its look; allowed: picture_look first"),
-        ({"camera": {"up": (0.0, 0.0, 2.0)}}, "allowed: unit vectors at right angles"),
+        ({}, "picture requested before its look. Use picture_look first"),
+        ({"camera": {"up": (0.0, 0.0, 2.0)}}, "Use unit vectors at right angles"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_in_one_line(

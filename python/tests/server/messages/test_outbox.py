@@ -27,7 +27,17 @@ USUAL = protocol.ModelOptions(
     calibration=None,
     motion=None,
 )
-NO_NEEDLE = protocol.NeedleState(False, 0.0, 0, 0.0, 0.0, 0.0, 0)  # noqa: FBT003
+NO_NEEDLE = protocol.NeedleState(
+    inside=False,
+    depth=0.0,
+    entry=(0.0, 0.0, 0.0),
+    direction=(0.0, 0.0, 0.0),
+    segment=0,
+    tip=0.0,
+    friction=0.0,
+    wall=0.0,
+    events=0,
+)
 
 
 def state(tick: int, samples: int = 4) -> protocol.State:

@@ -54,7 +54,7 @@ def test_shown_segments_are_smoothed_together(server: Any) -> None:
         page.receive("segments", until=lambda m: len(m["segments"]) == 2)
         session.set_locked(2, locked=True)
         page.send(SHAPE | {"kind": "joint", "amount": 2.0})
-        page.receive("notice", until=lambda m: "is locked; allowed" in m["text"])
+        page.receive("notice", until=lambda m: "is locked. Unlock it" in m["text"])
         np.testing.assert_array_equal(session.segment(1).mask(), halves[0])
         session.set_locked(2, locked=False)
         page.send(SHAPE | {"kind": "joint", "amount": 2.0})
@@ -136,7 +136,7 @@ def test_otsu_makes_segments_whose_range_can_be_changed(server: Any) -> None:
     [
         (GROW | {"seed": [500.0, 0.0, 0.0]}, "lies outside"),
         (SHAPE | {"kind": "shrink", "amount": 50.0}, "nothing would be left of ball"),
-        (SHAPE | {"kind": "unite", "amount": 0.0}, "no other segment given"),
+        (SHAPE | {"kind": "unite", "amount": 0.0}, "no other segment was given"),
         (SHAPE | {"id": 9, "kind": "grow", "amount": 1.0}, "9"),
         (
             SHAPE | {"kind": "grow", "amount": 0.5},
@@ -208,7 +208,7 @@ def test_an_edit_meanwhile_is_not_overwritten(
 
     told, _ = work_with(ball_scene, monkeypatch, edit)
     notices = [one.text for one in told if isinstance(one, protocol.Notice)]
-    assert notices == ["ball was changed meanwhile; allowed: to try again"]
+    assert notices == ["ball was changed meanwhile. Try again"]
 
 
 def test_a_threshold_makes_a_segment_and_changes_it(server: Any) -> None:

@@ -66,7 +66,7 @@ def test_a_fence_is_passed_when_all_before_it_is_done_and_told(server: Any) -> N
         ({"type": "hand", "target": [0.0, 0.0, float("nan")]}, "not understood"),
         ({"type": "nonsense"}, "not understood"),
         ({"type": "remove_segment", "id": 77}, "77"),
-        ({"type": "view", "right": [1.0, 0.0, 0.0], "up": [1.0, 0.0, 0.0]}, "allowed"),
+        ({"type": "view", "right": [1.0, 0.0, 0.0], "up": [1.0, 0.0, 0.0]}, "Use two directions"),
         ({"type": "threshold", "id": None, "name": "none", "low": 5000, "high": 6000}, "no voxel"),
         ({"type": "threshold", "id": None, "name": "none", "low": 50, "high": 40}, "no range"),
     ],

@@ -1,15 +1,44 @@
 /**
- * Numbers as the page writes them, always with the same width and a point as decimal sign.
+ * Numbers as the page writes them: a point as decimal sign, a true minus, and a narrow space before the unit.
+ * Fields in which a person types take plain numbers instead.
  */
 import type { Vec3 } from "../geometry/vector";
 
-const months = [
-  "January", "February", "March", "April", "May", "June",
-  "July", "August", "September", "October", "November", "December",
-];
+/** Stands between a number and its unit; no line ends there. */
+const narrowSpace = "\u202f";
 
-/** "-12.3 4.0 806.0" */
+/** A number as programs write it, with a true minus instead of a hyphen. */
+function withTrueMinus(number: string): string {
+  return number.replace(/-(?=\d)/g, "\u2212");
+}
+
+/** A unit after a number, with the space between them; nothing where there is none. */
+export function afterNumber(unit: string): string {
+  return unit === "" ? "" : `${narrowSpace}${unit}`;
+}
+
+/** A number with so many digits after the point, and its unit: "−12.3 mm". */
+export function formatFixed(value: number, digits: number, unit = ""): string {
+  return `${withTrueMinus(value.toFixed(digits))}${afterNumber(unit)}`;
+}
+
+/** "30 %" of a share 0.3 */
+export function formatPercent(share: number, digits = 0): string {
+  return formatFixed(100 * share, digits, "%");
+}
+
+/** "1 seed", "2 seeds" */
+export function plural(count: number, one: string, several = `${one}s`): string {
+  return `${formatCount(count)} ${count === 1 ? one : several}`;
+}
+
+/** "−12.3 4.0 806.0" */
 export function formatPoint(point: Vec3): string {
+  return point.map((c) => formatFixed(c, 1)).join(" ");
+}
+
+/** The same for programs: "-12.3 4.0 806.0". */
+export function plainPoint(point: Vec3): string {
   return point.map((c) => c.toFixed(1)).join(" ");
 }
 
@@ -25,41 +54,40 @@ export function groupDigits(text: string): string {
   return text.replace(/(?<![\d.])\d{4,}/g, (digits) => formatCount(Number(digits)));
 }
 
-/** A value of the scan with at most six digits. */
-export function formatValue(value: number): string {
-  return Number(value.toPrecision(6)).toString();
+/** A value of the scan with at most six digits, and its unit. */
+export function formatValue(value: number, unit = ""): string {
+  return `${withTrueMinus(Number(value.toPrecision(6)).toString())}${afterNumber(unit)}`;
 }
 
 /** A value on a scale of some span, with the digits that a 500th of the span needs. */
 export function formatWithin(value: number, span: number): string {
   const digits = Math.ceil(Math.log10(500 / Math.max(span, 1e-12)));
-  return value.toFixed(Math.min(Math.max(digits, 0), 9));
+  return formatFixed(value, Math.min(Math.max(digits, 0), 9));
 }
 
 /** A volume [mm³] in three digits or whole: "36.2 mm³", "12.3 ml"; as the engine's `volume_text`. */
 export function formatVolume(volume: number): string {
   if (Math.abs(volume) < 999.5) {
-    return `${String(Number(volume.toPrecision(3)))} mm³`;
+    return `${String(Number(volume.toPrecision(3)))}${afterNumber("mm³")}`;
   }
   const ml = volume / 1000;
-  return Math.abs(ml) >= 99.95 ? `${formatCount(ml)} ml` : `${ml.toPrecision(3)} ml`;
+  return `${Math.abs(ml) >= 99.95 ? formatCount(ml) : ml.toPrecision(3)}${afterNumber("ml")}`;
 }
 
 /** "0.90 × 0.90 × 2.50 mm" */
 export function formatSpacing(spacing: Vec3): string {
-  return `${spacing.map((s) => Number(s.toFixed(3)).toString()).join(" × ")} mm`;
+  return `${spacing.map((s) => Number(s.toFixed(3)).toString()).join(" × ")}${afterNumber("mm")}`;
 }
 
 export function formatBytes(bytes: number): string {
   const mega = bytes / 2 ** 20;
-  return mega >= 1024 ? `${(mega / 1024).toFixed(1)} GiB` : `${mega.toFixed(0)} MiB`;
+  return mega >= 1024 ? formatFixed(mega / 1024, 1, "GiB") : formatFixed(mega, 0, "MiB");
 }
 
-/** "20 November 2026, 16:34": a moment of ISO 8601, in the time of day that it names. */
+/** "2000-01-01, 16:34": a moment of ISO 8601, in the time of day that it names. */
 export function formatMoment(iso: string): string {
-  const [, year, month, day, time] = /^(\d{4})-(\d\d)-(\d\d)T(\d\d:\d\d)/.exec(iso) ?? [];
-  const name = months[Number(month) - 1];
-  return year === undefined || name === undefined ? iso : `${String(Number(day))} ${name} ${year}, ${time ?? ""}`;
+  const [, date, time] = /^(\d{4}-\d\d-\d\d)T(\d\d:\d\d)/.exec(iso) ?? [];
+  return date === undefined || time === undefined ? iso : `${date}, ${time}`;
 }
 
 /** "0:07", "12:34" */
@@ -71,14 +99,24 @@ export function formatSeconds(seconds: number): string {
 /** "L 12.3  P 4.0  S 806.0 mm": a point by the directions of the body, by the scan's axes where those are not known. */
 export function formatPlace([x, y, z]: Vec3, known: boolean): string {
   if (!known) {
-    return `x ${x.toFixed(1)}  y ${y.toFixed(1)}  z ${z.toFixed(1)} mm`;
+    return `x ${formatFixed(x, 1)}  y ${formatFixed(y, 1)}  z ${formatFixed(z, 1, "mm")}`;
   }
   const along = (value: number, positive: string, negative: string): string =>
     `${value < 0 ? negative : positive} ${Math.abs(value).toFixed(1)}`;
-  return `${along(x, "L", "R")}  ${along(y, "P", "A")}  ${along(z, "S", "I")} mm`;
+  return `${along(x, "L", "R")}  ${along(y, "P", "A")}  ${along(z, "S", "I")}${afterNumber("mm")}`;
 }
 
 /** The same with a capital. */
 export function capitalised(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/** The engine's sentences begin small, as on the command line; a file's name stays as it is. */
+export function begunLarge(text: string): string {
+  return /^[a-z]+(?=[\s,;:]|$)/.test(text) ? capitalised(text) : text;
+}
+
+/** A sentence of the engine, which has no point at its end, as people write it. */
+export function asSentence(text: string): string {
+  return begunLarge(/[.!?…]$/.test(text) ? text : `${text}.`);
 }

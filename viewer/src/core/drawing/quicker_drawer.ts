@@ -6,6 +6,7 @@
  * is timed beside, once its programs are made; nothing waits for that. Whoever does not draw must be much quicker to
  * take over, so that the choice does not go back and forth.
  */
+import { formatFixed } from "../base/format";
 
 export type Drawer = "browser" | "engine";
 
@@ -96,5 +97,5 @@ export class QuickerDrawer {
 /** A time as people read it. */
 function told(milliseconds: number): string {
   const rounded = 10 * Math.round(milliseconds / 10);
-  return rounded < 1000 ? `${String(rounded)} ms` : `${(milliseconds / 1000).toFixed(1)} s`;
+  return rounded < 1000 ? formatFixed(rounded, 0, "ms") : formatFixed(milliseconds / 1000, 1, "s");
 }

@@ -87,7 +87,7 @@ export function percentOf(value: number, { reference }: Pick<Isolines, "referenc
 
 /** "95 %  13.95 Gy"; digits fit the reference, which is 100 %. */
 export function isolineText({ percent, value }: Isoline, unit: string): string {
-  return `${formatValue(percent)} %  ${formatWithin(value, (100 * value) / percent)}${unit}`;
+  return `${formatValue(percent, "%")}  ${formatWithin(value, (100 * value) / percent)}${unit}`;
 }
 
 export function isReference(value: unknown): value is number {

@@ -3,7 +3,7 @@
  * Points of the first scan are scene [mm], those of the second its own patient [mm].
  */
 import { invertAffine, transformPoint, type Affine } from "../geometry/affine";
-import { capitalised } from "../base/format";
+import { capitalised, formatFixed, formatPercent, formatValue } from "../base/format";
 import type { Mark } from "../marks/measure";
 import type {
   FoundRegistration,
@@ -23,11 +23,11 @@ interface Choice<T> {
 
 export const kinds: readonly Choice<RegistrationKind>[] = [
   { name: "rigid", label: "rigid: turn and shift", says: "The same bones at another time, or by another scanner" },
-  { name: "affine", label: "affine: scale and shear too", says: "Begins rigid; for scans whose sizes differ" },
+  { name: "affine", label: "affine: scale and shear too", says: "Starts rigid; for scans whose sizes differ" },
   {
     name: "bspline",
     label: "B-spline: bent as well",
-    says: "Begins affine; for what breathes or gives way. The scan is then laid on the first one's grid",
+    says: "Starts affine; for what breathes or gives way. The scan is then laid on the first one's grid",
   },
 ];
 
@@ -43,11 +43,11 @@ export const metrics: readonly Choice<RegistrationMetric>[] = [
 ];
 
 export const starts: readonly Choice<RegistrationStart>[] = [
-  { name: "as-it-stands", label: "as it stands", says: "Where the second scan is seen now" },
-  { name: "centre", label: "middles of both grids", says: "Middle on middle, unturned" },
+  { name: "as-it-stands", label: "current position", says: "Where the second scan is seen now" },
+  { name: "centre", label: "centres of both grids", says: "Centre on centre, not turned" },
   {
     name: "moments",
-    label: "middles of what is bright",
+    label: "centres of mass",
     says: "Where scans show different parts around the same body",
   },
   { name: "landmarks", label: "pairs of points", says: "Three or more places that are seen in both" },
@@ -116,12 +116,12 @@ export function saidOf({
 }: FoundRegistration): readonly [string, string] {
   const name = metrics.find((choice) => choice.name === metric)?.label ?? metric;
   const change = `${capitalised(name)} ${number(before)} → ${number(after)}, less is better`;
-  const share = (part: number): string => `${(100 * part).toFixed(0)} %`;
   const kept = start_kept ? " It lay right already and is kept." : "";
-  const alike = `${change}; ${share(overlap)} of the first scan covered, ${share(overlap_before)} at the start.${kept}`;
-  return [alike, `Points moved by ${moved_mean.toFixed(1)} mm, at most ${moved_most.toFixed(1)} mm.`];
+  const covered = `${formatPercent(overlap)} of the first scan covered, ${formatPercent(overlap_before)} at the start`;
+  const alike = `${change}; ${covered}.${kept}`;
+  return [alike, `Points moved by ${formatFixed(moved_mean, 1, "mm")}, at most ${formatFixed(moved_most, 1, "mm")}.`];
 }
 
 function number(value: number): string {
-  return Number(value.toPrecision(3)).toString().replace("-", "−");
+  return formatValue(Number(value.toPrecision(3)));
 }

@@ -36,7 +36,7 @@ type Choices<Value> = readonly [Choice<Value>, ...Choice<Value>[]];
 
 /** How the stiffness of particles follows from the material. */
 export const calibrations: Choices<Calibration> = [
-  { value: "young", name: "E", title: "Compressed along an axis, matter is as stiff as its E; usual" },
+  { value: "young", name: "E", title: "Compressed along an axis, tissue is as stiff as its E; usual" },
   {
     value: "wave-speed",
     name: "Waves",
@@ -73,11 +73,6 @@ export function areUsual(options: ModelOptions): boolean {
 /** What fades with this share of the force; null where none does. The time stays as it is. */
 export function fadingBy(share: number, prony: Prony | null): Prony | null {
   return share > 0 ? { share, time: prony?.time ?? usualFadingTime } : null;
-}
-
-/** "30 %" */
-export function formatShare(share: number): string {
-  return `${(100 * share).toFixed(0)} %`;
 }
 
 /** Reads options that were kept, for a model; what it does not offer is left out. */

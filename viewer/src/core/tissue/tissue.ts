@@ -2,7 +2,7 @@
  * What segments are made of and by which model they give way, as the page offers it: names, and
  * ranges of the controls. Moduli [Pa].
  */
-import { capitalised } from "../base/format";
+import { afterNumber, capitalised } from "../base/format";
 import { described, writtenConstants } from "./tissue_constants";
 import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, SegmentMaterial } from "../protocol";
 
@@ -47,7 +47,7 @@ export function formatModulus(pascal: number): string {
       [1e3, "kPa"],
     ] as const
   ).find(([size]) => pascal >= 0.9995 * size) ?? [1, "Pa"];
-  return `${(pascal / unit).toPrecision(3)} ${name}`;
+  return `${(pascal / unit).toPrecision(3)}${afterNumber(name)}`;
 }
 
 /** Constants that do not follow HU; null where they do. */

@@ -2,6 +2,7 @@
  * Constants of tissue as a person reads and types them: names, units, what is allowed, and why
  * something else is refused.
  */
+import { afterNumber } from "../base/format";
 import type { Constants } from "../protocol";
 
 /** How one constant is written. */
@@ -48,7 +49,7 @@ export const writtenConstants: readonly WrittenConstant[] = [
     key: "density",
     label: "Density ρ",
     title:
-      "Mass by volume: kept with the material. No model reads it: matter is brought to rest, where mass counts for " +
+      "Mass by volume: kept with the material. No model reads it: tissue is brought to rest, where mass counts for " +
       "nothing",
     unit: "g/cm³",
     scale: 1000,
@@ -112,9 +113,9 @@ export function typed(
     // 34 % is 0.34 and not 0.34 and a little
     return { constants: { ...constants, [key]: Number((value * scale).toPrecision(12)) } };
   }
-  const given = text.trim() === "" ? "no number" : text.trim();
-  const allowed = `${grouped(min)} to ${grouped(max)}${unit === "" ? "" : ` ${unit}`}`;
-  return { refused: `${label}: ${given} given; allowed: ${allowed}${none === null ? "" : `, nothing for ${none}`}` };
+  const entered = text.trim() === "" ? "no number was entered" : `it cannot be ${text.trim()}`;
+  const range = `${grouped(min)} to ${grouped(max)}${afterNumber(unit)}`;
+  return { refused: `${label}: ${entered}. Enter ${range}${none === null ? "" : `, or nothing for ${none}`}.` };
 }
 
 /** "1.06 g/cm³", "0.45", "never" */
@@ -122,7 +123,7 @@ export function described(constant: WrittenConstant, constants: Constants): stri
   const text = written(constant, constants);
   return text === ""
     ? (constant.none ?? "")
-    : `${grouped(Number(text))}${constant.unit === "" ? "" : ` ${constant.unit}`}`;
+    : `${grouped(Number(text))}${afterNumber(constant.unit)}`;
 }
 
 /** With six digits at most, and no exponent. */
@@ -134,5 +135,6 @@ function plain(value: number): string {
 /** Thin spaces between groups of three digits before the point. */
 function grouped(value: number): string {
   const [whole = "", rest] = plain(value).split(".");
-  return [whole.replace(/\B(?=(\d{3})+$)/g, "\u2009"), ...(rest === undefined ? [] : [rest])].join(".");
+  const shown = whole.replace("-", "\u2212").replace(/\B(?=(\d{3})+$)/g, "\u2009");
+  return [shown, ...(rest === undefined ? [] : [rest])].join(".");
 }

@@ -5,7 +5,7 @@ import type { MatterRegion, SegmentId, Treatment } from "../protocol";
 
 export const treatments: readonly { readonly value: Treatment; readonly name: string; readonly title: string }[] = [
   { value: "deformable", name: "Gives way", title: "It gives way, as its material says" },
-  { value: "rigid", name: "Rigid", title: "It stays where it is, and holds what hangs on it" },
+  { value: "rigid", name: "Hard", title: "It stays where it is, and holds what hangs on it" },
   { value: "empty", name: "Empty", title: "The model does as if it were not there" },
 ];
 
@@ -41,7 +41,7 @@ export function withShared(
     : [...regions, { treatment, shared_with: other, box: null }];
 }
 
-/** "rigid, but gives way where Lesion is"; null where all of it gives way. */
+/** "hard, but gives way where Lesion is"; null where all of it gives way. */
 export function describeRegions(regions: readonly MatterRegion[], nameOf: (id: SegmentId) => string): string | null {
   const whole = wholeOf(regions);
   const parts = partsOf(regions).map(
@@ -53,7 +53,7 @@ export function describeRegions(regions: readonly MatterRegion[], nameOf: (id: S
 }
 
 function word(treatment: Treatment): string {
-  return { deformable: "gives way", rigid: "rigid", empty: "as if empty" }[treatment];
+  return { deformable: "gives way", rigid: "hard", empty: "as if empty" }[treatment];
 }
 
 function isPart({ shared_with, box }: MatterRegion): boolean {

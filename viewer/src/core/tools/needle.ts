@@ -2,6 +2,7 @@
  * Needles: how thick they are, what each segment is to them, and how what happened is described.
  * Lengths [mm], forces [N].
  */
+import { formatFixed } from "../base/format";
 import type { NeedleEvent, Segment, TissueName } from "../protocol";
 
 /** What a segment is to a needle: a tissue that it goes into, or hard. */
@@ -43,11 +44,11 @@ export function tellEvent(event: NeedleEvent, segments: readonly Pick<Segment, "
   const name = segments.find(({ id }) => id === event.segment)?.name ?? "";
   switch (event.kind) {
     case "punctured":
-      return `punctured ${name}, ${event.force.toFixed(2)} N at ${event.depth.toFixed(1)} mm`;
+      return `punctured ${name}, ${formatFixed(event.force, 2, "N")} at ${formatFixed(event.depth, 1, "mm")}`;
     case "crossed":
-      return `${name === "" ? "out of all" : `into ${name}`} at ${event.depth.toFixed(1)} mm`;
+      return `${name === "" ? "out of all" : `into ${name}`} at ${formatFixed(event.depth, 1, "mm")}`;
     case "stopped":
-      return `stopped by ${name} at ${event.depth.toFixed(1)} mm`;
+      return `stopped by ${name} at ${formatFixed(event.depth, 1, "mm")}`;
     case "withdrawn":
       return "withdrawn";
   }

@@ -2,6 +2,7 @@
  * What drilling strokes have done: volume, time at work and energy as the engine counts them, and from its samples of
  * force and the probe's places the forces and the path. Lengths [mm], volume [mm³], time [s], force [N], energy [mJ].
  */
+import { formatFixed } from "../base/format";
 import { distance, type Vec3 } from "../geometry/vector";
 import type { State } from "../protocol";
 
@@ -119,5 +120,5 @@ export function strokesTable(reports: readonly StrokeReport[]): string {
 
 /** "820 mJ", "12.4 J" */
 export function formatEnergy(energy: number): string {
-  return energy < 1000 ? `${energy.toFixed(0)} mJ` : `${(energy / 1000).toFixed(1)} J`;
+  return energy < 1000 ? formatFixed(energy, 0, "mJ") : formatFixed(energy / 1000, 1, "J");
 }

@@ -5,9 +5,16 @@
  */
 import type { Camera } from "../geometry/camera";
 import type { State, ToolKind } from "../protocol";
-import type { NeedleLine } from "./needle_track";
 import type { NeedlePlan } from "./needle_plan";
 import { add, length, normalize, scale, type Vec3 } from "../geometry/vector";
+
+/** The line that a needle goes in along: in tissue its tip stays on it. Scene [mm]. */
+export interface NeedleLine {
+  /** Where it went in. */
+  readonly entry: Vec3;
+  /** Inward, of length 1. */
+  readonly direction: Vec3;
+}
 
 interface Rod {
   readonly radius: number;
@@ -22,12 +29,6 @@ export interface ToolLine {
   /** Where a needle went in; null of other tools and outside. */
   readonly entry: Vec3 | null;
   /** Target and entry that were planned; null without a plan. */
-  readonly plan: NeedlePlan | null;
-}
-
-/** What is known of a needle: its line in tissue, and the one that was planned. */
-export interface GuidedNeedle {
-  readonly line: NeedleLine | null;
   readonly plan: NeedlePlan | null;
 }
 
@@ -59,11 +60,19 @@ export function rodsOf(kind: ToolKind, radius: number): Pick<ToolLine, "shaft" |
   }
 }
 
-/** The line of the tool in the hand, as it stands before this camera; null of one that is a ball alone. */
+/** The line of a needle in tissue; null of other tools and outside. */
+export function needleLine({ tool, needle }: Pick<State, "tool" | "needle">): NeedleLine | null {
+  return tool.kind === "needle" && needle.inside ? needle : null;
+}
+
+/**
+ * The line of the tool in the hand, as it stands before this camera; null of one that is a ball alone.
+ * @param plan of a needle.
+ */
 export function toolLine(
   state: Pick<State, "tool" | "needle" | "force" | "contact">,
   camera: Pick<Camera, "right" | "up" | "back">,
-  needle: GuidedNeedle,
+  plan: NeedlePlan | null,
 ): ToolLine | null {
   const { kind, radius } = state.tool;
   const rods = rodsOf(kind, radius);
@@ -71,8 +80,8 @@ export function toolLine(
     return null;
   }
   const isNeedle = kind === "needle";
-  const inside = isNeedle && state.needle.inside ? needle.line : null;
+  const inside = needleLine(state);
   const pushed = isNeedle && state.contact ? againstPush(state.force) : null;
   const axis = inside === null ? (pushed ?? towardHand(camera)) : scale(inside.direction, -1);
-  return { ...rods, axis, entry: inside?.entry ?? null, plan: isNeedle ? needle.plan : null };
+  return { ...rods, axis, entry: inside?.entry ?? null, plan: isNeedle ? plan : null };
 }

@@ -2,6 +2,7 @@
  * Tools that change voxels with the probe: what a person can choose, and what follows from it.
  * Lengths [mm], volumes [mm³], times [s], power [mW].
  */
+import { formatFixed } from "../base/format";
 import type { Segment, ToolKind, ToolState } from "../protocol";
 import type { Vec3 } from "../geometry/vector";
 
@@ -20,7 +21,7 @@ export const toolChoices: readonly ToolChoice[] = [
   { kind: "eraser", name: "Eraser", key: "e", does: "takes voxels out of a segment" },
   { kind: "adder", name: "Adder", key: "a", does: "adds voxels to a segment" },
   { kind: "painter", name: "Paint", key: "w", does: "gives what you touch to a segment" },
-  { kind: "drill", name: "Drill", key: "d", does: "removes matter by the work of your hand" },
+  { kind: "drill", name: "Drill", key: "d", does: "removes tissue by the work of your hand" },
   { kind: "needle", name: "Needle", key: "i", does: "goes into tissue where you push" },
 ];
 
@@ -108,7 +109,7 @@ export function segmentsOf(
 
 /** "840 mW", "6.0 W" */
 export function formatLoad(load: number): string {
-  return load < 1000 ? `${load.toFixed(0)} mW` : `${(load / 1000).toFixed(1)} W`;
+  return load < 1000 ? formatFixed(load, 0, "mW") : formatFixed(load / 1000, 1, "W");
 }
 
 /** The share of a load that a bar shows; full at what pressing firmly gives, 0..1. */

@@ -6,7 +6,7 @@
  * a guarantee was broken since the start; nothing turns it green again but a new start. What
  * an engine told that no longer answers is amber too: nobody knows what holds now.
  */
-import { formatCount } from "../base/format";
+import { formatCount, plural } from "../base/format";
 import type { Safety, Segment, Settings } from "../protocol";
 
 export type LightColour = "green" | "amber" | "red";
@@ -62,13 +62,13 @@ export function lightOf(safety: Safety, model: Settings["model"], isOld = false)
   const counts = countsOf(safety);
   if (safety.violations > 0) {
     const times = safety.violations === 1 ? "once" : `${formatCount(safety.violations)} times`;
-    const short = safety.violations === 1 ? "1 violation" : `${formatCount(safety.violations)} violations`;
+    const short = plural(safety.violations, "failed check");
     const cause = model === "exact" ? "This is a fault of Palpate: please record and report it." : printedModel;
     return {
       colour: "red",
       short,
       meaning:
-        `A guarantee of touch was broken ${times} since the start: the probe was inside of something solid, or a ` +
+        `A force check failed ${times} since the start: the probe was inside of something solid, or a ` +
         `force was wrong. ${cause}`,
       counts,
     };
@@ -84,20 +84,20 @@ export function lightOf(safety: Safety, model: Settings["model"], isOld = false)
     model === "exact"
       ? "Each tick was looked at: the probe was never inside of anything solid, no force pulled into it, none was " +
         "without contact, and none that was sent was over the limit."
-      : `No guarantee was broken so far. ${printedModel}`;
-  return { colour: "green", short: "guarantees ok", meaning, counts };
+      : `No force check has failed so far. ${printedModel}`;
+  return { colour: "green", short: "Force checks passed", meaning, counts };
 }
 
 const silent = {
-  short: "not answering",
+  short: "Not answering",
   meaning: "Palpate does not answer: force, contact and counts are the last that are known.",
 };
 
-const printedModel = "The thesis' models, as printed, promise none; “exact” does.";
+const printedModel = "The thesis' models, as printed, promise nothing; “exact” passes all of them.";
 
 function countsOf(safety: Safety): readonly Count[] {
   return [
-    { name: "Violations", meaning: "guarantees broken", count: safety.violations },
+    { name: "Violations", meaning: "force checks that failed", count: safety.violations },
     { name: "Clamped", meaning: "forces cut to the limit", count: safety.clamped },
     { name: "Slewed", meaning: "forces that rose too fast and were slowed", count: safety.slewed },
     { name: "Damped", meaning: "forces damped to keep the device calm", count: safety.damped },
@@ -117,5 +117,5 @@ export function pendingLines(segments: readonly Segment[], pending: number): rea
     return named;
   }
   const more = named.length > 0 ? "more " : "";
-  return [...named, others === 1 ? `1 ${more}change` : `${formatCount(others)} ${more}changes`];
+  return [...named, plural(others, `${more}change`)];
 }

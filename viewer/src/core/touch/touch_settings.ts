@@ -2,6 +2,7 @@
  * What a person can set about touch: the ranges of the controls, what the choices mean, and
  * what of it outlives a visit. Stiffness [N/mm], damping [N·s/mm], radius [mm], force [N].
  */
+import { formatFixed } from "../base/format";
 import type { DeviceLimits, Feel, Segment, Settings } from "../protocol";
 
 type NumberSetting =
@@ -67,7 +68,7 @@ const noDifference = 0.05;
 
 /** What to say of a radius that is smaller than the one asked for; none where it is not. */
 export function heldRadiusNote(asked: number, admitted: number): string | null {
-  return asked - admitted < noDifference ? null : `held at ${admitted.toFixed(1)} mm: no room here`;
+  return asked - admitted < noDifference ? null : `held at ${formatFixed(admitted, 1, "mm")}: no room here`;
 }
 
 export interface ModelChoice {
@@ -95,9 +96,9 @@ export const modelChoices: readonly ModelChoice[] = [
 
 /** Where the force comes from, as it is offered. */
 export const smoothingChoices: readonly { readonly smoothing: Settings["smoothing"]; readonly name: string }[] = [
-  { smoothing: "intensities", name: "smooth" },
-  { smoothing: "bits", name: "mask" },
-  { smoothing: "off", name: "stairs" },
+  { smoothing: "intensities", name: "Smooth (image)" },
+  { smoothing: "bits", name: "Smooth (mask)" },
+  { smoothing: "off", name: "Voxel steps" },
 ];
 
 // --- what outlives a visit --------------------------------------------------------------

@@ -104,7 +104,7 @@ function materialOf(segment: Segment | null, { matter }: TouchedState): string |
   const { material } = segment;
   // without a model all is hard, whatever it is made of
   if (material === null || matter.model === null) {
-    return "rigid";
+    return "hard";
   }
   return material.preset === null ? "own material" : presetName(material.preset).toLowerCase();
 }
@@ -122,7 +122,7 @@ function valueBehind(
 }
 
 function valueText(value: number | null, scan: Told): string | null {
-  return value === null ? null : `${formatValue(withoutNoise(value, scan))}${scan.unit === "" ? "" : ` ${scan.unit}`}`;
+  return value === null ? null : formatValue(withoutNoise(value, scan), scan.unit);
 }
 
 function whyFree({ proxy }: TouchedState, { scan, segments, places, clip = [] }: About): string {

@@ -580,6 +580,11 @@ export class Picture {
     return this.byEngine ? this.engine.pictures.count : this.refiner.drawnPieces;
   }
 
+  /** Slices that were drawn. */
+  get drawnSlices(): number {
+    return this.slices.drawn;
+  }
+
   /**
    * Numbers of the engine's pictures: of the last request, of the one on display, turned or not, and how many turned
    * ones were drawn; null where the browser draws.

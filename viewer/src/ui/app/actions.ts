@@ -2,6 +2,7 @@
  * All that a person can have the page do by a key or by its name: one table, which the keyboard, the
  * help and the palette of commands share.
  */
+import { formatValue } from "../../core/base/format";
 import { letters, sideName } from "../../core/geometry/anatomy";
 import { presets } from "../../core/appearance/curve_presets";
 import { blendNames, qualityNames, stereoNames } from "../../core/appearance/picture_names";
@@ -12,7 +13,7 @@ import { stereoModes } from "../../core/view/stereo";
 import { toolChoices } from "../../core/tools/tools";
 import { larger, stiffer } from "../../core/touch/touch_settings";
 import type { Vec3 } from "../../core/geometry/vector";
-import { windowPresets } from "../../core/appearance/window_level";
+import { layoutNames, layouts } from "../../core/view/picture_layout";
 import { formats, type Exporter } from "../features/scan/exporter.svelte";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import { anatomy } from "../features/appearance/appearance_control.svelte";
@@ -35,6 +36,8 @@ export interface Action {
   readonly end?: () => void;
   /** Whether a key that is held does it again and again, as a step. */
   readonly repeats?: boolean;
+  /** Its keys mean it only while the mouse or the keyboard is at a slice; there before what they mean elsewhere. */
+  readonly overSlice?: boolean;
   /** Whether it means something now; always where it is left out. */
   readonly ready?: () => boolean;
 }
@@ -203,24 +206,43 @@ function slices({ session, stage }: ActionTargets): readonly Action[] {
   const known = session.scan?.orientation_known ?? true;
   return [
     { group, name: "3-D view alone, with a slice, with three", keys: ["L"], run: () => { stage.slices.nextLayout(); } },
-    { group, name: "3-D view alone", keys: [], run: () => { stage.slices.change({ layout: "view" }); } },
-    { group, name: "3-D view with a slice", keys: [], run: () => { stage.slices.change({ layout: "slice" }); } },
-    { group, name: "3-D view with three slices", keys: [], run: () => { stage.slices.change({ layout: "four" }); } },
+    ...layouts.map((layout) => ({
+      group,
+      name: layoutNames[layout],
+      keys: [],
+      run: () => { stage.slices.change({ layout }); },
+    }) as const),
+    {
+      group,
+      name: "Maximise the pane under the mouse, and back",
+      keys: ["Shift+F"],
+      run: () => { stage.slices.toggleAlone(stage.slices.underKeys ?? "view"); },
+    },
     ...sliceNames.map((single) => ({
       group,
       name: single === "oblique" ? "Oblique slice, along the view" : `Slice: ${sliceTitle(single, known)}`,
       keys: [],
       run: () => { stage.slices.change({ layout: "slice", single }); },
     }) as const),
-    ...windowPresets.map(({ name, window, level }) => ({
-      group,
-      name: `Window ${name} ${String(window)} / ${String(level)}`,
-      keys: [],
-      ready: () => session.scan?.unit === "HU",
-      run: () => { stage.slices.setWindow({ window, level }); },
-    }) as const),
+    ...windows(stage),
     { group, name: "Show all of each slice", keys: [], run: () => { stage.slices.fit(); } },
   ];
+}
+
+/** Windows on the digits, over a slice: one for each, so that none means anything else there. */
+function windows({ slices }: Stage): readonly Action[] {
+  return [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => {
+    const preset = slices.presets[digit - 1];
+    const figures = preset === undefined ? "" : `${formatValue(preset.window)} / ${formatValue(preset.level)}`;
+    return {
+      group: "Slices",
+      name: preset === undefined ? `Window ${String(digit)}: none` : `Window ${preset.name} ${figures}`,
+      keys: [String(digit)],
+      overSlice: true,
+      ready: () => preset !== undefined,
+      run: () => { slices.usePreset(digit - 1); },
+    };
+  });
 }
 
 /** What the mouse leads, and how touch feels. */
@@ -274,7 +296,7 @@ function feel({ session, hand }: ActionTargets): readonly Action[] {
     },
     {
       group,
-      name: "Smooth surface, or the voxels' stairs",
+      name: "Smooth surface, or voxel steps",
       keys: ["V"],
       ready,
       run: change(({ smoothing }) => ({ smoothing: smoothing === "off" ? "intensities" : "off" })),
@@ -322,7 +344,7 @@ function touch({ session, stage, hand, page }: ActionTargets): readonly Action[]
     { group, name: "Turn what is grabbed to the left", keys: [","], repeats: true, ready: holds, run: turn(1) },
     { group, name: "Turn what is grabbed to the right", keys: ["."], repeats: true, ready: holds, run: turn(-1) },
     { group, name: "Sound of contact on, off", keys: ["S"], run: page.sound },
-    { group, name: "The guarantees: what is counted, what waits", keys: ["Shift+G"], run: page.guarantees },
+    { group, name: "Force checks: what is counted, what waits", keys: ["Shift+G"], run: page.guarantees },
     { group, name: "Record touch, stop recording", keys: ["Shift+R"], run: () => { session.toggleRecording(); } },
   ];
 }
@@ -374,6 +396,15 @@ function marks({ session, stage }: ActionTargets): readonly Action[] {
     { group, name: "Mark a point", keys: ["B"], run: () => { stage.marks.start("point"); } },
     { group, name: "Measure a distance", keys: ["M"], run: () => { stage.marks.start("distance"); } },
     { group, name: "Measure an angle", keys: ["Shift+M"], run: () => { stage.marks.start("angle"); } },
+    ...([["ellipse", "U"], ["rectangle", "Shift+U"]] as const).map(([kind, key]) => ({
+      group,
+      name: `Draw an area in a slice: ${kind}`,
+      keys: [key],
+      run: () => {
+        stage.marks.start(kind);
+        stage.slices.reveal();
+      },
+    }) as const),
     {
       group,
       name: "Plan a needle path: target, then entry",

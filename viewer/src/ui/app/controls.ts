@@ -3,6 +3,7 @@
  */
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import { AppearanceControl } from "../features/appearance/appearance_control.svelte";
+import { AreaMeasures } from "../features/marks/area_measures.svelte";
 import { MarkControl } from "../features/marks/mark_control.svelte";
 import { Readout } from "../features/picking/readout.svelte";
 import { EditRateControl } from "../features/scan/edit_rate_control.svelte";
@@ -76,6 +77,8 @@ interface ViewControls {
   readonly editRate: EditRateControl;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
+  /** Values in the areas among them. */
+  readonly areas: AreaMeasures;
   /** What was clicked last: what it is, where, and its value. */
   readonly readout: Readout;
 }
@@ -119,10 +122,11 @@ function undoControls({ session }: Surroundings): UndoControls {
   return { steps, engineSteps };
 }
 
-function viewControls({ session, support }: Surroundings, { steps }: UndoControls): ViewControls {
+function viewControls({ session, support, token }: Surroundings, { steps }: UndoControls): ViewControls {
   const view = new ViewControl(session);
   const slices = new SliceControl(steps, () => view.camera);
   const clips = new ClipControl(steps);
+  const marks = new MarkControl(steps);
   return {
     view,
     slices,
@@ -134,7 +138,8 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
     appearance: new AppearanceControl(steps),
     removal: new RemovalControl(session),
     editRate: new EditRateControl(session),
-    marks: new MarkControl(steps),
+    marks,
+    areas: new AreaMeasures(session, marks, token),
     readout: new Readout(),
   };
 }
@@ -157,7 +162,7 @@ function segmentControls({ session, token }: Surroundings, { steps }: UndoContro
 
 function touchControls({ session, support }: Surroundings, { marks }: ViewControls): TouchControls {
   const player = new Player(session);
-  const needle = new NeedleGuide(session, marks);
+  const needle = new NeedleGuide(marks);
   const strokes = new DrillStrokes(session);
   return { player, touch: new TouchMarkers(session, { player, needle }, support.software), needle, strokes };
 }

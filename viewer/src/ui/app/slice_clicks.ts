@@ -9,6 +9,9 @@ export function sliceClicks({ growing, marks, picker, readout, registration }: S
     get marking() {
       return marks.placing !== null || registration.placing !== null;
     },
+    get area() {
+      return marks.drawsArea ? marks : null;
+    },
     get growing() {
       return growing.armed;
     },

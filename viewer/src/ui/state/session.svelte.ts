@@ -1,6 +1,7 @@
 /**
  * What the page knows of the engine: scan, segments, settings, and what is now.
  */
+import { asSentence } from "../../core/base/format";
 import { ForceHistory } from "../../core/touch/force_history";
 import { decodeParticles, type ModelParticles } from "../../core/tissue/particles";
 import { newThreshold } from "../../core/segments/new_threshold";
@@ -288,8 +289,9 @@ export class Session {
   }
 
   /** Shows a sentence for a while. */
-  notify(level: Notice["level"], text: string): void {
+  notify(level: Notice["level"], told: string): void {
     const id = ++this.noticeCount;
+    const text = asSentence(told);
     this.notices = [...this.notices.filter((notice) => notice.text !== text), { id, level, text }].slice(-4);
     setTimeout(() => {
       this.dismiss(id);

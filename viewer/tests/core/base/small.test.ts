@@ -2,7 +2,13 @@ import { expect, test } from "vitest";
 import { contentHull } from "../../../src/core/scan/content_hull";
 import { firstView, extentOf } from "../../../src/core/geometry/camera";
 import {
+  asSentence,
   formatBytes,
+  formatFixed,
+  formatPercent,
+  formatPlace,
+  plainPoint,
+  plural,
   formatCount,
   formatVolume,
   formatPoint,
@@ -96,22 +102,43 @@ test("the hand follows the view's axes and stays within reach of the probe", () 
 });
 
 test("numbers are written with units and a fixed number of digits", () => {
-  expect(formatPoint([-12.345, 4, 806.06])).toBe("-12.3 4.0 806.1");
+  expect(formatPoint([-12.345, 4, 806.06])).toBe("−12.3 4.0 806.1");
   expect(formatCount(1234567)).toBe("1\u2009234\u2009567");
   expect([0, 0.0125, 1, 36.24, 999.4, 999.7, 1000, 12_345, 99_960, 2_054_400].map(formatVolume)).toEqual([
-    "0 mm³", "0.0125 mm³", "1 mm³", "36.2 mm³", "999 mm³",
-    "1.00 ml", "1.00 ml", "12.3 ml", "100 ml", "2\u2009054 ml",
+    "0\u202fmm³", "0.0125\u202fmm³", "1\u202fmm³", "36.2\u202fmm³", "999\u202fmm³",
+    "1.00\u202fml", "1.00\u202fml", "12.3\u202fml", "100\u202fml", "2\u2009054\u202fml",
   ]);
-  expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5 mm");
+  expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5\u202fmm");
   expect(formatValue(3071)).toBe("3071");
   expect(formatValue(1288.3400000001)).toBe("1288.34");
+  expect(formatValue(-1024, "HU")).toBe("−1024\u202fHU");
+  expect(formatFixed(-0.4, 1)).toBe("−0.4");
+  expect(formatPercent(0.05)).toBe("5\u202f%");
+  expect(formatPlace([1, -2, -3], false)).toBe("x 1.0  y −2.0  z −3.0\u202fmm");
+  expect([plainPoint([-1, 0, 2])]).toEqual(["-1.0 0.0 2.0"]);
   // a 500th of the span shows
-  expect(formatWithin(-512.4, 4000)).toBe("-512");
+  expect(formatWithin(-512.4, 4000)).toBe("−512");
   expect(formatWithin(4.4, 14.68)).toBe("4.40");
   expect(formatWithin(0.00071, 0.003)).toBe("0.000710");
   expect([0, 7.99, 61, 754].map(formatSeconds)).toEqual(["0:00", "0:07", "1:01", "12:34"]);
-  expect(formatBytes(15 * 2 ** 20)).toBe("15 MiB");
-  expect(formatBytes(3 * 2 ** 30)).toBe("3.0 GiB");
+  expect(formatBytes(15 * 2 ** 20)).toBe("15\u202fMiB");
+  expect(formatBytes(3 * 2 ** 30)).toBe("3.0\u202fGiB");
+});
+
+test("a sentence of the engine begins large and ends with a point, but for a file's name", () => {
+  const told = ["no scan is open. Open one first", "bone is locked.", "ct.mha is empty", "Saving …"];
+  expect(told.map(asSentence)).toEqual([
+    "No scan is open. Open one first.", "Bone is locked.", "ct.mha is empty.", "Saving …",
+  ]);
+});
+
+test("one of a thing is told in the singular", () => {
+  expect([0, 1, 2, 1234].map((count) => plural(count, "seed"))).toEqual([
+    "0 seeds", "1 seed", "2 seeds", "1\u2009234 seeds",
+  ]);
+  expect([1, 2].map((count) => plural(count, "change waits", "changes wait"))).toEqual([
+    "1 change waits", "2 changes wait",
+  ]);
 });
 
 test("the key at the end of a control's words is told apart, and no other word in brackets", () => {

@@ -15,7 +15,7 @@ test("the engine begins, and as long as it is quick the browser is not looked at
   pass(1e6);
   expect([quicker.drawer, quicker.due]).toEqual(["engine", null]);
   expect(quicker.reason).toBe(
-    "it takes 90 ms for a picture while the view turns, this browser has no graphics card",
+    "it takes 90\u202fms for a picture while the view turns, this browser has no graphics card",
   );
 });
 

@@ -17,7 +17,7 @@ import { addScaled, rotateAbout, type Vec3 } from "../../../src/core/geometry/ve
 
 test("a distance is that of its ends in mm", () => {
   expect(measured({ kind: "distance", points: [[1, 2, 3], [4, 6, 15]] })).toBe(13);
-  expect(formatMeasured({ kind: "distance", points: [[0, 0, 0], [0, 12.34, 0]] })).toBe("12.3 mm");
+  expect(formatMeasured({ kind: "distance", points: [[0, 0, 0], [0, 12.34, 0]] })).toBe("12.3\u202fmm");
   expect(formatMeasured({ kind: "point", points: [[0, 0, 0]] })).toBe("");
   expect(measured({ kind: "distance", points: [[1, 2, 3]] })).toBeNull();
 });
@@ -48,7 +48,7 @@ test("marks are named by their kind, in the numbers that are free, and can be ch
   expect(new Set(marks.map(({ id }) => id)).size).toBe(3);
 
   marks = withPointAt(marks, 1, 1, [0, 3, 4]);
-  expect(marks.map(formatMeasured)).toEqual(["5.0 mm", "90.0°", "2.0 mm"]);
+  expect(marks.map(formatMeasured)).toEqual(["5.0\u202fmm", "90.0°", "2.0\u202fmm"]);
   marks = changedMark(marks, 1, { name: "  width  " });
   marks = changedMark(marks, 3, { name: " ", visible: false });
   expect(marks.map(({ name, visible }) => [name, visible])).toEqual([
@@ -65,9 +65,9 @@ test("the table has a line for each mark, and quotes what needs it", () => {
     { kind: "angle", name: "Angle 1", points: [[1, 0, 0], [0, 0, 0], [0, 1, 0]] },
   ]);
   const [head, point, angle, rest] = marksTable(marks, true).split("\r\n");
-  expect(head?.split(",")).toHaveLength(13);
-  expect(point).toBe('"tip, ""left""",point,,,1.00,2.00,3.00,,,,,,');
-  expect(angle).toBe("Angle 1,angle,90.00,deg,1.00,0.00,0.00,0.00,0.00,0.00,0.00,1.00,0.00");
+  expect(head?.split(",")).toHaveLength(18);
+  expect(point).toBe('"tip, ""left""",point,,,1.00,2.00,3.00,,,,,,,,,,,');
+  expect(angle).toBe("Angle 1,angle,90.00,deg,1.00,0.00,0.00,0.00,0.00,0.00,0.00,1.00,0.00,,,,,");
   expect(rest).toBe("");
   expect(head).toContain("L1 (mm),P1 (mm),S1 (mm)");
   expect(marksTable(marks, false)).toContain("x1 (mm),y1 (mm),z1 (mm)");

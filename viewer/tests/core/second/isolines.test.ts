@@ -38,9 +38,9 @@ test("lines are drawn from the lowest to the highest, at shares of the reference
 
 test("text has the digits of the reference", () => {
   const [lowest] = shownIsolines(dose);
-  expect(lowest && isolineText(lowest, " Gy")).toBe("30 %  4.20 Gy");
+  expect(lowest && isolineText(lowest, " Gy")).toBe("30\u202f%  4.20 Gy");
   const [high] = shownIsolines({ on: true, reference: 6000, levels: [12.5] });
-  expect(high && isolineText(high, "")).toBe("12.5 %  750");
+  expect(high && isolineText(high, "")).toBe("12.5\u202f%  750");
 });
 
 test("a level goes elsewhere, where another is not already, or away", () => {

@@ -57,8 +57,8 @@ test("what was found is said with units", () => {
     moved_most: 51.04,
   } as const;
   expect(saidOf(found)).toEqual([
-    "Correlation −0.412 → −0.988, less is better; 33 % of the first scan covered, 100 % at the start.",
-    "Points moved by 34.9 mm, at most 51.0 mm.",
+    "Correlation −0.412 → −0.988, less is better; 33\u202f% of the first scan covered, 100\u202f% at the start.",
+    "Points moved by 34.9\u202fmm, at most 51.0\u202fmm.",
   ]);
   expect(saidOf({ ...found, start_kept: true })[0]).toContain("It lay right already and is kept.");
 });

@@ -3,7 +3,6 @@ import {
   areUsual,
   calibrations,
   fadingBy,
-  formatShare,
   motions,
   recalledOptions,
   unlessUsual,
@@ -64,8 +63,4 @@ test("layers, calibration and motion come back where a model offers them", () =>
   expect(damaged.map((kept) => recalledOptions(kept, { ...cuboid, motion: true }))).toEqual(
     damaged.map(() => usualOptions),
   );
-});
-
-test("shares are written in percent", () => {
-  expect(formatShare(0.05)).toBe("5 %");
 });

@@ -43,19 +43,21 @@ const models: readonly DeformationModel[] = [
 
 test("moduli are written with three digits and the unit that fits", () => {
   expect([500, 999.6, 5500, 4.2e5, 18.6e9].map(formatModulus)).toEqual([
-    "500 Pa",
-    "1.00 kPa",
-    "5.50 kPa",
-    "420 kPa",
-    "18.6 GPa",
+    "500\u202fPa",
+    "1.00\u202fkPa",
+    "5.50\u202fkPa",
+    "420\u202fkPa",
+    "18.6\u202fGPa",
   ]);
 });
 
 test("a material that follows HU is told from one end to the other and has no constants to change", () => {
   const [liver, bone] = presets.map((preset) => ({ ...preset, preset: preset.name }));
-  expect(liver && describeMaterial(liver)).toBe("5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %, friction 20 %");
+  expect(liver && describeMaterial(liver)).toBe(
+    "5.50\u202fkPa, ν 0.45, 1.06\u202fg/cm³, breaks at 34\u202f%, friction 20\u202f%",
+  );
   expect(bone && describeMaterial(bone)).toBe(
-    "5.00 GPa to 21.0 GPa, ν 0.3 to 0.32, 1.06 g/cm³, breaks at 34 %, friction 20 %",
+    "5.00\u202fGPa to 21.0\u202fGPa, ν 0.3 to 0.32, 1.06\u202fg/cm³, breaks at 34\u202f%, friction 20\u202f%",
   );
   expect(
     describeMaterial({ low: { ...soft, breaking_strain: null }, high: { ...soft, breaking_strain: null } }),

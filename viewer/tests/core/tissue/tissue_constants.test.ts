@@ -15,11 +15,11 @@ test("each constant is written in its unit, and read back as it was", () => {
   const fields = writtenConstants.map((each) => written(each, liver));
   expect(fields).toEqual(["5.5", "0.45", "1.06", "34", "20"]);
   expect(writtenConstants.map((each) => described(each, bone))).toEqual([
-    "18\u2009600\u2009000 kPa",
+    "18\u2009600\u2009000\u202fkPa",
     "0.3",
-    "1.9 g/cm³",
+    "1.9\u202fg/cm³",
     "never",
-    "30 %",
+    "30\u202f%",
   ]);
   for (const constants of [liver, bone, customTissue]) {
     for (const each of writtenConstants) {
@@ -31,11 +31,11 @@ test("each constant is written in its unit, and read back as it was", () => {
 });
 
 test.each([
-  ["young", "0", "Modulus E: 0 given; allowed: 0.001 to 2\u2009000\u2009000\u2009000 kPa"],
-  ["poisson", "0.5", "Poisson's ν: 0.5 given; allowed: -0.99 to 0.499"],
-  ["density", "", "Density ρ: no number given; allowed: 0.0001 to 23 g/cm³"],
-  ["breaking_strain", "-3", "Breaks at: -3 given; allowed: 0.1 to 10\u2009000 %, nothing for never"],
-  ["friction", "soft", "Friction: soft given; allowed: 0 to 1\u2009000 %"],
+  ["young", "0", "Modulus E: it cannot be 0. Enter 0.001 to 2\u2009000\u2009000\u2009000\u202fkPa."],
+  ["poisson", "0.5", "Poisson's ν: it cannot be 0.5. Enter −0.99 to 0.499."],
+  ["density", "", "Density ρ: no number was entered. Enter 0.0001 to 23\u202fg/cm³."],
+  ["breaking_strain", "-3", "Breaks at: it cannot be -3. Enter 0.1 to 10\u2009000\u202f%, or nothing for never."],
+  ["friction", "soft", "Friction: it cannot be soft. Enter 0 to 1\u2009000\u202f%."],
 ] as const)("%s of %o is refused with what is allowed", (key, text, refused) => {
   expect(typed(of(key), text, liver)).toEqual({ refused });
 });

@@ -34,7 +34,7 @@ test("regions are described in a line, and none where all gives way", () => {
   const box: MatterRegion = { treatment: "rigid", shared_with: null, box: [[0, 0, 0], [1, 1, 1]] };
   expect(describeRegions([], nameOf)).toBeNull();
   expect(describeRegions(withWhole(withShared([box], 2, "deformable"), "rigid"), nameOf)).toBe(
-    "rigid, rigid in a box, gives way where Lesion is",
+    "hard, hard in a box, gives way where Lesion is",
   );
   expect(describeRegions(withShared([], 3, "empty"), nameOf)).toBe("as if empty where Bone is");
   expect(treatments.map(({ value }) => value)).toEqual(["deformable", "rigid", "empty"]);

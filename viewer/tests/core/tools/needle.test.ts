@@ -14,8 +14,8 @@ test("bone and thresholds are hard for a needle, and tissue is what its name say
 test("what happened is told with the segment's name, force and depth", () => {
   const segments = [{ id: 3, name: "liver" }];
   const event: NeedleEvent = { kind: "punctured", segment: 3, time: 1.5, depth: 12.34, force: 1.612 };
-  expect(tellEvent(event, segments)).toBe("punctured liver, 1.61 N at 12.3 mm");
-  expect(tellEvent({ ...event, kind: "crossed", segment: 0 }, segments)).toBe("out of all at 12.3 mm");
-  expect(tellEvent({ ...event, kind: "stopped" }, segments)).toBe("stopped by liver at 12.3 mm");
+  expect(tellEvent(event, segments)).toBe("punctured liver, 1.61\u202fN at 12.3\u202fmm");
+  expect(tellEvent({ ...event, kind: "crossed", segment: 0 }, segments)).toBe("out of all at 12.3\u202fmm");
+  expect(tellEvent({ ...event, kind: "stopped" }, segments)).toBe("stopped by liver at 12.3\u202fmm");
   expect(tellEvent({ ...event, kind: "withdrawn", segment: 0 }, segments)).toBe("withdrawn");
 });

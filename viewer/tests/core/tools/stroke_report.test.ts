@@ -55,5 +55,5 @@ test("strokes are a table with their units", () => {
   );
   expect(row).toBe("1,4.00,5.250,0.20,4.000,6.000,6500.0,5.00");
   expect(end).toBe("");
-  expect([formatEnergy(820), formatEnergy(12_400)]).toEqual(["820 mJ", "12.4 J"]);
+  expect([formatEnergy(820), formatEnergy(12_400)]).toEqual(["820\u202fmJ", "12.4\u202fJ"]);
 });

@@ -4,7 +4,6 @@ import { dot, length } from "../../../src/core/geometry/vector";
 import type { State } from "../../../src/core/protocol";
 
 const camera = { right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0] } as const;
-const none = { line: null, plan: null };
 
 function held(kind: State["tool"]["kind"], part: Partial<Pick<State, "force" | "contact">> = {}, inside = false) {
   return {
@@ -12,7 +11,11 @@ function held(kind: State["tool"]["kind"], part: Partial<Pick<State, "force" | "
       ...{ kind, radius: 2, on: true, voxels: 0, volume: 0, time: 0, energy: 0, load: 0 },
       ...{ undo_bytes: 0, undo_budget: 1 },
     },
-    needle: { inside, depth: 5, segment: 1, tip: 0, friction: 0, wall: 0, events: 0 },
+    needle: {
+      ...{ inside, depth: 5, segment: 1, tip: 0, friction: 0, wall: 0, events: 0 },
+      entry: [1, 2, 3],
+      direction: [0, 1, 0],
+    },
     force: [0, 0, 0],
     contact: false,
     ...part,
@@ -20,7 +23,7 @@ function held(kind: State["tool"]["kind"], part: Partial<Pick<State, "force" | "
 }
 
 test("a drill is held from before the picture, toward its viewer", () => {
-  const axis = toolLine(held("drill"), camera, none)?.axis ?? [0, 0, 0];
+  const axis = toolLine(held("drill"), camera, null)?.axis ?? [0, 0, 0];
   expect(length(axis)).toBeCloseTo(1, 12);
   expect(dot(axis, camera.back)).toBeGreaterThan(0.5);
   expect(axis).toEqual(towardHand(camera));
@@ -29,15 +32,14 @@ test("a drill is held from before the picture, toward its viewer", () => {
 test("a shaft is no thicker than its burr, and balls alone have none", () => {
   expect(rodsOf("drill", 0.5)?.shaft.radius).toBeLessThan(0.5);
   expect(rodsOf("eraser", 4)).toBeNull();
-  expect(toolLine(held("painter"), camera, none)).toBeNull();
+  expect(toolLine(held("painter"), camera, null)).toBeNull();
 });
 
 test("a needle leads outward against its push, and in tissue along its line", () => {
-  const pushed = toolLine(held("needle", { contact: true, force: [0, 0, 3] }), camera, none);
+  const pushed = toolLine(held("needle", { contact: true, force: [0, 0, 3] }), camera, null);
   expect(pushed?.axis).toEqual([0, 0, 1]);
   expect(pushed?.entry).toBeNull();
-  const line = { entry: [1, 2, 3], direction: [0, 1, 0] } as const;
-  const inside = toolLine(held("needle", { contact: true, force: [0, 0, 3] }, true), camera, { line, plan: null });
+  const inside = toolLine(held("needle", { contact: true, force: [0, 0, 3] }, true), camera, null);
   expect(inside?.axis[1]).toBe(-1);
   expect(inside?.entry).toEqual([1, 2, 3]);
 });

@@ -5,12 +5,12 @@ import { safety, segment } from "../../support/volumes";
 test("the light is green while nothing was broken and nothing is held back", () => {
   const light = lightOf({ ...safety, slewed: 40, ramped: 3 }, "exact");
   expect(light.colour).toBe("green");
-  expect(light.short).toBe("guarantees ok");
+  expect(light.short).toBe("Force checks passed");
 });
 
 test.each([
-  [1, "1 violation", "once"],
-  [12345, "12\u2009345 violations", "12\u2009345 times"],
+  [1, "1 failed check", "once"],
+  [12345, "12\u2009345 failed checks", "12\u2009345 times"],
 ] as const)("%d violations turn it red, with the number and what it means", (violations, short, times) => {
   const light = lightOf({ ...safety, violations }, "exact");
   expect(light.colour).toBe("red");
@@ -48,8 +48,8 @@ test("a violation is never hidden behind an intervention", () => {
 });
 
 test("a thesis model is not praised for what it does not promise", () => {
-  expect(lightOf(safety, "thesis-original").meaning).toContain("promise none");
-  expect(lightOf(safety, "exact").meaning).not.toContain("promise none");
+  expect(lightOf(safety, "thesis-original").meaning).toContain("promise nothing");
+  expect(lightOf(safety, "exact").meaning).not.toContain("promise nothing");
 });
 
 test("every counter of the engine stands in the list", () => {

@@ -93,7 +93,7 @@ test("controls end where the device does, and never offer more than makes sense"
 });
 
 test("a radius that has no room is said to be held, in the millimetres that it has", () => {
-  expect(heldRadiusNote(5, 2)).toBe("held at 2.0 mm: no room here");
+  expect(heldRadiusNote(5, 2)).toBe("held at 2.0\u202fmm: no room here");
   expect(heldRadiusNote(5, 5)).toBeNull();
   expect(heldRadiusNote(0, 0)).toBeNull();
   // what a step of rounding leaves is no difference

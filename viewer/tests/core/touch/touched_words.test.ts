@@ -33,30 +33,30 @@ function words(
 }
 
 test("what is touched is told by its name, what it is made of, and the value behind its surface", () => {
-  expect(words(touching)).toBe("bone · rigid · 743 HU");
+  expect(words(touching)).toBe("bone · hard · 743\u202fHU");
   const liver: Segment = { ...bone, name: "liver", material: { preset: "liver-soft", low: [], high: [] } as never };
-  expect(words(touching, { segments: [liver] })).toBe("liver · rigid · 743 HU");
+  expect(words(touching, { segments: [liver] })).toBe("liver · hard · 743\u202fHU");
   const deforming = { ...touching, matter: { model: "lattice" } as State["matter"] };
-  expect(words(deforming, { segments: [liver] })).toBe("liver · liver soft · 743 HU");
+  expect(words(deforming, { segments: [liver] })).toBe("liver · liver soft · 743\u202fHU");
 });
 
 test("on the smooth surface, where no voxel holds the probe yet, it is the segment behind", () => {
-  expect(words({ ...touching, touched: 0 }, { around: bone })).toBe("bone · rigid · 743 HU");
+  expect(words({ ...touching, touched: 0 }, { around: bone })).toBe("bone · hard · 743\u202fHU");
   expect(words({ ...touching, touched: 0 }, { around: { ...bone, felt: false } })).toBe("a segment");
   expect(words({ ...touching, touched: 0 })).toBe("a segment");
 });
 
 test("a segment that is not where the scan has it has no value", () => {
   const pose = [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] as unknown as Segment["pose"];
-  expect(words(touching, { segments: [{ ...bone, pose }] })).toBe("bone · rigid");
-  expect(words(touching, { segments: [{ ...bone, grid: pose }] })).toBe("bone · rigid");
+  expect(words(touching, { segments: [{ ...bone, pose }] })).toBe("bone · hard");
+  expect(words(touching, { segments: [{ ...bone, grid: pose }] })).toBe("bone · hard");
   expect(words({ ...touching, touched: 9 })).toBe("a segment");
 });
 
 test.each([
-  ["waiting", "bone · rigid · 743 HU · held back until it is small"],
-  ["ramping", "bone · rigid · 743 HU · force is rising"],
-  ["easing", "bone · rigid · 743 HU · force is easing off"],
+  ["waiting", "bone · hard · 743\u202fHU · held back until it is small"],
+  ["ramping", "bone · hard · 743\u202fHU · force is rising"],
+  ["easing", "bone · hard · 743\u202fHU · force is easing off"],
 ] satisfies [State["safety"]["force"], string][])("a force that is %s is told of", (force, told) => {
   expect(words({ ...touching, safety: { ...touching.safety, force } })).toBe(told);
 });

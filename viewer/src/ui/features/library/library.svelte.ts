@@ -6,7 +6,7 @@ import {
   type LaidOut,
   type GivenLayout,
 } from "../../../core/library/headerless";
-import { capitalised, formatBytes, formatCount } from "../../../core/base/format";
+import { asSentence, begunLarge, formatBytes, plural } from "../../../core/base/format";
 import {
   isSingle,
   refusalOf,
@@ -116,13 +116,13 @@ export class Library {
     try {
       await work("coming", {}, { token: this.token, signal: new AbortController().signal }, (line) => {
         if (line.kind === "progress" && line.what !== "") {
-          this.reading = { what: sentence(line.what), share: line.share };
+          this.reading = { what: begunLarge(line.what), share: line.share };
         }
       });
     } catch (error) {
       // the connection reports an engine that is gone
       if (!(error instanceof TypeError)) {
-        this.readingFailure = sentence(error instanceof Error ? error.message : String(error));
+        this.readingFailure = asSentence(error instanceof Error ? error.message : String(error));
       }
     }
     await this.look();
@@ -215,7 +215,7 @@ export class Library {
         throw new Error(refused);
       }
       const size = given.reduce((sum, { file }) => sum + file.size, 0);
-      const counted = given.length === 1 ? "one file" : `${formatCount(given.length)} files`;
+      const counted = plural(given.length, "file");
       const what = `Copying ${counted}, ${formatBytes(size)}`;
       this.work = { what, share: 0 };
       const upload = await bring(given, { token: this.token, signal }, (bytes) => {
@@ -368,7 +368,7 @@ export class Library {
   private take(line: JobLine): void {
     switch (line.kind) {
       case "progress":
-        this.work = { what: sentence(line.what), share: line.share };
+        this.work = { what: begunLarge(line.what), share: line.share };
         break;
       case "found":
         this.found = line;
@@ -418,7 +418,7 @@ export class Library {
     } catch (error) {
       // what was cancelled has not failed
       if (!asking.signal.aborted) {
-        this.failure = sentence(error instanceof Error ? error.message : String(error));
+        this.failure = asSentence(error instanceof Error ? error.message : String(error));
         void this.look();
       }
     } finally {
@@ -436,9 +436,4 @@ export function titleOf({ beside, segments }: Pick<Library, "beside" | "segments
     return "Add segments";
   }
   return beside ? "Add a second scan" : "Open a scan";
-}
-
-/** The engine's sentences begin small, as on the command line; a file's name stays as it is. */
-function sentence(text: string): string {
-  return /^[a-z]+(?=[\s,;:]|$)/.test(text) ? capitalised(text) : text;
 }

@@ -1,7 +1,7 @@
 /**
  * What a click in the picture has found: what it is, where it stands, and the scan's value there.
  */
-import { formatPoint, formatValue } from "../../../core/base/format";
+import { formatValue, plainPoint } from "../../../core/base/format";
 import { withoutNoise } from "../../../core/scan/stored_values";
 import type { PaneName } from "../../../core/view/pane";
 import type { Vec3 } from "../../../core/geometry/vector";
@@ -54,11 +54,9 @@ export class Readout {
   }
 }
 
-/** "-512.5 HU"; empty outside of the scan. */
+/** "−512.5 HU"; empty outside of the scan. */
 export function valueText(value: number | null, scan: { readonly slope: number; readonly unit: string }): string {
-  return value === null
-    ? ""
-    : `${formatValue(withoutNoise(value, scan))}${scan.unit === "" ? "" : ` ${scan.unit}`}`;
+  return value === null ? "" : formatValue(withoutNoise(value, scan), scan.unit);
 }
 
 /** What stands at a point as a line of text. @param rows names and values, first of what is seen. */
@@ -68,7 +66,7 @@ export function readingText(
   known: boolean,
 ): string {
   const parts = rows.flatMap(({ name, text }) => [name, text]);
-  return [...parts, `${known ? "LPS" : "x y z (orientation unknown)"} ${formatPoint(point)} mm`]
+  return [...parts, `${known ? "LPS" : "x y z (orientation unknown)"} ${plainPoint(point)} mm`]
     .filter((part) => part !== "")
     .join(", ");
 }

@@ -19,27 +19,27 @@ export const formats = [
   { name: "scan", label: "Scan with edits, NIfTI", kind: "scan", says: "The values as the tools have left them." },
   {
     name: "share",
-    label: "DICOM, to share",
+    label: "De-identified DICOM",
     kind: "dicom",
     says: "A zip with scan, SEG and RTSTRUCT, de-identified together: their references hold.",
   },
   {
     name: "seg",
-    label: "DICOM SEG, for the archive",
+    label: "DICOM SEG (names the patient)",
     kind: "dicom-seg",
-    says: "Names the patient, and refers to the scan in the archive.",
+    says: "For the archive: refers to the scan in it.",
   },
   {
     name: "labelmap",
-    label: "DICOM label map, for the archive",
+    label: "DICOM label map (names the patient)",
     kind: "dicom-labelmap",
-    says: "Names the patient; segments may not overlap.",
+    says: "For the archive; segments may not overlap.",
   },
   {
     name: "rtstruct",
-    label: "RTSTRUCT, for the archive",
+    label: "RTSTRUCT (names the patient)",
     kind: "rtstruct",
-    says: "Outlines in each slice; names the patient.",
+    says: "For the archive: outlines in each slice.",
   },
 ] as const;
 

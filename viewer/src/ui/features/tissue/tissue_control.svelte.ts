@@ -63,7 +63,7 @@ export class TissueControl implements StepOwner<FromPage> {
   setRegions(segment: Segment, regions: MatterRegion[]): void {
     const before = [...segment.regions];
     this.ask(
-      "regions of matter",
+      "zones of tissue",
       { type: "set_regions", id: segment.id, regions },
       { type: "set_regions", id: segment.id, regions: before },
     );

@@ -1,24 +1,12 @@
-/**
- * What guides a needle: the line that it goes in along, and the path that was planned for it among the marks.
- */
+/** What guides a needle: the path that was planned for it among the marks. */
 import type { Mark } from "../../../core/marks/measure";
 import type { NeedlePlan } from "../../../core/tools/needle_plan";
-import { NeedleTrack, type NeedleLine } from "../../../core/tools/needle_track";
-import type { Session } from "../../state/session.svelte";
 
 export class NeedleGuide {
   /** The path that was chosen; null for the newest one. */
   private chosen = $state.raw<number | null>(null);
-  private readonly track = new NeedleTrack();
 
-  constructor(
-    session: Session,
-    private readonly marks: { readonly all: readonly Mark[] },
-  ) {
-    session.onState((state) => {
-      this.track.take(state);
-    });
-  }
+  constructor(private readonly marks: { readonly all: readonly Mark[] }) {}
 
   /** All planned paths. */
   readonly paths = $derived.by((): readonly Mark[] => this.marks.all.filter(({ kind }) => kind === "path"));
@@ -36,10 +24,5 @@ export class NeedleGuide {
 
   choose(id: number): void {
     this.chosen = id;
-  }
-
-  /** The line of the needle in tissue; null outside. */
-  get line(): NeedleLine | null {
-    return this.track.line;
   }
 }

@@ -1,6 +1,7 @@
 /**
  * The tool in the person's hand: which one, how large, what it works on, and when it is pressed.
  */
+import { formatFixed } from "../../../core/base/format";
 import { likelyLayer, type Layer } from "../../../core/tools/needle";
 import type { Segment, State, TissueName, ToolKind } from "../../../core/protocol";
 import { fittingRadius, segmentsOf, type ToolName, type Works } from "../../../core/tools/tools";
@@ -173,7 +174,7 @@ export class ToolHand {
     }
     if (this.ownRadius === null) {
       this.ownRadius = settings.probe_radius;
-      this.session.notify("info", `The probe is as large as the burr now: ${this.radius.toFixed(1)} mm.`);
+      this.session.notify("info", `The probe is as large as the burr now: ${formatFixed(this.radius, 1, "mm")}.`);
     }
     this.session.changeSettings({ probe_radius: this.radius });
   }

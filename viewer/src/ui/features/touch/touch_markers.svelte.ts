@@ -6,7 +6,8 @@ import { srgbFromHex } from "../../../core/base/colour";
 import { PathTrail } from "../../../core/touch/path_trail";
 import type { State } from "../../../core/protocol";
 import { toolColours } from "../../../core/tools/tools";
-import { toolLine, type GuidedNeedle } from "../../../core/tools/tool_line";
+import type { NeedlePlan } from "../../../core/tools/needle_plan";
+import { toolLine } from "../../../core/tools/tool_line";
 import type { Vec3 } from "../../../core/geometry/vector";
 import type { Shown } from "../../../gl/markers/markers";
 import type { ShownTool } from "../../../gl/markers/tool_shape";
@@ -37,7 +38,7 @@ export class TouchMarkers {
   /** @param software whether the CPU draws: a long line is dear to draw again and again then. */
   constructor(
     private readonly session: Session,
-    private readonly held: { readonly player: Played; readonly needle: GuidedNeedle },
+    private readonly held: { readonly player: Played; readonly needle: { readonly plan: NeedlePlan | null } },
     software: boolean,
   ) {
     this.shown = recall("shown", { ...this.shown, path: !software });
@@ -76,7 +77,7 @@ export class TouchMarkers {
       trail: this.trail,
       parts,
       show: this.shown,
-      tool: this.held.player.showing ? null : shownTool(latest, camera, this.held.needle),
+      tool: this.held.player.showing ? null : shownTool(latest, camera, this.held.needle.plan),
       device: state.device,
       force: state.force,
       contact: state.contact,
@@ -94,7 +95,7 @@ const toolPaints = {
   needle: srgbFromHex(toolColours.needle),
 } as const;
 
-function shownTool(state: State, camera: Camera, needle: GuidedNeedle): ShownTool | null {
+function shownTool(state: State, camera: Camera, plan: NeedlePlan | null): ShownTool | null {
   const { kind, radius } = state.tool;
-  return kind === "none" ? null : { radius, colour: toolPaints[kind], line: toolLine(state, camera, needle) };
+  return kind === "none" ? null : { radius, colour: toolPaints[kind], line: toolLine(state, camera, plan) };
 }

@@ -147,7 +147,7 @@ test("regions are a step of the page's undo; a material is one of the engine's",
   const segment = visit.segments[0] as never;
   visit.sent.length = 0;
   visit.control.setRegions(segment, [rigid]);
-  expect(visit.steps.toUndo).toBe("regions of matter");
+  expect(visit.steps.toUndo).toBe("zones of tissue");
   visit.steps.undo();
   visit.steps.redo();
   expect(visit.sent).toEqual([[rigid], [], [rigid]].map((regions) => ({ type: "set_regions", id: 1, regions })));
