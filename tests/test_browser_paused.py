@@ -1,4 +1,4 @@
-"""A page whose engine stands still shows what it knows as old, and nothing is done blindly after it."""
+"""An engine that stands still: what is known is shown as old, nothing is done blindly after it."""
 
 from __future__ import annotations
 
