@@ -88,23 +88,23 @@ class FeltSegments:
                 raise
 
     def show(self, visible: Mapping[int, bool]) -> None:
-        """Changes which segments are shown, all at once.
+        """Changes which segments are shown.
 
         Raises:
             OptionError: There is no such segment; then none is changed.
         """
         with self._lock:
-            before = self._wishes.copy()
+            felt = {state["id"]: state["touchable"] for state in self._engine.segments_state()}
+            unknown = sorted(visible.keys() - felt.keys())
+            if unknown:
+                allowed = ", ".join(map(str, felt)) or "none: there are no segments"
+                raise OptionError(f"segment {unknown[0]} given; allowed: {allowed}")
             for segment_id, shown in visible.items():
                 self._wishes[segment_id] = replace(self.of(segment_id), visible=shown)
-            try:
-                with option_errors():
-                    self._engine.set_all_touchable(
-                        [(each, self.of(each).is_felt) for each in visible]
-                    )
-            except OptionError:
-                self._wishes = before
-                raise
+            for segment_id in visible:
+                # the engine builds its scene of touch anew for each
+                if self.of(segment_id).is_felt != felt[segment_id]:
+                    self._engine.set_touchable(segment_id, self.of(segment_id).is_felt)
 
     def begin(self, segment_id: int, wish: TouchWish) -> int:
         """Takes what is wanted of a new segment; returns its number."""

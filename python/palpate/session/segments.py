@@ -158,7 +158,7 @@ class SessionSegments:
         )
 
     def show_segments(self, visible: Mapping[int, bool]) -> None:
-        """Shows segments, or hides them, by their numbers: all at once, as quickly as one.
+        """Shows segments, or hides them, by their numbers.
 
         What is hidden is not touched, unless it is to be touched while hidden.
 

@@ -92,7 +92,7 @@ class SegmentList:
         self.keep()
 
     def show(self, changes: Sequence[protocol.ShownSegments]) -> None:
-        """Shows and hides segments, or shows them in another way: many as quickly as one.
+        """Shows and hides segments, or shows them in another way, and keeps that once for all.
 
         Raises:
             OptionError: There is no such segment; then none is changed.
