@@ -35,7 +35,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(scan))
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(labels), str(map_of_labels))
     with (
-        palpate("open", scan, "--unit", "HU", "--labels", map_of_labels) as command,
+        palpate("open", scan, "--unit", "HU", "--segments", map_of_labels) as command,
         browser() as opened,
     ):
         opened.do("open", url=command.url, width=1366, height=768)
