@@ -1,4 +1,4 @@
-"""A page whose engine stands still shows what it knows as old, and nothing is done blindly after it."""
+"""An engine that stands still: what is known is shown as old, nothing is done blindly after it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_what_is_known_of_an_engine_that_stands_still_is_shown_as_old(
     command.process.send_signal(signal.SIGSTOP)
     try:
         page.wait(f"{LIGHT} === 'amber'", seconds=20)
-        assert "not answering" in page.text("status-light")
+        assert "Not answering" in page.text("status-light")
         assert page.read(OLD) > 0, "the force is marked as the last known one"
         page.do("screenshot", path=str(OUTPUT / "paused-amber.png"))
         # then what happened and what to do

@@ -36,6 +36,7 @@
  *   {"do": "cut"}                                             ends it → {"value": [[seconds, name of a JPEG file], …]}
  *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
  *   {"do": "key", "key": "я", "code": "KeyZ", "alt": true}    as on a keyboard of another layout; "repeats": so often
+ *   {"do": "requests", "about": "/api/labels"}                → {"value": how many were made so far, by workers too}
  *   {"do": "beforeOpen", "script": …}                         runs in every page that is opened from now on, before its own
  *   {"do": "media", "forcedColors": "active", "media": "print"}  as the system has it; null: as it is
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
@@ -69,6 +70,9 @@ page.on("console", (message) => {
     complaints.push(message.text());
   }
 });
+
+const requests = [];
+page.on("request", (request) => requests.push(request.url()));
 
 const byTestId = (testid) => page.locator(`[data-testid="${testid}"]`).first();
 const picture = () => byTestId("canvas");
@@ -393,6 +397,9 @@ const actions = {
     devtools.off("Page.screencastFrame", film.take);
     await Promise.all(film.written);
     return { value: film.frames };
+  },
+  async requests({ about }) {
+    return { value: requests.filter((url) => url.includes(about)).length };
   },
   async beforeOpen({ script }) {
     await page.addInitScript(script);

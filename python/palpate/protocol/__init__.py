@@ -81,7 +81,9 @@ from palpate.protocol.segments import (
     SegmentSteps,
     SegmentWork,
     ShowIslands,
+    ShownSegments,
     ShowScissors,
+    ShowSegments,
     StopSegmentWork,
     SuggestTable,
     TableFound,
@@ -321,7 +323,9 @@ __all__ = [
     "ShowParts",
     "ShowRegistration",
     "ShowScissors",
+    "ShowSegments",
     "ShownAs",
+    "ShownSegments",
     "SmoothingDegree",
     "State",
     "StepKind",
@@ -427,6 +431,7 @@ FromPage = (
     | TraceLevel
     | FillOutline
     | SegmentProperties
+    | ShowSegments
     | SegmentFeel
     | SetMaterial
     | SetRegions

@@ -15,6 +15,7 @@ from palpate.protocol.types import (
     Pose,
     SegmentId,
     ShapeKind,
+    ShownAs,
     StepKind,
     Stiffness,
     Value,
@@ -58,6 +59,8 @@ __all__ = [
     "Segments",
     "ShowIslands",
     "ShowScissors",
+    "ShowSegments",
+    "ShownSegments",
     "StopSegmentWork",
     "SuggestTable",
     "TableFound",
@@ -421,6 +424,20 @@ class SegmentProperties(SegmentAppearance, Message, frozen=True, tag="segment_pr
     name: Name
     touchable: bool
     locked: bool
+
+
+class ShownSegments(msgspec.Struct, frozen=True):
+    """Segments that are all shown in the same way; null leaves that of each as it is."""
+
+    ids: Annotated[list[SegmentId], msgspec.Meta(max_length=255)]
+    visible: bool | None
+    shown_as: ShownAs | None
+
+
+class ShowSegments(Message, frozen=True, tag="show_segments"):
+    """Shows and hides segments, or shows them in another way, all at once."""
+
+    changes: Annotated[list[ShownSegments], msgspec.Meta(max_length=255)]
 
 
 class SegmentFeel(Message, frozen=True, tag="segment_feel"):

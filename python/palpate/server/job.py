@@ -100,5 +100,5 @@ class Job:
 
 def _said(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror is not None:
-        return f"{error.filename or 'the system'}: {error.strerror}"
+        return page_words(f"{error.filename or 'the system'}: {error.strerror}")
     return page_words(str(error))

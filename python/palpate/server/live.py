@@ -53,8 +53,8 @@ IDLE_HZ = 5.0
 EXCHANGED = 4001
 """Code with which pages of a scan are sent away that makes room for another."""
 STOOD_STILL = 4002
-"""Code with which pages are sent away, to come again at once, whose messages are too old to be done;
-the reason is how many seconds the process stood still."""
+"""Code with which pages are sent away, to come again at once, whose messages are too old to be
+done; the reason is how many seconds the process stood still."""
 
 
 class Live:

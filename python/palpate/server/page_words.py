@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from tempfile import gettempdir
 
 __all__ = ["page_words"]
 
@@ -23,6 +24,9 @@ OPTIONS = (
 """How messages name options, and what stands for that on the page."""
 
 
+DROPPED = re.escape(gettempdir()) + r"[\\/]palpate-\w{8}[\\/]"
+"""Where files wait that were dropped into the page: a person knows them by their own names."""
+
 ADVICE = (
     # "to try again", "to unlock it"
     (r"to (?=\w)", ""),
@@ -41,6 +45,7 @@ def page_words(sentence: str) -> str:
 
     "radius 30 mm given; allowed: 0 to 20 mm" becomes "radius 30 mm cannot be used. Use 0 to 20 mm".
     """
+    sentence = re.sub(DROPPED, "", sentence)
     for named, instead in OPTIONS:
         sentence = re.sub(named, instead, sentence)
     happened, is_told, allowed = sentence.partition("; allowed: ")

@@ -15,6 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import StreamingResponse
 
 from palpate.base.errors import OptionError
+from palpate.volumes.segment import Segment
 
 __all__ = ["MOST_STEP", "labels_of", "parse_step", "voxels_response"]
 
@@ -62,11 +63,13 @@ def _little_endian(part: NDArray[Any]) -> bytes:
     return part.astype(part.dtype.newbyteorder("<"), copy=False).tobytes()
 
 
-def labels_of(
-    masks: dict[int, NDArray[np.uint8]], shape: tuple[int, int, int]
-) -> NDArray[np.uint8]:
+def labels_of(segments: dict[int, Segment], shape: tuple[int, int, int]) -> NDArray[np.uint8]:
     """Returns the number of a voxel's segment, 0 where it has none; the last of several."""
     labels = np.zeros(shape, np.uint8)
-    for segment_id, mask in masks.items():
-        labels[mask != 0] = segment_id
+    for segment_id, segment in segments.items():
+        box = segment.bounding_box
+        if box is not None:
+            # most are small: the rest of their masks is never looked at
+            x, y, z = (slice(low, high) for low, high in zip(*box, strict=True))
+            labels[z, y, x][segment.mask()[z, y, x] != 0] = segment_id
     return labels

@@ -6,6 +6,7 @@ kept here, so that a segment that is hidden and shown again is felt as before.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from threading import RLock
 
@@ -85,6 +86,25 @@ class FeltSegments:
             except OptionError:
                 self._wishes[segment_id] = before
                 raise
+
+    def show(self, visible: Mapping[int, bool]) -> None:
+        """Changes which segments are shown.
+
+        Raises:
+            OptionError: There is no such segment; then none is changed.
+        """
+        with self._lock:
+            felt = {state["id"]: state["touchable"] for state in self._engine.segments_state()}
+            unknown = sorted(visible.keys() - felt.keys())
+            if unknown:
+                allowed = ", ".join(map(str, felt)) or "none: there are no segments"
+                raise OptionError(f"segment {unknown[0]} given; allowed: {allowed}")
+            for segment_id, shown in visible.items():
+                self._wishes[segment_id] = replace(self.of(segment_id), visible=shown)
+            for segment_id in visible:
+                # the engine builds its scene of touch anew for each
+                if self.of(segment_id).is_felt != felt[segment_id]:
+                    self._engine.set_touchable(segment_id, self.of(segment_id).is_felt)
 
     def begin(self, segment_id: int, wish: TouchWish) -> int:
         """Takes what is wanted of a new segment; returns its number."""

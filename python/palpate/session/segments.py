@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -154,6 +156,16 @@ class SessionSegments:
             visible=visible,
             touched_while_hidden=touched_while_hidden,
         )
+
+    def show_segments(self, visible: Mapping[int, bool]) -> None:
+        """Shows segments, or hides them, by their numbers.
+
+        What is hidden is not touched, unless it is to be touched while hidden.
+
+        Raises:
+            OptionError: There is no such segment; then none is changed.
+        """
+        self._felt.show(visible)
 
     def set_locked(self, segment_id: int, *, locked: bool) -> None:
         """Sets whether the voxels of a segment are protected from changes.

@@ -191,6 +191,7 @@ class Session:
     segments = PartMethod("_segments", SessionSegments.segments)
     scene_now = PartMethod("_segments", SessionSegments.scene_now)
     set_touchable = PartMethod("_segments", SessionSegments.set_touchable)
+    show_segments = PartMethod("_segments", SessionSegments.show_segments)
     set_locked = PartMethod("_segments", SessionSegments.set_locked)
     set_feel = PartMethod("_segments", SessionSegments.set_feel)
     move_segment = PartMethod("_segments", SessionSegments.move_segment)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import nibabel
 import numpy as np
@@ -109,3 +110,10 @@ def test_warnings_and_failures_on_the_page_name_no_option(
     (failed,) = client.job("open", {"path": str(tmp_path / "a.txt")})
     assert "or pictures of slices" in failed["reason"]
     assert "`" not in failed["reason"]
+
+
+def test_a_dropped_file_is_named_as_the_person_knows_it() -> None:
+    with TemporaryDirectory(prefix="palpate-") as folder:
+        told = page_words(f"{folder}/head/slice 1.dcm: no pixels given; allowed: DICOM images")
+    assert told.startswith("head/slice 1.dcm: ")
+    assert folder not in told

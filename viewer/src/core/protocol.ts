@@ -1385,6 +1385,19 @@ export interface SegmentProperties {
   readonly locked: boolean;
 }
 
+/** Segments that are all shown in the same way; null leaves that of each as it is. */
+export interface ShownSegments {
+  readonly ids: readonly SegmentId[];
+  readonly visible: boolean | null;
+  readonly shown_as: ShownAs | null;
+}
+
+/** Shows and hides segments, or shows them in another way, all at once. */
+export interface ShowSegments {
+  readonly type: "show_segments";
+  readonly changes: readonly ShownSegments[];
+}
+
 /** Changes the touch settings of a segment. */
 export interface SegmentFeel {
   readonly type: "segment_feel";
@@ -1644,6 +1657,7 @@ export type FromPage =
   | TraceLevel
   | FillOutline
   | SegmentProperties
+  | ShowSegments
   | SegmentFeel
   | SetMaterial
   | SetRegions

@@ -5,7 +5,7 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import product
 from threading import Lock
 from typing import Any, NamedTuple
@@ -89,6 +89,24 @@ class SegmentList:
         look = replace(with_colour_chosen(wanted, chosen=chosen), colour=colour)
         self._set_appearance(wanted.id, look)
         self._show(wanted.id, look)
+        self.keep()
+
+    def show(self, changes: Sequence[protocol.ShownSegments]) -> None:
+        """Shows and hides segments, or shows them in another way, and keeps that once for all.
+
+        Raises:
+            OptionError: There is no such segment; then none is changed.
+        """
+        looks: dict[int, ShownAppearance] = {}
+        for change in changes:
+            wanted = {"visible": change.visible, "shown_as": change.shown_as}
+            given = {name: value for name, value in wanted.items() if value is not None}
+            for segment_id in change.ids:
+                look = looks.get(segment_id, self._appearance_of(segment_id))
+                looks[segment_id] = replace(look, **given)
+        self._session.show_segments({each: look.visible for each, look in looks.items()})
+        for segment_id, look in looks.items():
+            self._set_appearance(segment_id, look)
         self.keep()
 
     def threshold(self, wanted: protocol.Threshold, *, progress: Progress = silent) -> ShapeChange:
@@ -280,12 +298,12 @@ class SegmentList:
 
     def labels(self) -> NDArray[np.uint8]:
         """Returns the number of each voxel's segment, for visible segments without a range."""
-        masks = {
-            segment.id: self._session.segment(segment.id).mask()
+        segments = {
+            segment.id: self._session.segment(segment.id)
             for segment in self.message.segments
             if _is_labelled(segment)
         }
-        return labels_of(masks, self._session.scene.volume.shape)
+        return labels_of(segments, self._session.scene.volume.shape)
 
     def _set_appearance(self, segment_id: int, look: ShownAppearance) -> None:
         """Shows a segment that is there in this way, with a surface where it has one."""

@@ -82,6 +82,7 @@ class SegmentMessages:
         """Adds the rows of segments."""
         table.add(protocol.NewSegment, self._new, runs=Runs.IN_ORDER)
         table.add(protocol.SegmentProperties, self._change, runs=Runs.IN_ORDER)
+        table.add(protocol.ShowSegments, self._show, runs=Runs.IN_ORDER)
         table.add(protocol.SegmentFeel, self._set_feel, runs=Runs.IN_ORDER)
         table.add(protocol.RemoveSegment, self._remove, runs=Runs.IN_ORDER)
         table.add(protocol.MoveSegment, self._move, runs=Runs.IN_ORDER)
@@ -95,6 +96,9 @@ class SegmentMessages:
 
     def _change(self, message: protocol.SegmentProperties, _: Outbox) -> None:
         self._segments.change(message)
+
+    def _show(self, message: protocol.ShowSegments, _: Outbox) -> None:
+        self._segments.show(message.changes)
 
     def _set_feel(self, message: protocol.SegmentFeel, _: Outbox) -> None:
         self._session.set_feel(message.id, **msgspec.structs.asdict(message.feel))

@@ -164,3 +164,30 @@ def test_what_is_hidden_on_a_page_is_not_felt_unless_it_is_pinned(server: Any) -
             # whoever comes later is told the same
             with server.page() as later:
                 assert later.receive("hello")["segments"][0]["felt"] == felt
+
+
+def test_many_segments_are_shown_and_hidden_by_one_message(server: Any) -> None:
+    with server.page() as page:
+        page.receive("hello")
+        page.send({"type": "new_segment", "name": "second"})
+        page.receive("segments", until=lambda m: len(m["segments"]) == 2)
+        for visible in (False, True):
+            alike = {"ids": [1, 2], "visible": visible, "shown_as": None}
+            other = {"ids": [2], "visible": None, "shown_as": "surface" if visible else "both"}
+            page.send({"type": "show_segments", "changes": [alike, other]})
+            told = page.receive(
+                "segments",
+                until=lambda m, wanted=visible: all(s["felt"] is wanted for s in m["segments"]),
+            )["segments"]
+            assert [each["visible"] for each in told] == [visible, visible]
+            assert told[1]["shown_as"] == other["shown_as"]
+            assert told[0]["shown_as"] == SURFACE_LOOK["shown_as"]
+
+
+def test_a_segment_that_is_not_there_leaves_the_others_as_they_are(server: Any) -> None:
+    with server.page() as page:
+        page.receive("hello")
+        change = {"ids": [1, 9], "visible": False, "shown_as": None}
+        page.send({"type": "show_segments", "changes": [change]})
+        assert "segment 9" in page.receive("notice")["text"]
+    assert server.session.segments()[0]["touchable"]

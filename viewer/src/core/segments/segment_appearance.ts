@@ -1,6 +1,6 @@
 /** The appearance of segments: what a person changes of it, and what is asked of the engine then. */
 import { deepEqual } from "../base/deep_equal";
-import type { Segment, SegmentProperties, ShownAs } from "../protocol";
+import type { FromPage, Segment, SegmentProperties, ShownAs, ShownSegments } from "../protocol";
 
 /** How a segment looks and is touched, as far as a person changes it. */
 export type SegmentAppearance = Omit<SegmentProperties, "type" | "id">;
@@ -32,6 +32,33 @@ export function nameOfPart(part: Partial<SegmentAppearance>): string {
 /** A segment's properties with some of them changed. */
 export function changedProperties(segment: Segment, part: Partial<SegmentAppearance>): SegmentProperties {
   return { type: "segment_properties", id: segment.id, ...appearanceOf({ ...segment, ...part }) };
+}
+
+/** What many are changed in at once: whether they are seen, and how they are drawn. */
+const changedTogether: ReadonlySet<string> = new Set<keyof SegmentAppearance>(["visible", "shown_as"]);
+
+/** What asks the engine for these parts: one message for many segments where that can be. */
+export function askedFor(segments: readonly Segment[], parts: AppearanceParts): readonly FromPage[] {
+  const changed = segments.flatMap((segment) => {
+    const part = parts[segment.id];
+    return part === undefined ? [] : [{ segment, part }];
+  });
+  const isTogether = changed.length > 1 && changed.every(({ part }) => keysOf(part).every((k) => changedTogether.has(k)));
+  return isTogether
+    ? [{ type: "show_segments", changes: alike(changed.map(({ segment: { id }, part }) => ({ id, part }))) }]
+    : changed.map(({ segment, part }) => changedProperties(segment, part));
+}
+
+/** Those that change in the same way, together. */
+function alike(
+  changed: readonly { readonly id: number; readonly part: Partial<SegmentAppearance> }[],
+): readonly ShownSegments[] {
+  const groups = new Map<string, ShownSegments>();
+  for (const { id, part: { visible = null, shown_as = null } } of changed) {
+    const key = `${String(visible)} ${String(shown_as)}`;
+    groups.set(key, { visible, shown_as, ids: [...(groups.get(key)?.ids ?? []), id] });
+  }
+  return [...groups.values()];
 }
 
 /** Whether all of them are drawn in the same way, and which; null where they are not. */

@@ -89,7 +89,7 @@ export function lightOf(safety: Safety, model: Settings["model"], isOld = false)
 }
 
 const silent = {
-  short: "not answering",
+  short: "Not answering",
   meaning: "Palpate does not answer: force, contact and counts are the last that are known.",
 };
 

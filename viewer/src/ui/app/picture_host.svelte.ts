@@ -253,7 +253,7 @@ export class PictureHost {
     this.show(picture);
     picture.advance(now);
     if (this.canvas !== null) {
-      this.last.keep(this.canvas, picture.shown.finished);
+      this.last.keep(this.canvas, picture.shown.finished ? this.sources.slices.shown : null);
     }
     loader.follow(picture);
     markVisibility.follow(picture.shown.finished);

@@ -10,6 +10,7 @@ import {
   type Registration,
   type Scan,
   type SecondScan,
+  type Segment,
   type Settings,
   type State,
 } from "../../core/protocol";
@@ -42,6 +43,10 @@ export interface TestHooks {
   readonly drawer: { readonly choice: DrawerChoice; readonly engine: boolean; readonly obstacle: string | null };
   /** What is now; null before the engine has reported. */
   readonly state: State | null;
+  /** As the engine has listed them last. */
+  readonly segments: readonly Segment[];
+  /** Number of the segment whose labels are on display at a place of the grid; 0 for none. */
+  readonly labelAt: (grid: Vec3) => number;
   /** As the page shows them; null before the engine has reported. */
   readonly settings: Settings | null;
   /** The settings are shown as the engine holds them, and are kept for the next visit. */
@@ -131,6 +136,8 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get state() {
       return session.latest;
     },
+    get segments() { return session.segments; },
+    labelAt: (grid) => stage.edits.labelAt(grid, stage.loader.held?.volume.step ?? 1),
     get settings() { return session.settings; },
     get settingsHold() {
       return session.settingsHold;

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Segment } from "../../../src/core/protocol";
 import {
+  askedFor,
   changedForAll,
   changedProperties,
   commonWay,
@@ -72,5 +73,30 @@ describe("properties of segments", () => {
     expect(named(all, "left LUNG").map(({ id }) => id)).toEqual([2]);
     expect(named(all, "  ")).toHaveLength(3);
     expect(named(all, "liver")).toEqual([]);
+  });
+});
+
+describe("what is asked of the engine", () => {
+  const others = [2, 3].map((id) => ({ ...bone, id }));
+  const all = [bone, ...others];
+
+  it("is one message for many, those that change alike together", () => {
+    const parts = { 1: { visible: false }, 2: { visible: true }, 3: { visible: false } };
+    expect(askedFor(all, parts)).toEqual([
+      {
+        type: "show_segments",
+        changes: [
+          { visible: false, shown_as: null, ids: [1, 3] },
+          { visible: true, shown_as: null, ids: [2] },
+        ],
+      },
+    ]);
+  });
+
+  it("is the properties of one alone, and of many where more than that changes", () => {
+    expect(askedFor(all, { 2: { visible: false } })).toEqual([changedProperties(all[1] ?? bone, { visible: false })]);
+    const types = askedFor(all, { 1: { opacity: 0.5 }, 2: { opacity: 0.5 } }).map(({ type }) => type);
+    expect(types).toEqual(["segment_properties", "segment_properties"]);
+    expect(askedFor(all, {})).toEqual([]);
   });
 });

@@ -247,9 +247,9 @@ export class ShownEdits {
   }
 }
 
-/** Whether any segment has voxels of the scan that no threshold describes. */
+/** Whether any segment that is seen has voxels of the scan that no threshold describes. */
 export function needsLabels(segments: readonly Segment[]): boolean {
-  return segments.some(({ range, grid }) => range === null && grid === null);
+  return segments.some(({ visible, range, grid }) => visible && range === null && grid === null);
 }
 
 function messageOf(error: unknown): string {

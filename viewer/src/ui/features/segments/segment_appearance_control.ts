@@ -4,8 +4,8 @@
  */
 import type { Segment } from "../../../core/protocol";
 import {
+  askedFor,
   changedForAll,
-  changedProperties,
   nameOfPart,
   partsInPlace,
   presentParts,
@@ -67,13 +67,11 @@ export class SegmentAppearanceControl implements StepOwner<AppearanceParts> {
   }
 
   private send(parts: AppearanceParts): void {
-    for (const segment of this.now) {
-      const part = parts[segment.id];
-      if (part !== undefined) {
-        this.asked = { ...this.asked, [segment.id]: { ...this.asked[segment.id], ...part } };
-        this.session.send(changedProperties(segment, part));
-      }
+    for (const message of askedFor(this.now, parts)) {
+      this.session.send(message);
     }
+    const asked = Object.entries(parts).map(([id, part]) => [id, { ...this.asked[Number(id)], ...part }] as const);
+    this.asked = { ...this.asked, ...Object.fromEntries(asked) };
     this.unanswered += 1;
     this.session.whenAnswered(() => {
       this.unanswered -= 1;

@@ -1,0 +1,74 @@
+"""A scan of 255 segments: all of them are hidden, shown and brought back at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import SimpleITK
+from browser import ROOT, Browser, browser, palpate
+
+pytestmark = pytest.mark.browser
+
+OUTPUT = ROOT / "tests" / "output"
+COUNT = 255
+SEEN = (
+    "[...document.querySelectorAll('[data-testid^=visible-]')]"
+    ".filter((eye) => eye.getAttribute('aria-pressed') === 'true').length"
+)
+FELT = "window.palpate.segments.filter(({ felt }) => felt).length"
+LABEL = "window.palpate.labelAt([5.5, 5.5, 8.5])"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """A page of a block with 255 columns in it."""
+    folder = tmp_path_factory.mktemp("many")
+    values = np.full((16, 68, 68), 40, np.int16)
+    values[4:12] = 1000
+    labels = np.zeros(values.shape, np.uint8)
+    for number in range(1, COUNT + 1):
+        row, column = divmod(number - 1, 16)
+        labels[4:12, 4 * row + 3 : 4 * row + 6, 4 * column + 3 : 4 * column + 6] = number
+    scan, map_of_labels = folder / "block.nii.gz", folder / "labels.nii.gz"
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(scan))
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(labels), str(map_of_labels))
+    with (
+        palpate("open", scan, "--unit", "HU", "--segments", map_of_labels) as command,
+        browser() as opened,
+    ):
+        opened.do("open", url=command.url, width=1366, height=768)
+        opened.all_done()
+        yield opened
+
+
+def test_all_are_hidden_shown_and_brought_back_at_once(page: Browser) -> None:
+    page.wait(f"{SEEN} === {COUNT} && {FELT} === {COUNT} && {LABEL} === 1")
+    before = page.do("requests", about="/api/labels")["value"]
+    page.do("click", testid="all-visible")
+    page.all_done()
+    assert page.read(SEEN) == 0
+    assert page.read(FELT) == 0, "what is hidden is not felt"
+    assert page.read(LABEL) == 0
+    assert page.do("requests", about="/api/labels")["value"] == before, "nothing is to be fetched"
+
+    page.do("click", testid="all-visible")
+    page.all_done()
+    assert page.read(SEEN) == COUNT
+    assert page.read(FELT) == COUNT
+    page.wait(f"{LABEL} === 1")
+    assert page.do("requests", about="/api/labels")["value"] == before + 1, "one map for all"
+
+    # each was one step
+    page.do("press", key="Control+z")
+    page.all_done()
+    assert page.read(SEEN) == 0
+    page.do("press", key="Control+z")
+    page.all_done()
+    assert page.read(SEEN) == COUNT
+    assert page.read("document.querySelector('[aria-label=Undo]').disabled")
+    page.wait(f"{LABEL} === 1")
+    assert page.do("requests", about="/api/labels")["value"] == before + 2
+    page.do("screenshot", path=str(OUTPUT / "many-segments.png"))
+    assert page.complaints == []

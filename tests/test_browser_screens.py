@@ -1,0 +1,98 @@
+"""Paper, systems that paint in their own colours, and pages enlarged to twice their size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from browser import ROOT, Browser, browser, palpate
+
+pytestmark = [pytest.mark.browser, pytest.mark.data]
+
+OUTPUT = ROOT / "tests" / "output"
+
+
+@pytest.fixture(scope="module")
+def page(data_folder: Path) -> Iterator[Browser]:
+    """A page of a head."""
+    head = data_folder / "cthead_stanford" / "CThead.mha"
+    with palpate("open", head, "--threshold", "1350") as command, browser() as opened:
+        opened.do("open", url=command.url, width=1366, height=768)
+        opened.finish()
+        yield opened
+
+
+def element(testid: str) -> str:
+    """Returns the expression of an element."""
+    return f"document.querySelector('[data-testid={testid}]')"
+
+
+def ground(page: Browser, testid: str) -> str:
+    """Returns the colour behind an element."""
+    return str(page.read(f"getComputedStyle({element(testid)}).backgroundColor"))
+
+
+def test_the_picture_is_printed_in_its_own_proportions(page: Browser) -> None:
+    width, height = page.read(
+        "(({ clientWidth, clientHeight }) => [clientWidth, clientHeight])"
+        "(document.querySelector('main canvas'))"
+    )
+    page.do("media", media="print")
+    page.do("resize", width=700, height=990)
+    page.read("void window.dispatchEvent(new Event('beforeprint'))")
+    printed = page.read(
+        f"(({{ width, height }}) => [width, height])"
+        f"({element('print-page')}.querySelector('canvas').getBoundingClientRect())"
+    )
+    page.do("screenshot", path=str(OUTPUT / "screens-print.png"))
+    assert page.read("getComputedStyle(document.querySelector('.workspace')).display") == "none"
+    page.do("media", media=None)
+    page.do("resize", width=1366, height=768)
+    assert printed[0] > 300
+    assert printed[0] / printed[1] == pytest.approx(width / height, rel=0.01)
+    page.finish()
+
+
+def test_what_is_pressed_and_switched_on_is_seen_in_colours_of_the_system(page: Browser) -> None:
+    page.do("media", forcedColors="active")
+    page.do("screenshot", path=str(OUTPUT / "screens-forced-colours.png"))
+    assert ground(page, "tool-none") != ground(page, "tool-drill"), "the tool in the hand"
+    before = ground(page, "show-path")
+    page.do("click", testid="show-path")
+    page.wait(f"{element('show-path')}.checked !== undefined")
+    assert ground(page, "show-path") != before, "a switch"
+    page.do("click", testid="show-path")
+    lamp = f"getComputedStyle({element('light')}.querySelector('.lamp')).backgroundColor"
+    assert page.read(lamp) != page.read("getComputedStyle(document.body).backgroundColor")
+    page.do("media", forcedColors=None)
+
+
+def test_enlarged_to_twice_its_size_the_page_has_all_panels_and_tools(page: Browser) -> None:
+    left = "document.querySelector('aside.left') !== null"
+    right = "document.querySelector('aside.right') !== null"
+    assert page.read(f"{left} && {right}")
+    page.do("resize", width=683, height=384)
+    page.wait(f"!({left} && {right})")
+    page.read("document.querySelector('aside.right') || document.querySelectorAll('header button')")
+    if not page.read(right):
+        page.read("[...document.querySelectorAll('header button')].at(-1).click()")
+        page.wait(right)
+    cut = page.read(
+        "[...document.querySelectorAll('[data-testid^=tool-]')].filter((tool) => {"
+        " tool.scrollIntoView({ block: 'nearest' });"
+        " const { left, right, width } = tool.getBoundingClientRect();"
+        " return width > 0 && (left < 0 || right > window.innerWidth); }).length"
+    )
+    assert cut == 0
+    page.do("screenshot", path=str(OUTPUT / "screens-zoomed-tools.png"))
+    page.read("document.querySelector('header button').click()")
+    page.wait(left)
+    page.do("screenshot", path=str(OUTPUT / "screens-zoomed-left.png"))
+    page.do("resize", width=1366, height=768)
+    page.wait(f"{left} && {right}")
+
+
+def test_the_whole_name_of_a_segment_is_its_tooltip(page: Browser) -> None:
+    name = "document.querySelector('li[data-testid=segment-1] .name')"
+    assert page.read(f"{name}.title") == page.read(f"{name}.querySelector('.text').textContent")
