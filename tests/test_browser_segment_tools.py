@@ -131,10 +131,18 @@ def test_shapes_change_by_one_step_of_undo_and_a_click_grows_a_region(page: Brow
     place = page.read(PLACE_OF_BALL)
     page.do("clickAt", testid="slice-axial", x=place[0], y=place[1])
     page.shows("segment-2", "/Region 2/.test(text)")
+    # it is open and in sight; once it is taken back, the one before is open again
+    page.wait("document.querySelector('[data-testid=segment-2]').classList.contains('open')")
+    page.wait(
+        "(({ top, bottom }, { height }) => top > 0 && bottom < height)("
+        "document.querySelector('[data-testid=segment-2] .row').getBoundingClientRect(),"
+        " { height: innerHeight })"
+    )
     page.finish()
     page.do("screenshot", path=str(OUTPUT / "segment_grown.png"))
     page.do("press", key="Control+z")
     page.wait("document.querySelector('[data-testid=segment-2]') === null")
+    page.wait("document.querySelector('[data-testid=segment-1]').classList.contains('open')")
 
     page.do("choose", testid="otsu-classes", value="3")
     page.do("click", testid="otsu-make")
