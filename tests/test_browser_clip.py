@@ -18,7 +18,6 @@ from opened_scan import Array, Opened
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 
 OUTPUT = ROOT / "tests" / "output"
-FOLDS = "localStorage.setItem('palpate.fold.Clip', JSON.stringify({ open: true }))"
 SIZE = {"width": 1000, "height": 640}
 
 
@@ -27,8 +26,6 @@ def opened(data_folder: Path) -> Iterator[Opened]:
     """A contrast CT of the trunk, with the controls of clipping in sight."""
     path = data_folder / "amos_0336" / "amos_0336.mhd"
     with palpate("open", path, "--unit", "HU") as command, browser() as page:
-        page.do("open", url=command.url, **SIZE)
-        page.read(FOLDS)
         opening = page.do("open", url=command.url, **SIZE)
         assert opening["firstPicture"] is not None
         yield Opened(page, SimpleITK.ReadImage(str(path)))

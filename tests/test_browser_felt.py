@@ -157,7 +157,6 @@ def test_the_picture_changes_where_touch_does(page: Browser) -> None:
     assert strip.mean() - hinted.mean() > 0.2, "what is not felt is not drawn as bone"
     assert hinted.mean() > 0.1, "it is hinted at"
 
-    page.do("clickText", text="Quality")
     page.draw_by("browser")
     by_browser, _ = parts(page, "by_browser")
     page.draw_by("engine")
@@ -184,8 +183,6 @@ CUT = 34.5
 @pytest.fixture
 def clipped(page: Browser) -> Iterator[Browser]:
     """The page with the front of the scan cut away down into the block; nothing is, afterwards."""
-    if not is_there(page, "clip-box"):
-        page.do("clickText", text="Clip")
     page.do("click", testid="clip-box")
     page.do("slide", testid="clip-A", value=35)
     assert page.text("clip-A-value") == "35.0 mm"

@@ -52,3 +52,25 @@ def test_a_mip_in_firefox_is_the_largest_value_on_each_ray_of_the_file(tmp_path:
     off = np.abs(drawn[rows.ravel(), columns.ravel()] - grey)[(grey > 0.3) & (grey < 0.95)]
     assert len(off) > 300
     assert np.mean(off < 8 / 255) > 0.99
+
+
+def test_a_turntable_in_firefox_is_a_film_of_the_turning_view(tmp_path: Path) -> None:
+    path = ball(tmp_path / "ball.nii.gz")
+    with palpate("open", path, "--unit", "HU") as command, firefox() as page:
+        page.remember(image={"seconds": 1, "turns": 1}, drawer={"choice": "browser"})
+        page.open(command.url, width=640, height=400)
+        # what is kept by the browser
+        page.read(
+            "void (URL.createObjectURL = (blob) => (window.__film = blob, 'data:,'),"
+            " document.querySelector('[data-testid=save-image]').click(),"
+            " document.querySelector('[data-testid=film-save]').click())"
+        )
+        page.wait(
+            "window.__film !== undefined || document.querySelector('.notice.error') !== null"
+        )
+        assert page.read("document.querySelector('.notice.error')?.textContent ?? null") is None
+        # an EBML file, which a browser can play
+        head = page.read("window.__film.slice(0, 4).arrayBuffer().then(b => [...new Uint8Array(b)])")
+        assert head == [0x1A, 0x45, 0xDF, 0xA3]
+        # the length of a second: more than one picture
+        assert page.read("window.__film.size") > 1000

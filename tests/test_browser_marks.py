@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -188,9 +189,130 @@ def test_an_angle_is_set_on_what_is_seen_and_marks_are_a_table(page: Browser) ->
     assert head[:4] == ["name", "kind", "value", "unit"]
     assert [row[:2] for row in rows] == [['jaw, "upper"', "angle"], ["Point 1", "point"]]
     assert float(rows[0][2]) == pytest.approx(angle, abs=0.01)
-    np.testing.assert_allclose(np.array(rows[0][4:], float), points.ravel(), atol=0.01)
+    np.testing.assert_allclose(np.array(rows[0][4:13], float), points.ravel(), atol=0.01)
     page.do("click", testid="mark-delete-1")
     page.wait("window.palpate.marks.length === 1")
+
+
+def values_inside(image: Any, kind: str, points: Vector) -> Vector:
+    """Returns the file's values in an axial area: of the slice's voxels with centres inside."""
+    values = SimpleITK.GetArrayFromImage(image)
+    z = image.TransformPhysicalPointToIndex(points[0].tolist())[2]
+    matrix = np.array(image.GetDirection()).reshape(3, 3) * image.GetSpacing()
+    y, x = np.indices(values.shape[1:])
+    centres = np.stack([x, y, np.full_like(x, z)], axis=-1) @ matrix.T + image.GetOrigin()
+    shares = [
+        (centres - points[0]) @ half / (half @ half)
+        for half in (points[1] - points[0], points[2] - points[0])
+    ]
+    reach = np.hypot(*shares) if kind == "ellipse" else np.maximum(*np.abs(shares))
+    return np.asarray(values[z][reach <= 1], np.float64)
+
+
+def told_inside(page: Browser, number: int) -> list[float]:
+    """Returns mean, SD, least and largest value as the list tells them of an area."""
+    page.shows(f"mark-inside-{number}", "text.includes('mean')")
+    text = page.text(f"mark-inside-{number}")
+    return [float(figure) for figure in re.findall(r"-?\d+(?:\.\d+)?", text)]
+
+
+def agrees(page: Browser, image: Any) -> None:
+    """Checks what is told of the first mark, an area, by the values of the file."""
+    mark = page.read("window.palpate.marks[0]")
+    inside = values_inside(image, mark["kind"], np.array(mark["points"]))
+    assert len(inside) > 100
+    expected = [inside.mean(), inside.std(), inside.min(), inside.max()]
+    # told with a digit after the point, and of an area that is measured anew after a moment
+    page.shows("mark-inside-1", f"Math.abs(parseFloat(text.slice(5)) - {inside.mean()}) < 0.51")
+    np.testing.assert_allclose(told_inside(page, 1), expected, rtol=1e-3, atol=0.6)
+
+
+def test_an_area_tells_the_values_of_the_file_inside_it(page: Browser, image: Any) -> None:
+    plane = plane_of(page, "axial")
+    page.do("press", key="u")
+    page.do("dragElement", testid="slice-axial", **{"from": [-70, -40]}, x=110, y=60)
+    page.wait("window.palpate.marks.length === 1")
+    (mark,) = page.read("window.palpate.marks")
+    assert mark["kind"] == "ellipse"
+    points = np.array(mark["points"])
+    # drags are of whole pixels
+    size = np.pi * 55 * 30 * plane["pixel"] ** 2
+    area = float(page.text("mark-value-1").removesuffix(" mm²"))
+    assert area == pytest.approx(size, rel=0.05)
+
+    agrees(page, image)
+    assert page.text("mark-values-axial-1-0").startswith("mean")
+
+    now = "JSON.stringify(window.palpate.marks[0].points)"
+    # made wider by its handle: one step, which Ctrl+Z takes back
+    page.do("dragElement", testid="mark-axial-1-1", x=25, y=0)
+    page.wait(
+        "(([m, u]) => Math.hypot(...m.map((c, i) => c - u[i])))(window.palpate.marks[0].points)"
+        f" > {np.linalg.norm(points[1] - points[0]) + 15 * plane['pixel']}"
+    )
+    agrees(page, image)
+    page.do("press", key="Control+z")
+    page.wait(f"{now} === JSON.stringify({mark['points']})")
+    # moved as a whole by its middle
+    page.do("dragElement", testid="mark-axial-1-0", x=-30, y=20)
+    page.wait(f"{now} !== JSON.stringify({mark['points']})")
+    moved = np.array(page.read("window.palpate.marks[0].points"))
+    np.testing.assert_allclose(moved[1] - moved[0], points[1] - points[0], atol=1e-6)
+    agrees(page, image)
+
+
+def test_a_rectangle_is_set_by_two_clicks_and_is_there_again(page: Browser, image: Any) -> None:
+    page.do("press", key="Shift+U")
+    page.do("clickAt", testid="slice-axial", x=0.35, y=0.35)
+    page.do("clickAt", testid="slice-axial", x=0.6, y=0.55)
+    page.wait("window.palpate.marks.length === 1")
+    assert page.read("window.palpate.marks[0].kind") == "rectangle"
+    agrees(page, image)
+    kept = page.read("window.palpate.marks")
+    page.do("open", url=page.read("window.location.href"), width=1366, height=768)
+    page.wait("window.palpate.marks.length === 1")
+    assert page.read("window.palpate.marks") == kept
+    agrees(page, image)
+
+
+def test_marks_leave_as_csv_and_for_3d_slicer(page: Browser, image: Any, tmp_path: Path) -> None:
+    page.do("clickAt", testid="slice-axial", x=0.45, y=0.4)
+    picked = float(page.text("picked-value").split()[0])
+    page.do("click", testid="picked-mark")
+    page.do("press", key="m")
+    page.do("clickAt", testid="slice-coronal", x=0.3, y=0.5)
+    page.do("clickAt", testid="slice-coronal", x=0.7, y=0.4)
+    page.do("press", key="u")
+    page.do("dragElement", testid="slice-axial", **{"from": [-50, -30]}, x=90, y=50)
+    page.wait("window.palpate.marks.length === 3")
+    marks = page.read("window.palpate.marks")
+    mean, _, least, most = told_inside(page, 3)
+
+    told = page.do("download", testid="marks-save", path=str(tmp_path / "marks.csv"))
+    assert told["name"] == "marks.csv"
+    with (tmp_path / "marks.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["kind"] for row in rows] == ["point", "distance", "ellipse"]
+    assert float(rows[2]["mean"]) == pytest.approx(mean, abs=0.06)
+    assert (float(rows[2]["min"]), float(rows[2]["max"])) == (least, most)
+
+    told = page.do("download", testid="marks-slicer", path=str(tmp_path / "marks.mrk.json"))
+    assert told["name"] == "marks.mrk.json"
+    markups = json.loads((tmp_path / "marks.mrk.json").read_text(encoding="utf-8"))["markups"]
+    assert [each["type"] for each in markups] == ["Fiducial", "Line", "ClosedCurve"]
+    assert {each["coordinateSystem"] for each in markups} == {"LPS"}
+    places = [[point["position"] for point in each["controlPoints"]] for each in markups]
+    # in the frame in which another program has the file: it finds the value that the page shows
+    np.testing.assert_allclose(places[0], marks[0]["points"], atol=1e-6)
+    np.testing.assert_allclose(places[1], marks[1]["points"], atol=1e-6)
+    assert image[image.TransformPhysicalPointToIndex(places[0][0])] == picked
+    # the curve goes around the same area
+    around = np.array(places[2])
+    middle = np.array(marks[2]["points"][0])
+    steps = np.roll(around, -1, axis=0) - around
+    enclosed = np.linalg.norm(np.cross(around - middle, steps).sum(axis=0)) / 2
+    told_area = float(rows[2]["value"])
+    assert enclosed == pytest.approx(told_area, rel=0.01)
 
 
 def test_the_palette_does_what_is_typed_and_says_what_it_is(page: Browser) -> None:

@@ -319,7 +319,6 @@ def test_the_engine_draws_a_pressed_liver_as_the_browser_does(page: Browser) -> 
     pressed = page.read(f"{MATTER}.answers")
     # until it rests: some 20 answers
     page.wait(f"{MATTER}.answers > {pressed + 40}")
-    page.do("clickText", text="Quality")
     drawn = {}
     for drawer in ("browser", "engine"):
         page.draw_by(drawer)
@@ -332,7 +331,6 @@ def test_the_engine_draws_a_pressed_liver_as_the_browser_does(page: Browser) -> 
     off = np.abs(drawn["engine"] - drawn["browser"])[liver]
     assert off.mean() <= 4 / 255
     page.draw_by("browser")
-    page.do("clickText", text="Quality")
     page.read(f"window.palpate.place({before})")
     page.do("click", testid="reset-matter")
     page.wait(f"{MATTER}.model === null", seconds=240)

@@ -255,7 +255,6 @@ def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
     assert np.linalg.norm(np.array(state["proxy"]) - seen) < 8, (state["proxy"], seen)
 
     page.do("open", url=page.read("location.href"), **SIZE)
-    page.do("clickText", text="Stereo")
     assert page.read("document.querySelector('[data-testid=stereo]').value") == "side"
     page.do("choose", testid="stereo", value="off")
     assert not page.complaints
@@ -265,7 +264,6 @@ def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
 def test_the_picture_of_one_eye_can_stand_above_that_of_the_other(opened: Opened) -> None:
     page = opened.page
     page.do("choose", testid="blend", value="shaded")
-    unfold(page, "Stereo", testid="stereo")
     page.do("choose", testid="stereo", value="stacked")
     page.read("window.palpate.setView('A')")
     both = page.picture(OUTPUT / "top_bottom.png")
@@ -285,7 +283,6 @@ def test_a_finer_quality_takes_more_steps_and_comes_nearer_to_a_still_image(open
     page.do("open", url=page.read("location.href"), **SIZE)
     page.do("resize", **SMALL)
     page.do("choose", testid="blend", value="mip")
-    page.do("clickText", text="Quality")
     # drawn in software: one picture of one step per voxel unless a person wants more
     assert page.read("document.querySelector('[data-testid=quality]').value") == "fast"
     assert page.text("frame-budget-value") == "110 ms"

@@ -91,7 +91,6 @@ def test_a_table_that_is_there_is_suggested_once_and_goes_in_one_step(page: Brow
 
 def test_the_scan_is_cropped_to_the_box_and_undo_brings_it_back(page: Browser) -> None:
     whole = page.read(BONE)
-    page.do("clickText", text="Clip")
     page.do("click", testid="clip-box")
     page.do("slide", testid="clip-S", value=48.0)
     page.do("click", testid="clip-crop")

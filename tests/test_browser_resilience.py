@@ -17,6 +17,7 @@ LOSE = """(() => {
   window.__graphics = gl.getExtension("WEBGL_lose_context");
   window.__graphics.loseContext();
 })()"""
+LOST = "document.querySelector('[data-testid=graphics-lost]')"
 VISIBLE = "document.querySelector('[data-testid=visible-1]').ariaPressed"
 
 
@@ -31,12 +32,29 @@ def test_two_pages_follow_one_another_and_lost_graphics_come_back(data_folder: P
         before = page.picture(OUTPUT / "graphics_before.png")
 
         page.read("void (window.__filter = window.palpate.filter)")
+        page.read("window.palpate.place([127, 1, 150])")
+        page.read("window.palpate.hand([127, 60, 150])")
+        page.do("click", testid="tool-eraser")
+        page.settled()
         page.read(LOSE)
+        # it is told, and what cannot be seen is not done
+        page.wait(f"{LOST} !== null")
+        words = page.text("graphics-lost")
+        assert "Tools are held" in words
+        assert "Reload" in words
+        page.do("screenshot", path=str(OUTPUT / "graphics_lost.png"))
+        page.do("hold", key="x")
+        page.all_done()
+        page.do("hold", key="x", up=True)
+        page.all_done()
+        assert page.read("window.palpate.state.can_undo") is False, "nothing was erased unseen"
+        page.wait(f"{LOST}.textContent.includes('close the browser')", seconds=30)
         other.do("open", url=command.url, width=1000, height=460)
         other.do("click", testid="visible-1")
         other.all_done()
         page.wait(f"{VISIBLE} === 'false'")
         page.read("window.__graphics.restoreContext()")
+        page.wait(f"{LOST} === null")
         restored = page.picture(OUTPUT / "graphics_restored.png")
         # another context may have another GPU
         assert page.read("window.palpate.filter !== window.__filter"), "the filter is measured anew"

@@ -172,7 +172,6 @@ def test_the_engine_draws_both_as_the_browser_does(lungs: Browser) -> None:
     lungs.do("choose", testid="second-fusion", value="blend")
     lungs.do("choose", testid="second-tint", value="grey")
     lungs.do("slide", testid="second-opacity", value=0.6)
-    lungs.do("clickText", text="Quality")
     # both light volumes have cells of their own, which a mode of grey does without
     for mode, within in (("shaded", 0.98), ("mip", 0.999)):
         lungs.draw_by("browser")
@@ -195,7 +194,6 @@ def test_the_engine_draws_both_as_the_browser_does(lungs: Browser) -> None:
     lungs.draw_by("browser")
     lungs.do("choose", testid="second-fusion", value="blend")
     lungs.do("choose", testid="blend", value="shaded")
-    lungs.do("clickText", text="Quality")
 
 
 @pytest.mark.data

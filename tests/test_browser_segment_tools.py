@@ -28,6 +28,15 @@ PLACE_OF_BALL = """(() => {
 """Where (34, 24, 24), between core and border, is on the axial slice, in shares of its pane."""
 
 
+PIXEL_OF_BALL = f"""(() => {{
+  const [x, y] = {PLACE_OF_BALL};
+  const box = document.querySelector('[data-testid=slice-axial]').getBoundingClientRect();
+  return [box.left + x * box.width, box.top + y * box.height];
+}})()"""
+GROWN_VOLUME = "document.querySelector('[data-testid=grown-volume]')?.textContent"
+LEAST_LEVEL = "Number(document.querySelector('[data-testid=grown-level]').min)"
+
+
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     """A ball of 500 around a core of 900, and a small one, on the page."""
@@ -105,7 +114,7 @@ def test_which_islands_stay_is_chosen_and_seen_before_the_others_go(page: Browse
     page.do("clickText", text="Change shape")
 
 
-def test_shapes_change_by_one_step_of_undo_and_a_click_grows_a_region(page: Browser) -> None:
+def test_shapes_change_by_one_step_of_undo(page: Browser) -> None:
     page.do("clickText", text="Change shape")
     sizes = [page.read(SHOWN_SIZE)]
     for kind in ("fill-holes", "grow"):
@@ -119,6 +128,8 @@ def test_shapes_change_by_one_step_of_undo_and_a_click_grows_a_region(page: Brow
         page.do("press", key="Control+z")
         page.wait(f"{SHOWN_SIZE} === {size!r}")
 
+
+def test_a_pressed_region_is_shown_narrowed_and_kept_as_one_step(page: Browser) -> None:
     page.do("click", testid="find-segments")
     page.do("click", testid="layout-four")
     page.read("window.palpate.cross([24, 24, 24])")
@@ -140,10 +151,36 @@ def test_shapes_change_by_one_step_of_undo_and_a_click_grows_a_region(page: Brow
     )
     page.finish()
     page.do("screenshot", path=str(OUTPUT / "segment_grown.png"))
+
+    # Escape drops it; pressed again, the slider and dragging make it less, and letting go keeps it
+    page.do("press", key="Escape")
+    page.wait("document.querySelector('[data-testid=segment-2]') === null")
+    page.do("click", testid="grow-click")
+    page.do("clickAt", testid="slice-axial", x=place[0], y=place[1])
+    page.shows("grown-volume", "/ml|mm/.test(text)")
+    found = page.read(GROWN_VOLUME)
+    page.do("slide", testid="grown-level", value=page.read(LEAST_LEVEL))
+    page.wait(f"{GROWN_VOLUME} !== {found!r}")
+    page.do("click", testid="grown-drop")
+    page.wait("document.querySelector('[data-testid=segment-2]') === null")
+
+    page.do("click", testid="grow-click")
+    left, top = page.read(PIXEL_OF_BALL)
+    page.do("point", x=left, y=top)
+    page.do("mouse", down=True)
+    page.shows("grown-volume", "/ml|mm/.test(text)")
+    page.do("point", x=left - 120, y=top + 120)
+    page.wait(f"{GROWN_VOLUME} !== {found!r}")
+    page.do("mouse", down=False)
+    page.wait("document.querySelector('[data-testid=grown-bar]') === null")
+    page.shows("segment-2", "/Region 2/.test(text)")
+    page.finish()
     page.do("press", key="Control+z")
     page.wait("document.querySelector('[data-testid=segment-2]') === null")
     page.wait("document.querySelector('[data-testid=segment-1]').classList.contains('open')")
 
+
+def test_classes_of_values_become_segments(page: Browser) -> None:
     page.do("choose", testid="otsu-classes", value="3")
     page.do("click", testid="otsu-make")
     page.wait(

@@ -23,6 +23,17 @@ Picture = NDArray[np.float64]
 NAMES = ("axial", "coronal", "sagittal")
 
 
+NOTCH = 120
+"""Of the wheel, as browsers count it."""
+
+
+def point_on(plane: dict[str, Any], x: float, y: float) -> NDArray[np.float64]:
+    """Returns the point of a slice at shares of its pane."""
+    right, up = np.array(plane["right"]), np.array(plane["up"])
+    across, upward = (x - 0.5) * plane["width"], (0.5 - y) * plane["height"]
+    return np.asarray(np.array(plane["centre"]) + plane["pixel"] * (across * right + upward * up))
+
+
 @dataclass(frozen=True)
 class Opened:
     """A scan on the page, in four panes."""
@@ -176,10 +187,12 @@ def test_the_read_out_tells_the_value_and_the_place_of_the_file(opened: Opened) 
 @pytest.mark.data
 def test_wheel_drag_and_crosshair_lead_through_the_scan(opened: Opened) -> None:
     page = opened.page
+    # to the middle of a slice first
+    page.do("wheelOver", testid="slice-axial", y=NOTCH)
     before = page.read("window.palpate.crosshair")
     step = opened.image.GetSpacing()[2]
     # away from the person looks farther from the feet: toward the head
-    page.do("wheelOver", testid="slice-axial", y=180)
+    page.do("wheelOver", testid="slice-axial", y=NOTCH, times=3)
     page.wait(f"Math.abs(window.palpate.crosshair[2] - {before[2]} - {3 * step}) < 0.01")
     assert opened.plane("axial")["centre"][2] == pytest.approx(before[2] + 3 * step, abs=0.01)
 
@@ -198,14 +211,208 @@ def test_wheel_drag_and_crosshair_lead_through_the_scan(opened: Opened) -> None:
     assert wider[1] - wider[0] > 1.1 * (high - low)
 
 
+def number(page: Browser, name: str) -> int:
+    """Returns which slice a pane says that it shows."""
+    return int(page.text(f"number-{name}").split("/")[0])
+
+
+@pytest.mark.data
+def test_a_notch_of_the_wheel_is_a_slice_and_the_read_out_follows(opened: Opened) -> None:
+    page = opened.page
+    page.read("window.palpate.cross(window.palpate.crosshair.map((c, i) => i === 2 ? 1000 : c))")
+    before = number(page, "axial")
+    # as quickly as a wheel turns: none is left out
+    page.do("wheelOver", testid="slice-axial", y=NOTCH, times=25, every=40)
+    page.shows("number-axial", f"text.startsWith('{before + 25}/')")
+    page.do("wheelOver", testid="slice-axial", y=-NOTCH, times=25, every=40)
+    page.shows("number-axial", f"text.startsWith('{before}/')")
+
+    # the mouse stays where it is, and the value is that of the slice that is seen by now
+    for _ in range(3):
+        page.do("wheelOver", testid="slice-axial", y=NOTCH)
+        point = point_on(opened.plane("axial"), 0.5, 0.5)
+        z = opened.image.TransformPhysicalPointToIndex(point.tolist())[2]
+        page.shows("number-axial", f"text.startsWith('{z + 1}/{opened.image.GetSize()[2]}')")
+        index = opened.image.TransformPhysicalPointToIndex(point.tolist())
+        page.shows("read-axial", f"text.startsWith('{opened.image.GetPixel(index)} HU')")
+        assert opened.plane("axial")["centre"][2] == pytest.approx(
+            opened.image.TransformIndexToPhysicalPoint((0, 0, z))[2], abs=1e-3
+        )
+
+
+@pytest.mark.data
+def test_small_moves_on_a_trackpad_add_up_and_a_swipe_aside_turns_no_slice(opened: Opened) -> None:
+    page = opened.page
+    before = number(page, "axial")
+
+    def swipe(across: int, down: int) -> None:
+        # as browsers tell those of two fingers
+        page.read(
+            "void document.querySelector('[data-testid=slice-axial]').dispatchEvent(new WheelEvent("
+            f"'wheel', {{deltaX: {across}, deltaY: {down}, wheelDeltaX: {-3 * across},"
+            f" wheelDeltaY: {-3 * down}, bubbles: true, cancelable: true}}))"
+        )
+
+    told = []
+    for _ in range(16):
+        swipe(0, 5)
+        page.frames()
+        told.append(number(page, "axial") - before)
+    assert told == [0] * 7 + [1] * 8 + [2]
+    for _ in range(5):
+        swipe(120, 11)
+    page.frames()
+    assert number(page, "axial") == before + 2
+
+
+@pytest.mark.data
+def test_digits_over_a_slice_choose_its_window_and_elsewhere_a_side(opened: Opened) -> None:
+    page = opened.page
+    camera = page.read("window.palpate.camera.back")
+    middle = page.read(
+        "(({x, y, width, height}) => [x + width / 2, y + height / 2])"
+        "(document.querySelector('[data-testid=slice-axial]').getBoundingClientRect())"
+    )
+    page.do("point", x=middle[0], y=middle[1])
+    page.do("press", key="3")
+    page.shows("window-axial", "text.includes('W 1000 L 400') && text.includes('Bone')")
+    page.do("press", key="2")
+    page.shows("window-coronal", "text.includes('L -500') && text.includes('Lung')")
+    np.testing.assert_allclose(opened.window(), (-1200, 200))
+    assert page.read("window.palpate.camera.back") == camera
+    page.do("press", key="Control+z")
+    np.testing.assert_allclose(opened.window(), (-100, 900))
+
+    # the same list is in the pane
+    page.do("click", testid="window-sagittal")
+    page.do("click", testid="pane-window-1")
+    page.shows("window-axial", "text.includes('Abdomen')")
+    assert page.read("document.querySelector('[data-testid=card-sagittal]')") is None
+
+    page.do("clickAt", testid="canvas", x=0.9, y=0.9)
+    page.do("press", key="3")
+    page.wait("window.palpate.camera.back[0] > 0.99 || window.palpate.camera.back[0] < -0.99")
+    np.testing.assert_allclose(opened.window(), (-135, 215))
+    page.do("press", key="Escape")
+    page.do("press", key="?")
+    page.wait("document.querySelector('#help-title') !== null")
+    told = page.read("document.querySelector('[role=dialog][aria-modal]').textContent")
+    assert "3 over a slice" in told
+    page.do("press", key="Escape")
+    page.read("window.palpate.setView('A')")
+
+
+@pytest.mark.data
+def test_a_double_click_gives_a_slice_the_whole_picture_and_another_takes_it_back(
+    opened: Opened,
+) -> None:
+    page = opened.page
+    page.do("doubleClickAt", testid="slice-sagittal", x=0.4, y=0.5)
+    page.wait("window.palpate.slices.length === 1")
+    whole = opened.plane("sagittal")
+    assert whole["x"] == whole["y"] == 0
+    # it fills the canvas, and shows the file there
+    assert whole["width"] == page.read("document.querySelector('canvas').clientWidth")
+    page.do("choose", testid="window-preset", value="Abdomen")
+    shows_the_file(opened, "sagittal", filled=0.2)
+    page.do("doubleClickAt", testid="slice-sagittal", x=0.4, y=0.5)
+    page.wait("window.palpate.slices.length === 3")
+    assert page.read("document.querySelector('[data-testid=pick-card]')") is None
+
+    # the 3-D view by its key; the picture is the one from before
+    page.do("clickAt", testid="canvas", x=0.02, y=0.5)
+    page.do("press", key="Shift+F")
+    page.wait("window.palpate.slices.length === 0")
+    page.do("press", key="Shift+F")
+    page.wait("window.palpate.slices.length === 3")
+
+
+@pytest.mark.data
+def test_layouts_have_names_and_are_remembered(opened: Opened) -> None:
+    page = opened.page
+    seen = "getComputedStyle(document.querySelector('[data-testid=canvas]')).visibility"
+    camera = page.read("window.palpate.camera")
+    page.do("choose", testid="layout-names", value="slices")
+    page.wait("window.palpate.slices.length === 3")
+    assert page.read(seen) == "hidden"
+    for name in NAMES:
+        assert opened.plane(name)["height"] > 500
+    url = page.read("window.location.href")
+    page.do("open", url=url, width=1280, height=860)
+    page.wait("window.palpate.slices.length === 3")
+    assert page.read(seen) == "hidden"
+    page.do("choose", testid="layout-names", value="big")
+    page.wait("window.palpate.slices.length === 3")
+    assert page.read(seen) == "visible"
+    large, *small = (opened.plane(name) for name in ("axial", "coronal", "sagittal"))
+    assert all(large["width"] > 2 * pane["width"] for pane in small)
+    page.do("choose", testid="layout-names", value="four")
+    # what was not seen has kept its view
+    np.testing.assert_allclose(page.read("window.palpate.camera.back"), camera["back"], atol=1e-6)
+    page.finish()
+    assert np.mean(page.picture(OUTPUT / "view_again.png").max(axis=2) > 0.5) > 0.05
+
+
+@pytest.mark.data
+def test_a_slab_is_chosen_in_the_pane_and_is_the_persons_own(opened: Opened) -> None:
+    page = opened.page
+    thin = opened.image.GetSpacing()[2]
+    page.shows("thickness-axial", f"text === '{thin:.1f} mm'")
+    page.do("click", testid="thickness-axial")
+    page.do("click", testid="pane-slab-least")
+    page.shows("thickness-axial", "text === 'MinIP 10.0 mm'")
+    page.do("slide", testid="pane-slab", value=20)
+    page.shows("thickness-coronal", "/^MinIP (19|20|21)/.test(text)")
+    kept = page.text("thickness-coronal")
+    page.do("press", key="Escape")
+    page.wait("document.querySelector('[data-testid=card-axial]') === null")
+    remembered = page.read("JSON.parse(localStorage.getItem('palpate.slices'))")
+    assert remembered["slabMode"] == "least"
+    # it goes with the page, whichever scan is open
+    url = page.read("window.location.href")
+    page.do("open", url=url, width=1280, height=860)
+    page.shows("thickness-axial", f"text === '{kept}'")
+    page.do("click", testid="thickness-axial")
+    page.do("click", testid="pane-slab-single")
+    page.shows("thickness-axial", f"text === '{thin:.1f} mm'")
+    page.do("press", key="Escape")
+
+
+@pytest.mark.data
+def test_a_finger_on_the_bar_goes_through_all_slices(opened: Opened) -> None:
+    page = opened.page
+    top, bottom = page.read(
+        "(({x, width, top, bottom}) => [[x + width - 6, top + 20], [x + width - 6, bottom - 20]])"
+        "(document.querySelector('[data-testid=bar-axial]').getBoundingClientRect())"
+    )
+    middle = page.read(
+        "(({x, y, width, height}) => [x + width / 2, y + height / 2])"
+        "(document.querySelector('[data-testid=canvas]').getBoundingClientRect())"
+    )
+    count = opened.image.GetSize()[2]
+    crosshair = page.read("window.palpate.crosshair")
+    start, end = ([a - b for a, b in zip(place, middle, strict=True)] for place in (top, bottom))
+    # toward the person is toward the feet: on top
+    page.do("fingers", **{"from": [start], "to": [end], "hold": True})
+    page.shows("number-axial", f"parseInt(text) > {0.9 * count}")
+    page.do("fingersUp")
+    page.do("fingers", **{"from": [end], "to": [start]})
+    page.shows("number-axial", f"parseInt(text) < {0.1 * count}")
+    # the other two stay where they are
+    np.testing.assert_allclose(page.read("window.palpate.crosshair")[:2], crosshair[:2], atol=1e-6)
+
+
 @pytest.mark.data
 def test_slices_go_where_the_probe_goes_and_bring_it_where_they_are_clicked(
     opened: Opened,
 ) -> None:
     page = opened.page
+    asked = point_on(opened.plane("coronal"), 0.2, 0.2)
+    page.do("hold", key="Shift")
     page.do("doubleClickAt", testid="slice-coronal", x=0.2, y=0.2)
-    asked = page.read("window.palpate.crosshair")
+    page.do("hold", key="Shift", up=True)
     state = page.settled()
+    assert page.read("window.palpate.slices.length") == 3
     assert np.hypot.reduce(np.array(state["proxy"]) - asked) < 60
     proxy = np.array(state["proxy"])
     higher = proxy + np.array([0.0, 0.0, 12.0])
@@ -249,7 +456,7 @@ def test_layout_and_window_are_remembered(opened: Opened) -> None:
 
 
 OVERLAPS = """(() => {
-  const parts = ['.views', '.edge', '.scale', '.read > *', '.name',
+  const parts = ['.views', '.edge', '.scale', '.read > *', '.name', '.info > *', '.bar',
     'svg[aria-label*=Views]']
   const boxes = parts.flatMap((part) => [...document.querySelectorAll(`.picture ${part}`)].map(
     (each) => [part, each.getBoundingClientRect()]))
@@ -257,7 +464,7 @@ OVERLAPS = """(() => {
     && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1
   const met = ([part, box], i) => boxes.slice(i + 1).filter((other) => meet(box, other[1]))
     .map(([other]) => `${part} on ${other}`)
-  return boxes.length < 27 ? `only ${boxes.length} parts` : boxes.flatMap(met)
+  return boxes.length < 39 ? `only ${boxes.length} parts` : boxes.flatMap(met)
 })()"""
 """What stands on what over the picture."""
 

@@ -44,7 +44,6 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
         light = json.dumps({"occlusion": 0, "shadow": 0})
         opened.read(f"localStorage.setItem('palpate.lighting.scan', {json.dumps(light)})")
         assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
-        opened.do("clickText", text="Quality")
         opened.do("click", testid="all-as-surface")
         opened.wait("window.palpate.triangles[1] > 0 && window.palpate.triangles[2] > 0")
         yield opened

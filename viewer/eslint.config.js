@@ -23,7 +23,7 @@ const rooms = {
   "core/segments": ["core/base", "core/geometry", "core/protocol", "core/scan"],
   "core/tissue": ["core/base", "core/geometry", "core/protocol"],
   "core/tools": ["core/base", "core/geometry", "core/protocol"],
-  "core/slices": ["core/geometry", "core/protocol", "core/scan", "core/surfaces"],
+  "core/slices": ["core/base", "core/geometry", "core/protocol", "core/scan", "core/surfaces"],
   "core/marks": ["core/base", "core/geometry", "core/slices"],
   "core/view": ["core/geometry", "core/marks", "core/protocol", "core/scan", "core/slices"],
   "core/appearance": ["core/base", "core/geometry", "core/protocol", "core/scan", "core/segments", "core/view"],

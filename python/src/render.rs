@@ -315,7 +315,7 @@ impl PyPicture {
             .to_pyarray(py)
     }
 
-    /// Depth [mm], infinite where nothing is; shape [rows, columns].
+    /// Depth [mm], infinite where nothing is, negative where that of what is seen through; shape [rows, columns].
     fn depths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f32>> {
         let (columns, rows) = self.shape();
         Array2::from_shape_vec((rows, columns), self.picture.depths.clone())

@@ -122,7 +122,7 @@ class Browser:
         self.read(f"new Promise(resolve => {2 * 'requestAnimationFrame(() => '}resolve(0))))")
 
     def draw_by(self, drawer: str) -> None:
-        """Chooses who draws the 3-D view, where *Quality* is open."""
+        """Chooses who draws the 3-D view."""
         self.do("choose", testid="drawer", value=drawer)
         self.frames()
 

@@ -22,7 +22,8 @@
  *   {"do": "hold", "key": "x"}                                a key, until the same with "up": true
  *   {"do": "point", "x": …, "y": …}                           the mouse, in pixels of the page
  *   {"do": "clickAt", "testid": …, "x": …, "y": …}            in shares of an element; "doubleClickAt" too
- *   {"do": "wheelOver", "testid": …, "y": …}                  over an element's middle
+ *   {"do": "wheelOver", "testid": …, "x": …, "y": …}          over an element's middle, 120 is a notch; "times": so often,
+ *                                                             "every" so many ms → {"value": ms that it took}
  *   {"do": "clickText", "text": …}                            a button by its name
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
@@ -35,6 +36,8 @@
  *   {"do": "cut"}                                             ends it → {"value": [[seconds, name of a JPEG file], …]}
  *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
  *   {"do": "key", "key": "я", "code": "KeyZ", "alt": true}    as on a keyboard of another layout; "repeats": so often
+ *   {"do": "beforeOpen", "script": …}                         runs in every page that is opened from now on, before its own
+ *   {"do": "media", "forcedColors": "active", "media": "print"}  as the system has it; null: as it is
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
@@ -69,6 +72,32 @@ page.on("console", (message) => {
 
 const byTestId = (testid) => page.locator(`[data-testid="${testid}"]`).first();
 const picture = () => byTestId("canvas");
+
+/** Shows the group of the left panel that an element is in, or the settings; returns whether those came. */
+async function reveal(element) {
+  const where = await element.evaluate((each) => ({
+    tab: each.closest("[role=tabpanel][hidden]")?.getAttribute("aria-labelledby") ?? null,
+    settings: each.closest("[data-testid=settings]:not([open])") !== null,
+  }));
+  if (where.tab !== null) {
+    await page.locator(`[id="${where.tab}"]`).click();
+  }
+  if (where.settings) {
+    await byTestId("open-settings").click();
+  }
+  return where.settings;
+}
+
+/** Does something with an element, as a person who looks for it first; settings are put away again. */
+async function withElement(element, act) {
+  const opened = await reveal(element);
+  const answer = await act(element);
+  if (opened) {
+    await byTestId("close-settings").click();
+  }
+  return answer;
+}
+const withTestId = (testid, act) => withElement(byTestId(testid), act);
 const middleOfPicture = async () => {
   const { x, y, width, height } = await picture().boundingBox();
   return [x + width / 2, y + height / 2];
@@ -139,7 +168,11 @@ const actions = {
     const over = `${own} ~ *, ${own} > *, [popover]`;
     const others = `main > :not(:has(${own})), main > * > :not(canvas, ${own}, :has(${own})), ${over}`;
     const style = testid === undefined ? "" : `${others} { visibility: hidden !important }`;
-    await (testid === undefined ? page : byTestId(testid)).screenshot({ path, style });
+    if (testid === undefined) {
+      await page.screenshot({ path, style });
+    } else {
+      await withTestId(testid, (element) => element.screenshot({ path, style }));
+    }
     return {};
   },
   async doubleClick({ x, y }) {
@@ -190,8 +223,10 @@ const actions = {
     return {};
   },
   async clickAt({ testid, x, y }) {
-    const box = await byTestId(testid).boundingBox();
-    await byTestId(testid).click({ position: { x: x * box.width, y: y * box.height } });
+    await withTestId(testid, async (element) => {
+      const box = await element.boundingBox();
+      await element.click({ position: { x: x * box.width, y: y * box.height } });
+    });
     return {};
   },
   async doubleClickAt({ testid, x, y }) {
@@ -200,15 +235,24 @@ const actions = {
     return {};
   },
   async clickText({ text }) {
-    await page.getByRole("button", { name: text }).click();
+    await withElement(page.getByRole("button", { name: text, includeHidden: true }).first(), () =>
+      page.getByRole("button", { name: text }).click(),
+    );
     return {};
   },
-  async wheelOver({ testid, y }) {
-    await byTestId(testid).hover();
-    await page.mouse.wheel(0, y);
-    return {};
+  async wheelOver({ testid, x = 0, y = 0, times = 1, every = 0 }) {
+    return withTestId(testid, async (element) => {
+      await element.hover();
+      const begun = Date.now();
+      for (let turn = 0; turn < times; ++turn) {
+        await page.waitForTimeout(Math.max(0, begun + turn * every - Date.now()));
+        await page.mouse.wheel(x, y);
+      }
+      return { value: Date.now() - begun };
+    });
   },
   async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0], button = "left", hold = false }) {
+    await reveal(byTestId(testid));
     const box = await byTestId(testid).boundingBox();
     const [startX, startY] = [box.x + box.width / 2 + from[0], box.y + box.height / 2 + from[1]];
     await page.mouse.move(startX, startY);
@@ -282,27 +326,29 @@ const actions = {
     return {};
   },
   async click({ testid }) {
-    await byTestId(testid).click();
+    await withTestId(testid, (element) => element.click());
     return {};
   },
   async choose({ testid, value }) {
-    await byTestId(testid).selectOption(value);
+    await withTestId(testid, (element) => element.selectOption(value));
     return {};
   },
   async slide({ testid, value }) {
-    const slider = byTestId(testid);
-    await slider.scrollIntoViewIfNeeded();
-    const [box, low, high] = [await slider.boundingBox(), ...(await slider.evaluate(({ min, max }) => [+min, +max]))];
-    // the middle of the thumb, 14 pixels wide, stays inside of the track
-    const at = (share) => [box.x + 7 + share * (box.width - 14), box.y + box.height / 2];
-    await page.mouse.move(...at((Number(await slider.inputValue()) - low) / (high - low)));
-    await page.mouse.down();
-    await page.mouse.move(...at((value - low) / (high - low)), { steps: 8 });
-    await page.mouse.up();
-    return { value: Number(await slider.inputValue()) };
+    return withTestId(testid, async (slider) => {
+      await slider.scrollIntoViewIfNeeded();
+      const [box, low, high] = [await slider.boundingBox(), ...(await slider.evaluate(({ min, max }) => [+min, +max]))];
+      // the middle of the thumb, 14 pixels wide, stays inside of the track
+      const at = (share) => [box.x + 7 + share * (box.width - 14), box.y + box.height / 2];
+      await page.mouse.move(...at((Number(await slider.inputValue()) - low) / (high - low)));
+      await page.mouse.down();
+      await page.mouse.move(...at((value - low) / (high - low)), { steps: 8 });
+      await page.mouse.up();
+      return { value: Number(await slider.inputValue()) };
+    });
   },
   async download({ testid, path }) {
-    const [download] = await Promise.all([page.waitForEvent("download"), byTestId(testid).click()]);
+    const click = withTestId(testid, (element) => element.click());
+    const [download] = await Promise.all([page.waitForEvent("download"), click]);
     await download.saveAs(path);
     return { name: download.suggestedFilename() };
   },
@@ -317,9 +363,11 @@ const actions = {
     return {};
   },
   async fill({ testid, text }) {
-    await byTestId(testid).fill(text);
-    // as a person does who goes on to something else
-    await byTestId(testid).blur();
+    await withTestId(testid, async (element) => {
+      await element.fill(text);
+      // as a person does who goes on to something else
+      await element.blur();
+    });
     return {};
   },
   async type({ text }) {
@@ -345,6 +393,14 @@ const actions = {
     devtools.off("Page.screencastFrame", film.take);
     await Promise.all(film.written);
     return { value: film.frames };
+  },
+  async beforeOpen({ script }) {
+    await page.addInitScript(script);
+    return {};
+  },
+  async media(options) {
+    await page.emulateMedia(options);
+    return {};
   },
   async axe() {
     await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));

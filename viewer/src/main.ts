@@ -1,13 +1,21 @@
 /**
- * Starts the page.
+ * Starts the page. The page itself is a module of its own: whatever it throws while it is read or made is shown,
+ * with what to do, in place of "Palpate is starting".
  */
-import { mount } from "svelte";
-import App from "./ui/app/App.svelte";
+import { ensureLanguage } from "./ui/app/browser_language";
+import { showFailure, watchStart } from "./ui/app/start_failure";
 import "./ui/theme/theme.css";
 
 const host = document.getElementById("app");
 if (host === null) {
   throw new Error("the page has lost its frame: no #app in index.html");
 }
-host.replaceChildren();
-mount(App, { target: host });
+const started = watchStart(host);
+try {
+  ensureLanguage();
+  const [{ mount }, { default: App }] = await Promise.all([import("svelte"), import("./ui/app/App.svelte")]);
+  host.replaceChildren();
+  mount(App, { target: host, props: { started } });
+} catch (error) {
+  showFailure(host, error);
+}

@@ -264,8 +264,10 @@ impl Band<'_> {
         let (red, green, blue) = (light.x.store(), light.y.store(), light.z.store());
         let opacity = opacity.store();
         let far = L::Float::splat(f32::INFINITY);
-        let is_far = seen.depth.less(Floats::splat(0.0));
-        let depths = far.or_else(is_far, seen.depth.div(packet.stretch)).store();
+        let zero = L::Float::splat(0.0);
+        let haze = far.or_else(seen.haze.less(zero), zero - seen.haze.div(packet.stretch));
+        let is_haze = seen.depth.less(zero);
+        let depths = haze.or_else(is_haze, seen.depth.div(packet.stretch)).store();
         let codes = seen.segment.store();
         for lane in 0..LANES as u32 {
             let (x, y) = (column + lane % PACKET.0, row + lane / PACKET.0);

@@ -30,6 +30,8 @@ pub(crate) struct Seen<L: Gather> {
     pub depth: L::Float,
     /// Code of the segment there; see [`crate::segments::Segments`].
     pub segment: L::Int,
+    /// Length at which lies what is seen through, in modes that show all of a ray [mm]; below 0 where nothing is.
+    pub haze: L::Float,
 }
 
 impl<L: Gather> Seen<L> {

@@ -20,7 +20,7 @@ pub struct Picture {
     /// Linear colour multiplied by opacity, and opacity.
     pub colours: Vec<[f32; 4]>,
     /// Distance from the eye along the direction of view where a ray became more opaque than clear [mm]; infinite where
-    /// it has not.
+    /// it has not. In modes that show all of a ray, negative: that of the middle of what is seen through.
     pub depths: Vec<f32>,
     /// The segment there; 0 of none.
     pub segments: Vec<u8>,

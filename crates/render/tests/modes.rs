@@ -198,3 +198,33 @@ fn light_on(normal: DVec3, to_eye: DVec3, camera: &Camera) -> Vec3 {
     let highlight = normal.dot((lamp + to_eye).normalize()).max(0.0).powf(28.0) as f32;
     COLOUR * (sky + direct + rim) + 0.16 * highlight
 }
+
+/// A ray along z through a block of tissue from `near` to `far` voxels below the top, in which one layer is densest.
+fn haze_of(blend: Blend) -> f64 {
+    let voxels = cube(24, |voxel| match voxel.z {
+        9 => 900.0,
+        6..18 => 400.0,
+        _ => 0.0,
+    });
+    let mut view = request(parallel(DVec3::splat(12.0), DVec3::Z, 0.1), 1);
+    view.steps_per_voxel = 4.0;
+    f64::from(picture(&scene(&voxels), &appearance(blend, 1e-3), &view).depths[0])
+}
+
+#[test]
+fn where_all_of_a_ray_is_seen_depth_is_that_of_its_middle_below_zero() {
+    // rays begin 500 mm before the middle, at z = 512
+    let (densest, middle) = (9.5 - 512.0, 12.0 - 512.0);
+    assert_near(haze_of(Blend::Mip), densest, 0.3);
+    assert_near(haze_of(Blend::Average), middle, 0.6);
+    // by extinction, which is in proportion to the value: 900 beside eleven times 400
+    let sum: f64 = (6..18).map(|z| if z == 9 { 900.0 } else { 400.0 }).sum();
+    let weighted: f64 = (6..18)
+        .map(|z| f64::from(z) + 0.5)
+        .map(|z| z * if z == 9.5 { 900.0 } else { 400.0 })
+        .sum();
+    let mean = weighted / sum - 512.0;
+    assert_near(haze_of(Blend::Absorption), mean, 0.3);
+    assert_near(haze_of(Blend::Emission), mean, 0.3);
+    assert!(haze_of(Blend::Shaded).is_infinite());
+}

@@ -140,21 +140,10 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
 def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     """Open the built-in phantom in the browser."""
-    from palpate.cli.scenes import scene_of
     from palpate.cli.show_page import check_start, show
-    from palpate.saved.opening import Opening
+    from palpate.saved.demonstration import demonstration
     from palpate.server.app import bind
-    from palpate.volumes.phantom import phantom
 
     check_start(rate)
-
-    def make(progress: Progress) -> Opening:
-        progress("making the phantom", None)
-        made = phantom()
-        scene = scene_of(made.volume, bounds=None, label_map=None, progress=progress)
-        # something to make soft
-        scene.add(made.part("liver"), shown_as="surface")
-        return Opening(scene, None, ())
-
     with bind(port) as listener:
-        show("the phantom", make, listener, rate=rate, browser=browser)
+        show("the phantom", demonstration, listener, rate=rate, browser=browser)

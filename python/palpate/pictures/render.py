@@ -12,6 +12,7 @@ from palpate.base.errors import OptionError
 from palpate.pictures.camera import Camera
 from palpate.pictures.choices import Background, Size, View, require_drawable, require_view
 from palpate.pictures.extent import extent_of
+from palpate.pictures.felt_look import SOLIDS, look_beside
 from palpate.pictures.look_of_scan import GREY, appearance_of, require_mode
 from palpate.pictures.looks import ANATOMY, Quality, looks
 from palpate.pictures.shown_segments import bodies_of
@@ -31,7 +32,12 @@ class DrawnScene:
     """A scene that is prepared to be drawn, from any side."""
 
     def __init__(
-        self, scene: Scene | Volume, *, mode: str = "shaded", preset: str = ANATOMY
+        self,
+        scene: Scene | Volume,
+        *,
+        mode: str = "shaded",
+        preset: str = ANATOMY,
+        touchable_only: bool = False,
     ) -> None:
         """Reads each value once.
 
@@ -39,6 +45,7 @@ class DrawnScene:
             scene: A scan, or one with segments.
             mode: As for ``render``.
             preset: As for ``render``.
+            touchable_only: As for ``render``.
 
         Raises:
             OptionError: A name is not known, or there are too many voxels.
@@ -49,10 +56,13 @@ class DrawnScene:
                 f"scene of type {type(scene).__name__} given; allowed: a Scene or a Volume"
             )
         volume = scene.volume
-        bodies = bodies_of(scene)
+        known_mode = require_mode(mode)
+        only = touchable_only and known_mode in SOLIDS
+        bodies = bodies_of(scene, touchable_only=only)
         self.extent = extent_of(volume)
         self._bends = mode not in GREY
-        appearance = appearance_of(volume, bodies, mode=require_mode(mode), preset=preset)
+        alone = appearance_of(volume, bodies, mode=known_mode, preset=preset)
+        appearance = look_beside(alone, scene, touchable_only=only)
         with option_errors():
             self._renderer = _core.Renderer(volume._internal, bodies.voxels)  # noqa: SLF001
             self._renderer.set_surfaces(bodies.triangles)
@@ -120,6 +130,7 @@ def render(
     samples: int | None = None,
     background: Background = "dark",
     orthographic: bool = False,
+    touchable_only: bool = False,
 ) -> NDArray[np.uint8]:
     """Draws a picture of a scan, as the page shows it.
 
@@ -127,7 +138,8 @@ def render(
 
     Args:
         scene: A scan, or one with segments; visible segments are bodies or surfaces in their
-            colours, as they are shown.
+            colours, as they are shown. Beside a threshold of bone that can be touched, other bone
+            of a CT is only hinted at, as on the page.
         view: Side on which the viewer stands: "anterior", "posterior", "left", "right", "superior"
             or "inferior" of the patient, "first" for the view that the page begins with, or a
             ``palpate.Camera``.
@@ -139,6 +151,8 @@ def render(
         samples: Rays per pixel; by default those of the quality, 4 for "balanced".
         background: "dark" as on the page, "white" or "transparent".
         orthographic: Whether the projection is parallel; of views by name.
+        touchable_only: Show only what can be touched: nothing of the scan beside its segments. In
+            "shaded", "composite" and "iso"; in the other modes all are values.
 
     Returns:
         sRGB and opacity, shape [rows, columns, 4]; rows from the top. Colours are not multiplied by
@@ -148,7 +162,7 @@ def render(
         OptionError: A name is not known, or a number is not allowed; the message tells what is.
     """
     require_drawable(size, quality=quality, samples=samples, background=background)
-    drawn = DrawnScene(scene, mode=mode, preset=preset)
+    drawn = DrawnScene(scene, mode=mode, preset=preset, touchable_only=touchable_only)
     camera = drawn.camera(view, size, orthographic=orthographic)
     return drawn.draw(camera, size, quality=quality, samples=samples, background=background)
 

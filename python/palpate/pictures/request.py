@@ -68,6 +68,10 @@ class PictureRequest(Request, frozen=True, kw_only=True):
         "dark"
     )
     orthographic: Annotated[bool, words("Draw in parallel projection.")] = False
+    touchable_only: Annotated[
+        bool,
+        words("Show only what can be touched: nothing of the scan beside its segments."),
+    ] = False
     seconds: Annotated[float, words("Time of the turn of a film in s.")] = 6.0
     fps: Annotated[float, words("Pictures of a film per second, 1 to 60.")] = 20.0
 
@@ -115,7 +119,9 @@ class PictureRequest(Request, frozen=True, kw_only=True):
         from palpate.pictures.render import DrawnScene
 
         progress("preparing the picture", None)
-        drawn = DrawnScene(scene, mode=self.mode, preset=self.preset)
+        drawn = DrawnScene(
+            scene, mode=self.mode, preset=self.preset, touchable_only=self.touchable_only
+        )
         camera = drawn.camera(self.view, self._pixels, orthographic=self.orthographic)
         written = []
         if self.out is not None:

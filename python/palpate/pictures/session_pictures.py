@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import count
 from threading import Lock
@@ -30,12 +31,14 @@ class DrawnArrays:
     colours: NDArray[np.float32]
     """Linear RGB multiplied by opacity, and opacity; shape [rows, columns, 4]."""
     depths: NDArray[np.float32]
-    """From the eye along the direction of view [mm], infinite where nothing is;
-    shape [rows, columns]."""
+    """From the eye along the direction of view [mm], infinite where nothing is, negative where
+    that of what is seen through; shape [rows, columns]."""
     state: int = 0
     """Number of what it shows, see ``_core.Renderer.state``."""
     part: tuple[int, int] | None = None
     """Column and row in the whole picture where it begins; None where it is all of it."""
+    eyes: int = 1
+    """Whose pictures these are, one below the other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,9 +102,29 @@ class SessionPictures:
             ValueError: Appearance, camera or size are not allowed.
             RuntimeError: The session has ended.
         """
+        return self.draw_eyes(appearance, [camera], size, fineness=fineness, number=number)
+
+    def draw_eyes(
+        self,
+        appearance: Appearance,
+        cameras: Sequence[Camera],
+        size: tuple[int, int],
+        *,
+        fineness: Fineness,
+        number: int | None,
+    ) -> DrawnArrays | None:
+        """Draws what each camera sees of the same voxels, as ``draw`` does.
+
+        Raises:
+            ValueError: Appearance, camera or size are not allowed.
+            RuntimeError: The session has ended.
+        """
         with self._turn:
             renderer = self._ready(appearance)
-            return _drawn(renderer, camera, size, fineness=fineness, number=number)
+            return _below(
+                _drawn(renderer, camera, size, fineness=fineness, number=number)
+                for camera in cameras
+            )
 
     def draw_edited(
         self,
@@ -156,6 +179,23 @@ class SessionPictures:
         elif self.follows_edits:
             self._renderer.follow(engine)
         return self._renderer
+
+
+def _below(pictures: Iterable[DrawnArrays | None]) -> DrawnArrays | None:
+    """Returns pictures of several eyes as one; None as soon as one was given up."""
+    drawn = []
+    for picture in pictures:
+        if picture is None:
+            return None
+        drawn.append(picture)
+    if len(drawn) == 1:
+        return drawn[0]
+    return DrawnArrays(
+        np.concatenate([picture.colours for picture in drawn]),
+        np.concatenate([picture.depths for picture in drawn]),
+        state=drawn[0].state,
+        eyes=len(drawn),
+    )
 
 
 def _drawn(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from palpate import _core
 from palpate.pictures.appearance import ShownSegment, ShownSurface
+from palpate.pictures.felt_look import is_felt
 from palpate.pictures.transfer import linear_from_srgb
 from palpate.volumes.scene import Scene, SceneSegment
 from palpate.volumes.surface import drawn_surface
@@ -27,8 +28,13 @@ class ShownBodies:
     """How these look."""
 
 
-def bodies_of(scene: Scene) -> ShownBodies:
-    """Returns the segments of a scene that do not look as the scan does."""
+def bodies_of(scene: Scene, *, touchable_only: bool = False) -> ShownBodies:
+    """Returns the segments of a scene that do not look as the scan does.
+
+    Args:
+        scene: The scan and its segments.
+        touchable_only: Segments that the probe passes through are hidden.
+    """
     voxels: list[tuple[int, _core.Segment]] = []
     shown: list[ShownSegment] = []
     triangles: list[tuple[int, _core.Surface]] = []
@@ -36,15 +42,14 @@ def bodies_of(scene: Scene) -> ShownBodies:
     for number, one in enumerate(scene, start=1):
         # one that stands elsewhere than the scan's voxels has nothing but its surface
         own = one.segment.has_own_grid
-        has_surface = (
-            one.visible and (own or one.shown_as != "volume") and one.appearance.opacity > 0.0
-        )
+        visible = one.visible and (is_felt(one) or not touchable_only)
+        has_surface = visible and (own or one.shown_as != "volume") and one.appearance.opacity > 0.0
         if has_surface:
             look = one.appearance
             made = drawn_surface(one.segment, smoothing=look.smoothing, source=look.surface_from)
             triangles.append((number, made))
             surfaces.append(_surface(number, one))
-        solid = one.visible and one.shown_as != "surface"
+        solid = visible and one.shown_as != "surface"
         # a hidden one looks as the scan does, but where a threshold tells it from the rest
         if not own and (solid or has_surface or one.segment.range is not None):
             voxels.append((number, one.segment._internal))  # noqa: SLF001  # what the engine takes

@@ -14,6 +14,7 @@ from palpate.volumes.histogram import Anchors
 __all__ = [
     "Transfer",
     "colour_at",
+    "extinction_at",
     "linear_from_hex",
     "linear_from_srgb",
     "transfer_of_preset",
@@ -92,6 +93,12 @@ def colour_at(transfer: Transfer, value: float) -> Colour:
     places = [at for at, _, _ in transfer]
     colours = np.array([colour for _, colour, _ in transfer])
     return _colour(*(np.interp(value, places, channel) for channel in colours.T))
+
+
+def extinction_at(transfer: Transfer, value: float) -> float:
+    """Returns the extinction at a value [1/mm]; outside of the points that of the nearest."""
+    places, _, extinctions = zip(*transfer, strict=True)
+    return float(np.interp(value, places, extinctions))
 
 
 def _divided(ends: NDArray[np.float64]) -> NDArray[np.float64]:

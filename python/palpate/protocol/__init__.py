@@ -47,17 +47,20 @@ from palpate.protocol.registration import (
     UndoRegistration,
 )
 from palpate.protocol.segments import (
+    ChangeGrown,
     ChangeShape,
     ChangeSteps,
     CropScan,
     CutAlong,
     CutPreview,
     EndGoing,
+    EndGrown,
     EndPaint,
     Feel,
     FindTable,
     Gap,
     Grab,
+    Grown,
     GrowSeeds,
     GrowSegment,
     Islands,
@@ -189,6 +192,7 @@ __all__ = [
     "BeforeOrAfter",
     "Boxes",
     "Calibration",
+    "ChangeGrown",
     "ChangeSettings",
     "ChangeShape",
     "ChangeSteps",
@@ -209,6 +213,7 @@ __all__ = [
     "DrawPicture",
     "DrawnPicture",
     "EndGoing",
+    "EndGrown",
     "EndPaint",
     "Fading",
     "Feel",
@@ -225,6 +230,7 @@ __all__ = [
     "GridPlace",
     "GrowSeeds",
     "GrowSegment",
+    "Grown",
     "Hand",
     "Hello",
     "Histogram",
@@ -372,6 +378,7 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | Grown
     | Islands
     | Scissors
     | TableFound
@@ -394,6 +401,8 @@ FromPage = (
     | Threshold
     | Otsu
     | GrowSegment
+    | ChangeGrown
+    | EndGrown
     | GrowSeeds
     | ChangeShape
     | ShowIslands

@@ -148,7 +148,8 @@ class PictureOver(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class DrawPicture(Message, frozen=True, tag="draw_picture"):
     """Requests pictures of the 3-D view in the last ``PictureLook``; see ``DrawnPicture``.
 
-    One at once; where the view does not move (``moving``) finer ones follow, until another is
+    One at once, with what each of the ``cameras`` sees: two eyes that look straight ahead, or one.
+    Where the view does not move (``moving``) finer ones follow, until another is
     requested. ``size`` has columns and rows [pixels]. The last picture is the mean of ``samples``,
     of ``steps_per_voxel`` steps for each smallest voxel edge. With ``jitter`` rays start at
     different fractions of a step. Where the page shows this view already (``over``) and a part of
@@ -156,7 +157,7 @@ class DrawPicture(Message, frozen=True, tag="draw_picture"):
     """
 
     number: Annotated[int, msgspec.Meta(ge=0)]
-    camera: SeenFrom
+    cameras: Annotated[list[SeenFrom], msgspec.Meta(min_length=1, max_length=2)]
     size: tuple[PixelCount, PixelCount]
     moving: bool
     over: PictureOver | None
@@ -176,12 +177,13 @@ class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
     a ``part`` of such a picture, it has its first column and row there, and is to be put over one
     of the same view that shows state ``over`` or a later one. ``state`` is the number of what it
     shows, which rises with every change of that. Rows from the upper edge, little-endian.
-    ``milliseconds`` is how long it was drawn.
+    ``milliseconds`` is how long it was drawn. With several ``eyes`` rows of colours and depths are
+    those of all of them, one eye after the other; ``size`` is that of each.
 
     ``coding`` "raw": ``colours`` are linear RGB multiplied by opacity, and opacity, as float16,
     shape [rows, columns, 4]; ``depths`` distances from the eye along the direction of view as
-    uint16 from ``nearest`` (0) to ``farthest`` (65534) [mm], 65535 where nothing is, shape
-    [rows, columns].
+    uint16 from ``nearest`` (0) to ``farthest`` (32766) [mm], 32768 more where all of a ray is seen
+    through: there what is seen lies about so deep; 65535 where nothing is; shape [rows, columns].
 
     ``coding`` "webp": ``colours`` is a WebP picture of twice as many rows, above the same RGB
     divided by ``brightest``, as sRGB, below opacity as grey. ``depths`` are those of every
@@ -191,6 +193,7 @@ class DrawnPicture(Message, frozen=True, tag="drawn_picture"):
 
     number: int
     size: tuple[int, int]
+    eyes: int
     part: tuple[int, int] | None
     over: int | None
     state: int

@@ -23,12 +23,14 @@ from palpate.protocol.types import (
 from palpate.volumes.appearance import SegmentAppearance
 
 __all__ = [
+    "ChangeGrown",
     "ChangeShape",
     "ChangeSteps",
     "CropScan",
     "CutAlong",
     "CutPreview",
     "EndGoing",
+    "EndGrown",
     "EndPaint",
     "Feel",
     "FindTable",
@@ -36,6 +38,7 @@ __all__ = [
     "Grab",
     "GrowSeeds",
     "GrowSegment",
+    "Grown",
     "Islands",
     "MoveSegment",
     "MovedPose",
@@ -200,7 +203,7 @@ class Otsu(Message, frozen=True, tag="otsu"):
 
 
 class GrowSegment(Message, frozen=True, tag="grow_segment"):
-    """Makes a segment of the connected voxels with values like those at ``seed``.
+    """Shows a region of the connected voxels with values like those at ``seed``: ``Grown`` answers.
 
     ``spread`` is half of the range of values, in standard deviations around the seed. Passages
     narrower than ``passage`` [mm] are not entered, and the segment becomes no larger than
@@ -211,6 +214,36 @@ class GrowSegment(Message, frozen=True, tag="grow_segment"):
     spread: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)] | None
     passage: Annotated[float, msgspec.Meta(ge=0.0, le=40.0)] | None
     most_ml: Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
+
+
+GrowLevel = Annotated[int, msgspec.Meta(ge=0, le=255)]
+
+
+class Grown(Message, frozen=True, tag="grown"):
+    """Tells of a region that is shown as segment ``id`` until a person keeps it or not.
+
+    ``level`` is how wide its range of values is, from ``least`` to ``most``; ``usual`` is the one
+    that was found.
+    """
+
+    id: SegmentId
+    level: GrowLevel
+    usual: GrowLevel
+    least: GrowLevel
+    most: GrowLevel
+    volume_ml: float
+
+
+class ChangeGrown(Message, frozen=True, tag="change_grown"):
+    """Shows the region of a narrower or wider range: ``Grown`` answers, if one is shown."""
+
+    level: GrowLevel
+
+
+class EndGrown(Message, frozen=True, tag="end_grown"):
+    """Makes the region that is shown a segment, as one step of undo, or shows it no more."""
+
+    keeps: bool
 
 
 class GrowSeeds(Message, frozen=True, tag="grow_seeds"):

@@ -13,8 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_cells import Box, Cells, connected, eroded, grown_by
+from palpate.segmentation.growing_cells import Box, Cells, blurred, connected, eroded, grown_by
 from palpate.segmentation.growing_choice import Region, seed_value, span_of
 from palpate.segmentation.mask_shape import Mask, filled
 from palpate.volumes.volume import Volume
@@ -103,18 +102,10 @@ def _sides(
 
 def _local(values: NDArray[np.float32], where: Mask) -> NDArray[np.float32]:
     """Returns means of values of some cells, by a Gaussian around each cell."""
-    sitk = simpleitk()
-
-    def blurred(field: NDArray[np.float32]) -> NDArray[np.float32]:
-        image = sitk.GetImageFromArray(field)
-        found: NDArray[np.float32] = sitk.GetArrayFromImage(
-            sitk.DiscreteGaussian(image, LOCAL**2, 32, 0.01)
-        )
-        return found
-
     overall = values[where].mean() if where.any() else values.mean()
-    weight = blurred(where.astype(np.float32))
-    total = blurred(np.where(where, values - overall, 0.0).astype(np.float32))
+    weight = blurred(where.astype(np.float32), LOCAL**2, most_error=0.01)
+    off = np.where(where, values - overall, np.float32(0.0))
+    total = blurred(off, LOCAL**2, most_error=0.01)
     means: NDArray[np.float32] = overall + total / np.maximum(weight, np.float32(1e-3))
     return means
 

@@ -9,6 +9,7 @@ the click is refused.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +17,14 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import simpleitk
+from palpate.segmentation.growing_basins import basins_of
 from palpate.segmentation.growing_border import at_voxels
 from palpate.segmentation.growing_cells import Box, Cells, cells_around, connected
-from palpate.segmentation.growing_choice import Region, regions
+from palpate.segmentation.growing_choice import Region, regions, seed_value
+from palpate.segmentation.growing_levels import USUAL, Levels, levels_of
 from palpate.segmentation.growing_tube import is_tube, tubes
 from palpate.segmentation.growing_vote import ALIKE, agreed, best_of
+from palpate.segmentation.lengths_in_voxels import most_voxels
 from palpate.segmentation.mask_shape import Mask, opened
 from palpate.volumes.volume import Volume
 
@@ -32,6 +36,10 @@ REACH = 88
 """How many cells the region may reach from the seeds."""
 TUBE_REACH = 180
 """The same of a tube: an aorta that is clicked at its upper end."""
+FINER_REACH = 60
+"""The same of finer cells: what is looked for in them is small."""
+FINER_TUBE_REACH = 100
+"""The same of a tube."""
 FEW = 600
 """Regions of fewer cells are looked for again, in finer ones."""
 LEAST_DEPTH = 3
@@ -52,6 +60,20 @@ UNANIMOUS = 0.95
 """Share of votes from which edges within, such as that of a core, are less of a doubt."""
 LEAST_AGREED_EDGE = 0.6
 """Share of a border at an edge, of a region that is unanimous."""
+SLIGHTLY = 21
+"""Levels that are a slightly narrower range: by 16 %."""
+LEAST_HELD = 0.5
+"""Share of a region that such a range holds."""
+AT_SEED = 2
+"""How far from the seed it may be deeper [cells]."""
+THIN = 0.3
+"""Depth around the seed by that of the region, below which the seed may lie in another body."""
+MOST_RAGGED = 1.05
+"""The most that a body is; see ``Region.ragged``."""
+MOST_OFF = 3.0
+"""How far the seed's value may be from most of the region's, in standard deviations of those."""
+LEAST_DEVIATION = 0.05
+"""Standard deviation that counts at least, by half of the range: bodies without noise have none."""
 MANY = 20_000
 """Of larger regions every second cell is enough to see necks."""
 LEAST_EDGE = 0.8
@@ -65,35 +87,81 @@ def grown_by_choice(
     most_ml: float,
     fill: bool,
     progress: Progress,
-) -> tuple[Box, Mask]:
-    """Returns a box of the scan, and the voxels in it of the best region at seeds [z, y, x].
+) -> Levels:
+    """Returns the best region at seeds [z, y, x], with narrower and wider ones.
 
     Raises:
         OptionError: Every region would leak, or none is small enough.
     """
-    progress("trying ranges of values and passages", None)
-    cells, found, why = _body(volume, places, most_ml=most_ml)
-    if why is not None:
-        progress("looking for a tube", None)
-        cells, found = _tube(volume, places, most_ml=most_ml)
-    if found is None:
+    cells, found, why = _body(volume, places, most_ml=most_ml, progress=progress)
+    if found is not None and why is None:
+        progress("finding the border", None)
+        box, mask = at_voxels(volume, cells, found, seeds=places, fill=fill)
+        levels = _levels(volume, (cells, found), (box, mask), seeds=places, most_ml=most_ml)
+        if not (_is_narrowly_held(levels) and _is_thin_at(found, cells.seeds[0])):
+            return levels
+        why = _would_leak("a slightly narrower range of values holds little of it")
+    cells, tube = _tube(volume, places, cells, most_ml=most_ml, progress=progress)
+    if tube is None:
         raise OptionError(why)
     progress("finding the border", None)
-    if why is None:
-        return at_voxels(volume, cells, found, seeds=places, fill=fill)
-    box, region = at_voxels(volume, cells, found, seeds=places, fill=fill, within_range=True)
+    box, mask = at_voxels(volume, cells, tube, seeds=places, fill=fill, within_range=True)
     starts = [tuple(int(c) for c in place - [side.start for side in box]) for place in places]
-    return box, _without_films(region, starts, spacing=volume.spacing, radius=cells.side)
+    mask = _without_films(mask, starts, spacing=volume.spacing, radius=cells.side)
+    return _levels(volume, (cells, tube), (box, mask), seeds=places, most_ml=most_ml)
+
+
+def _levels(
+    volume: Volume,
+    chosen: tuple[Cells, Region],
+    found: tuple[Box, Mask],
+    *,
+    seeds: list[NDArray[np.int64]],
+    most_ml: float,
+) -> Levels:
+    """Returns the levels of narrower and wider ranges around a region that was found as voxels."""
+    edges = np.array(volume.spacing[::-1])
+    most = most_voxels(most_ml, volume.voxel_volume)
+    return levels_of(*chosen, found, seeds=seeds, edges=edges, most=most)
+
+
+def _is_narrowly_held(levels: Levels) -> bool:
+    """Returns whether a slightly narrower range reaches little of a region."""
+    narrower = levels.mask(USUAL - SLIGHTLY)
+    held = np.count_nonzero(narrower) / np.count_nonzero(levels.mask(USUAL))
+    return bool(held < LEAST_HELD)
+
+
+def _is_thin_at(region: Region, seed: tuple[int, ...]) -> bool:
+    """Returns whether a region is much less deep around a seed than elsewhere."""
+    sitk = simpleitk()
+    image = sitk.GetImageFromArray(np.pad(region.mask, 1).view(np.uint8))
+    depth = sitk.GetArrayFromImage(
+        sitk.SignedMaurerDistanceMap(image, insideIsPositive=True, squaredDistance=False)
+    )
+    place = [c - side.start + 1 for c, side in zip(seed, region.box, strict=True)]
+    near = depth[tuple(slice(max(0, c - AT_SEED), c + AT_SEED + 1) for c in place)]
+    return bool(near.max() < THIN * depth.max())
+
+
+def _would_leak(why: str) -> str:
+    return (
+        f"the region would leak: {why}; allowed: another place, or a spread and a passage "
+        "that suit it"
+    )
 
 
 def _body(
-    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float
+    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float, progress: Progress
 ) -> tuple[Cells, Region | None, str | None]:
     """Returns cells, the best region among them, and why it would leak, if it would."""
     side = SIDE
     while True:
-        cells, most = _cells(volume, places, side=side, reach=REACH, most_ml=most_ml)
-        found = regions(cells, most=most)
+        told = partial(progress, "reading values")
+        reach = side * (REACH if side == SIDE else FINER_REACH)
+        cells = cells_around(volume, places, side=side, reach=reach, told=told)
+        told = partial(progress, "trying ranges of values and passages")
+        found = regions(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
         if finest or (chosen is not None and chosen[0].count >= FEW):
@@ -105,33 +173,46 @@ def _body(
             "spread, wider passages that are not entered, or a larger volume"
         )
         return cells, None, why
-    return cells, chosen[0], _leak(*chosen, found=found, seed=cells.seeds[0])
+    return cells, chosen[0], _leak(*chosen, found=found, cells=cells)
 
 
-def _leak(best: Region, share: float, *, found: list[Region], seed: tuple[int, ...]) -> str | None:
+def _leak(best: Region, share: float, *, found: list[Region], cells: Cells) -> str | None:
     """Returns why a region would leak, if it would."""
     if best.edge < (LEAST_EDGE if share < UNANIMOUS else LEAST_AGREED_EDGE):
         why = "no edge of values holds it"
     elif share < LEAST_SHARE or _goes_on(best, found):
         why = "nearly the same range of values gives a region of another size"
-    elif _has_neck(best, seed):
+    elif _has_neck(best, cells.seeds[0]):
         why = "it goes on through a neck"
+    elif best.ragged > MOST_RAGGED:
+        why = "its border is ragged"
+    elif _is_off(cells, best):
+        why = "most of it has other values than the point"
     else:
         return None
-    return (
-        f"the region would leak: {why}; allowed: another place, or a spread and a passage "
-        "that suit it"
-    )
+    return _would_leak(why)
 
 
 def _tube(
-    volume: Volume, places: list[NDArray[np.int64]], *, most_ml: float
+    volume: Volume,
+    places: list[NDArray[np.int64]],
+    before: Cells,
+    *,
+    most_ml: float,
+    progress: Progress,
 ) -> tuple[Cells, Region | None]:
-    """Returns cells, and the tube that most ranges and necks agree on, if they do."""
+    """Returns cells, and the tube that most ranges and necks agree on, if they do.
+
+    Cells that were made before are not made again where they are those of the whole scan.
+    """
     side = SIDE
+    told = partial(progress, "looking for a tube")
     while True:
-        cells, most = _cells(volume, places, side=side, reach=TUBE_REACH, most_ml=most_ml)
-        found = tubes(cells, most=most)
+        cells = before
+        if before.side != side or before.cut_off(_all_of(before), volume.shape):
+            reach = side * (TUBE_REACH if side == SIDE else FINER_TUBE_REACH)
+            cells = cells_around(volume, places, side=side, reach=reach, told=told)
+        found = tubes(cells, most=_most(most_ml, side), told=told)
         chosen = best_of(found)
         finest = side <= FINEST * min(volume.spacing)
         thin = chosen is not None and is_tube(chosen[0]) and chosen[0].depth < LEAST_DEPTH
@@ -158,12 +239,23 @@ def _without_films(
     return connected(thick, starts) if all(thick[start] for start in starts) else region
 
 
-def _cells(
-    volume: Volume, places: list[NDArray[np.int64]], *, side: float, reach: int, most_ml: float
-) -> tuple[Cells, int]:
-    """Returns cells around seeds, and how many of them a region may have."""
-    cells = cells_around(volume, places, side=side, reach=reach * side)
-    return cells, int(most_ml * 1000.0 / side**3) + 1
+def _most(most_ml: float, side: float) -> int:
+    """Returns how many cells a region may have."""
+    return int(most_ml * 1000.0 / side**3) + 1
+
+
+def _all_of(cells: Cells) -> Box:
+    first, second, third = (slice(0, length) for length in cells.values.shape)
+    return first, second, third
+
+
+def _is_off(cells: Cells, region: Region) -> bool:
+    """Returns whether the seed's value is not one of those that a region mostly has."""
+    values = cells.values[region.box][region.mask]
+    middle = float(np.median(values))
+    deviation = 1.4826 * float(np.median(np.abs(values - middle)))
+    least = LEAST_DEVIATION * region.half
+    return abs(seed_value(cells) - middle) > MOST_OFF * max(deviation, least)
 
 
 def _goes_on(best: Region, found: list[Region]) -> bool:
@@ -196,9 +288,7 @@ def _has_neck(region: Region, seed: tuple[int, ...]) -> bool:
     depth = sitk.GetArrayFromImage(
         sitk.SignedMaurerDistanceMap(image, True, False, False)  # noqa: FBT003
     )
-    heights = np.where(mask, -np.log(np.maximum(depth + 0.5, 1.0)), 1.0).astype(np.float32)
-    basins = sitk.GetArrayFromImage(
-        sitk.MorphologicalWatershed(sitk.GetImageFromArray(heights), -np.log(NECK), False, False)  # noqa: FBT003
-    )
+    depths = np.maximum(depth + np.float32(0.5), np.float32(1.0))
+    basins = basins_of(depths, mask, same=NECK).numbers
     own = (basins == basins[tuple(place // every + 1 for place in begin)]) & mask
     return bool(np.count_nonzero(own) < LEAST_SIDE * np.count_nonzero(mask))

@@ -6,6 +6,7 @@ where the scan's grid begins. Arrays are [z, y, x], lengths [mm].
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,14 +15,20 @@ from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.mask_shape import Mask
+from palpate.segmentation.packed_mask import PackedMask
+from palpate.segmentation.side_by_side import side_by_side
 from palpate.volumes.volume import Volume
 
-__all__ = ["Box", "Cells", "cells_around", "connected", "eroded", "grown_by"]
+__all__ = ["Box", "Cells", "blurred", "cells_around", "connected", "eroded", "grown_by"]
 
 Box = tuple[slice, slice, slice]
 
 WIDTH = 0.5
 """Standard deviation of the Gaussian that a cell's value is a mean under, in cells."""
+SLAB = 24
+"""Layers of the scan of which means are taken at once."""
+MOST_BLUR = 16
+"""How far a Gaussian reaches at most [cells]."""
 BLOCK = 0.29
 """The same of a block, in blocks: that of an equal distribution over its length."""
 
@@ -80,9 +87,17 @@ class Cells:
 
 
 def cells_around(
-    volume: Volume, places: list[NDArray[np.int64]], *, side: float, reach: float
+    volume: Volume,
+    places: list[NDArray[np.int64]],
+    *,
+    side: float,
+    reach: float,
+    told: Callable[[float], None] = lambda _: None,
 ) -> Cells:
-    """Returns the cells of what lies around voxels [z, y, x] at most so far along an axis."""
+    """Returns the cells of what lies around voxels [z, y, x] at most so far along an axis.
+
+    ``told`` takes the share that is done.
+    """
     sitk = simpleitk()
     edges = np.array(volume.spacing[::-1])
     room = np.ceil(reach / edges).astype(np.int64)
@@ -95,15 +110,11 @@ def cells_around(
     count = np.maximum(1, (high - low) // block)
     high = np.minimum(low + count * block, high)
     box = _box(low, high)
-    means = _means(volume.intensities(box), block)
-    image = sitk.GetImageFromArray(means)
+    means = _means(volume, box, block, told=told)
+    variance = np.maximum((WIDTH * side) ** 2 - (BLOCK * block * edges) ** 2, 0.0)
+    image = sitk.GetImageFromArray(blurred(means, variance / (block * edges) ** 2, most_error=0.02))
     image.SetSpacing((block * edges)[::-1].tolist())
     image.SetOrigin((0.5 * (block - 1) * edges)[::-1].tolist())
-    width = np.sqrt(np.maximum((WIDTH * side) ** 2 - (BLOCK * block * edges) ** 2, 0.0))
-    if width.any():
-        image = sitk.DiscreteGaussian(
-            image, (width[::-1] ** 2).tolist(), 32, [0.02] * 3, useImageSpacing=True
-        )
     seed = (places[0] - low) * edges
     last = (np.array(means.shape) * block - 1) * edges
     before = np.floor(seed / side + 1e-6).astype(np.int64)
@@ -123,17 +134,16 @@ def cells_around(
     return Cells(values, side, tuple(tuple(map(int, place)) for place in held), box, first)
 
 
-def connected(mask: Mask, starts: list[tuple[int, ...]]) -> Mask:
+def connected(mask: Mask, starts: Sequence[tuple[int, ...]]) -> Mask:
     """Returns what of a mask hangs together with some of its voxels, over faces."""
-    sitk = simpleitk()
-    there = sitk.ConnectedThreshold(
-        sitk.GetImageFromArray(mask.view(np.uint8)),
-        seedList=[[int(c) for c in reversed(start)] for start in starts if mask[start]],
-        lower=1,
-        upper=1,
-    )
-    found: Mask = sitk.GetArrayFromImage(there).view(bool)
-    return found
+    from scipy.ndimage import label
+
+    numbers = label(mask)[0]
+    kept = {int(numbers[start]) for start in starts} - {0}
+    if len(kept) == 1:
+        found: Mask = numbers == kept.pop()
+        return found
+    return np.isin(numbers, list(kept))
 
 
 def eroded(mask: Mask, step: int) -> Mask:
@@ -142,23 +152,35 @@ def eroded(mask: Mask, step: int) -> Mask:
     So steps in a row take an octahedron's and a cube's layers in turn, which is nearly a ball.
     Beyond the grid lies what lies at its border.
     """
-    return _spread(mask, step, np.logical_and)
+    return PackedMask.of(mask).eroded(step).mask()
 
 
 def grown_by(mask: Mask, step: int) -> Mask:
     """Adds a layer of cells, as ``eroded`` takes one."""
-    return _spread(mask, step, np.logical_or)
+    return PackedMask.of(mask).grown(step).mask()
 
 
-def _spread(mask: Mask, step: int, join: Any) -> Mask:  # noqa: ANN401  # a function of NumPy
-    result = mask
-    for axis in range(3):
-        source = mask if step % 2 == 0 else result
-        result = result.copy()
-        lower = tuple(slice(1, None) if other == axis else slice(None) for other in range(3))
-        upper = tuple(slice(None, -1) if other == axis else slice(None) for other in range(3))
-        join(result[lower], source[upper], out=result[lower])
-        join(result[upper], source[lower], out=result[upper])
+def blurred(
+    values: NDArray[np.float32], variance: NDArray[np.float64] | float, *, most_error: float
+) -> NDArray[np.float32]:
+    """Returns values under a Gaussian, whose variance is given for each axis [cells²].
+
+    The Gaussian is the discrete one (Lindeberg, "Scale-space for discrete signals", 1990), as far
+    as its sum lacks no more than ``most_error``; beyond the grid lies what lies at its border.
+    """
+    from scipy.ndimage import correlate1d
+    from scipy.special import ive
+
+    result = values
+    for axis, one in enumerate(np.broadcast_to(variance, 3)):
+        if one == 0.0:
+            continue
+        half = ive(np.arange(MOST_BLUR + 1), one)
+        sums = 2.0 * np.cumsum(half) - half[0]
+        reach = int(np.argmax(sums >= 1.0 - most_error)) if sums[-1] >= 1.0 - most_error else -1
+        kept = half[: reach + 1] if reach >= 0 else half
+        kernel = np.concatenate([kept[:0:-1], kept])
+        result = correlate1d(result, kernel / kernel.sum(), axis=axis, mode="nearest")
     return result
 
 
@@ -169,17 +191,27 @@ def _box(low: NDArray[np.int64], high: NDArray[np.int64]) -> Box:
     return first, second, third
 
 
-def _means(values: NDArray[np.float32], block: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Returns the means of blocks of values; blocks at the upper end may be cut off."""
-    if (np.array(values.shape) < block).any():
-        block = np.minimum(block, values.shape)
-    count = np.array(values.shape) // block
-    kept = values[tuple(slice(0, int(length)) for length in count * block)]
-    for axis in range(3):
-        shape = (*kept.shape[:axis], int(count[axis]), int(block[axis]), *kept.shape[axis + 1 :])
-        kept = kept.reshape(shape).mean(axis + 1, dtype=np.float32)
-    found: NDArray[np.float32] = kept
-    return found
+def _means(
+    volume: Volume, box: Box, block: NDArray[np.int64], *, told: Callable[[float], None]
+) -> NDArray[np.float32]:
+    """Returns the means of blocks of a part of a scan; blocks at the upper end may be cut off."""
+    lengths = np.array([side.stop - side.start for side in box])
+    block = np.minimum(block, lengths)
+    ends = [side.start + int(c) for side, c in zip(box, lengths // block * block, strict=True)]
+    thick = int(block[0]) * max(1, SLAB // int(block[0]))
+
+    def work(first: int) -> NDArray[np.float32]:
+        part = slice(first, min(first + thick, ends[0]))
+        kept = volume.intensities(
+            (part, slice(box[1].start, ends[1]), slice(box[2].start, ends[2]))
+        )
+        for axis, size in enumerate(block.tolist()):
+            if size > 1:
+                parts = [kept[(slice(None),) * axis + (slice(k, None, size),)] for k in range(size)]
+                kept = sum(parts[1:], parts[0]) / np.float32(size)
+        return kept
+
+    return np.concatenate(side_by_side(work, range(box[0].start, ends[0], thick), told=told))
 
 
 def _held(image: Any) -> Any:  # noqa: ANN401  # an image of SimpleITK

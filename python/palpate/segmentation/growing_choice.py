@@ -11,20 +11,22 @@ Arrays are [z, y, x] of cells.
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_cells import Box, Cells, connected, eroded, grown_by
+from palpate.segmentation.growing_cells import Box, Cells, connected
 from palpate.segmentation.mask_shape import Mask, box_of
+from palpate.segmentation.packed_mask import PackedMask
+from palpate.segmentation.side_by_side import side_by_side
 
 __all__ = [
+    "Found",
     "Region",
     "in_box",
     "measured",
@@ -53,23 +55,32 @@ SLOPE = 0.7
 """Standard deviation of the Gaussian that slopes are of [cells]."""
 FAR = 4
 """How far from a border values do not count for a slope [cells]."""
-MOST_THREADS = 4
-"""That try ranges side by side."""
 INNER = 90.0
 """Percentile of the differences within a region above which its border is an edge."""
 
 
 @dataclass(frozen=True)
-class Region:
-    """A region of cells, in a box of them, and how well it ends at an edge."""
+class Found:
+    """A region of cells, in a box of them that shows its border."""
 
     mask: Mask
     box: Box
     half: float
     """Of the range of values."""
-    open_above: bool
-    steps: int
-    count: int
+    open_above: bool = False
+    steps: int = 0
+
+    @cached_property
+    def count(self) -> int:
+        """How many cells it has."""
+        return int(np.count_nonzero(self.mask))
+
+
+@dataclass(frozen=True)
+class Region(Found):
+    """A region of cells, and how well it ends at an edge."""
+
+    _: KW_ONLY
     edge: float
     """Share of its border at an edge of values, 0 to 1."""
     ragged: float
@@ -101,29 +112,38 @@ def span_of(cells: Cells, value: float) -> float:
     return float(max(last, value) - min(first, value))
 
 
-def regions(cells: Cells, *, most: int) -> list[Region]:
+def regions(
+    cells: Cells, *, most: int, told: Callable[[float], None] = lambda _: None
+) -> list[Region]:
     """Returns the regions of all ranges and passages that hold the seeds, of so many cells at most.
 
-    Ranges are tried side by side.
+    Ranges are tried side by side; ``told`` takes the share that is done.
     """
     middle = seed_value(cells)
     span, noise = span_of(cells, middle), _noise(cells.values)
-    slopes = slopes_of(cells.values)
     halves = [float(np.hypot(share * span, NOISE * noise)) for share in HALVES]
 
-    def work(tried: tuple[float, bool]) -> list[Region]:
+    def follow(tried: tuple[float, bool]) -> list[Found]:
         half, above = tried
         high = np.inf if above else middle + half
         in_range = (cells.values >= middle - half) & (cells.values <= high)
-        found: list[Region] = []
-        for steps, mask, box in _followed(in_range, list(cells.seeds)):
-            count = int(np.count_nonzero(mask))
-            if count <= most and not (found and count == found[-1].count):
-                found.append(measured(mask, box, slopes, half=half, above=above, steps=steps))
+        found: list[Found] = []
+        for steps, mask, box in _followed(in_range, list(cells.seeds), most=most):
+            one = Found(*in_box(mask, box), half, above, steps)
+            if one.count <= most and not (found and one.count == found[-1].count):
+                found.append(one)
         return found
 
-    with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
-        return [one for some in pool.map(work, product(halves, (False, True))) for one in some]
+    tried = side_by_side(
+        follow,
+        product(halves, (False, True)),
+        told=lambda share: told(0.8 * share),
+    )
+    found = [one for some in tried for one in some]
+    slopes = slopes_of(cells.values, [one.box for one in found])
+    return side_by_side(
+        lambda one: measured(one, slopes), found, told=lambda share: told(0.8 + 0.2 * share)
+    )
 
 
 def in_box(mask: Mask, box: Box) -> tuple[Mask, Box]:
@@ -136,42 +156,72 @@ def in_box(mask: Mask, box: Box) -> tuple[Mask, Box]:
     return mask[tight], (first, second, third)
 
 
-def measured(
-    mask: Mask,
-    box: Box,
-    slopes: NDArray[np.float32],
-    *,
-    half: float,
-    above: bool = False,
-    steps: int = 0,
-) -> Region:
-    """Returns a region in a box of cells with how well it ends at an edge; slopes are of all."""
-    count = int(np.count_nonzero(mask))
-    return Region(mask, box, half, above, steps, count, *_border(mask, slopes[box]))
+def measured(found: Found, slopes: NDArray[np.float32]) -> Region:
+    """Returns a region with how well it ends at an edge; slopes are of all cells."""
+    edge, ragged, depth = _border(found.mask, slopes[found.box])
+    return Region(
+        found.mask,
+        found.box,
+        found.half,
+        found.open_above,
+        found.steps,
+        edge=edge,
+        ragged=ragged,
+        depth=depth,
+    )
 
 
-def _followed(in_range: Mask, seeds: list[tuple[int, ...]]) -> Iterator[tuple[int, Mask, Box]]:
-    """Yields what of a range a ball reaches from the seeds, for balls of more and more layers."""
+def _followed(
+    in_range: Mask, seeds: list[tuple[int, ...]], *, most: int
+) -> Iterator[tuple[int, Mask, Box]]:
+    """Yields what of a range a ball reaches from the seeds, for balls of more and more layers.
+
+    What has more cells than ``most`` may be left out.
+    """
     there = connected(in_range, seeds)
     if not there.any():
         return
     box = box_of(there)
     start = np.array([side.start for side in box])
     inside = [tuple(int(c) for c in np.array(seed) - start) for seed in seeds if there[seed]]
-    held = without_holes(there[box])
-    layers = [held]
-    for step in range(STEPS):
-        layers.append(eroded(layers[-1], step))
-    for steps, fits in enumerate(layers):
+    held = PackedMask.of(without_holes(there[box]))
+    layer, near = held, _all_of(there[box])
+    for steps in range(STEPS + 1):
+        fits = layer.mask()
         cores = [_nearest(fits, seed, steps + 1) for seed in inside]
         begins = [core for core in cores if core is not None]
         if not begins:
             return
-        region = connected(fits, begins)
-        for step in reversed(range(steps)):
-            region = grown_by(region, step) & held
-        if all(region[seed] for seed in inside):
-            yield steps, region, box
+        core, near = _core(fits, begins, near)
+        region = PackedMask.of(core)
+        if region.count <= most:
+            for step in reversed(range(steps)):
+                region = region.grown(step) & held
+            mask = region.mask()
+            if all(mask[seed] for seed in inside):
+                yield steps, mask, box
+        layer = layer.eroded(steps)
+
+
+def _core(mask: Mask, starts: list[tuple[int, ...]], near: Box) -> tuple[Mask, Box]:
+    """Returns what of a mask hangs together with some of its voxels, and its box.
+
+    It is looked for in a box where it was before layers were taken from the mask.
+    """
+    if not all(
+        side.start <= c < side.stop for s in starts for c, side in zip(s, near, strict=True)
+    ):
+        near = _all_of(mask)
+    begins = [tuple(c - side.start for c, side in zip(s, near, strict=True)) for s in starts]
+    core = connected(mask[near], begins)
+    whole = np.zeros(mask.shape, bool)
+    whole[near] = core
+    return whole, in_box(core, near)[1]
+
+
+def _all_of(mask: Mask) -> Box:
+    first, second, third = (slice(0, length) for length in mask.shape)
+    return first, second, third
 
 
 def _nearest(mask: Mask, seed: tuple[int, ...], reach: int) -> tuple[int, ...] | None:
@@ -189,9 +239,10 @@ def _nearest(mask: Mask, seed: tuple[int, ...], reach: int) -> tuple[int, ...] |
 
 def without_holes(mask: Mask) -> Mask:
     """Returns a mask with what it encloses."""
-    sitk = simpleitk()
-    image = sitk.BinaryFillhole(sitk.GetImageFromArray(mask.astype(np.uint8)))
-    found: Mask = sitk.GetArrayFromImage(image).view(bool)
+    from scipy.ndimage import label
+
+    numbers, count = label(np.pad(~mask, 1, constant_values=True))
+    found: Mask = (numbers != numbers[0, 0, 0])[1:-1, 1:-1, 1:-1] if count > 1 else mask
     return found
 
 
@@ -225,21 +276,21 @@ def slopes_of(
 
 def _border(mask: Mask, slopes: NDArray[np.float32]) -> tuple[float, float, int]:
     """Returns the share of a region's border at an edge, how smooth it is, and its depth."""
-    padded = np.pad(mask, 1)
+    padded = PackedMask.of(np.pad(mask, 1))
     around = np.pad(slopes, 1, mode="edge")
-    rim = grown_by(padded, 0) & ~eroded(padded, 0)
-    inner = eroded(padded, 1)
-    within = around[inner if np.count_nonzero(inner) > 10 else padded]
+    rim = (padded.grown(0) & ~padded.eroded(0)).mask()
+    inner = padded.eroded(1)
+    within = around[(inner if inner.count > 10 else padded).mask()]
     at_border = around[rim]
     edge = float(np.mean(at_border > np.percentile(within, INNER)))
     return edge, *_shape(padded, at_border.size)
 
 
-def _shape(mask: Mask, border: int) -> tuple[float, int]:
+def _shape(mask: PackedMask, border: int) -> tuple[float, int]:
     """Returns how ragged a region with so many cells at its border is, and how deep."""
-    count, depth, left = int(np.count_nonzero(mask)), 0, mask
-    while left.any() and depth < DEEPEST:
-        left = eroded(left, depth)
+    count, depth, left = mask.count, 0, mask
+    while left.count and depth < DEEPEST:
+        left = left.eroded(depth)
         depth += 1
     usual = max(BALL, TUBE * count ** (1.0 / 3.0) / max(depth, THIN))
     return max(1.0, border / count ** (2.0 / 3.0) / usual), depth

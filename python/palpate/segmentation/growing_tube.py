@@ -15,15 +15,15 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_cells import Box, Cells, connected, eroded, grown_by
+from palpate.segmentation.growing_basins import Basins, basins_of
+from palpate.segmentation.growing_cells import Box, Cells, blurred, connected, eroded, grown_by
 from palpate.segmentation.growing_choice import (
+    Found,
     Region,
     in_box,
     measured,
@@ -33,6 +33,7 @@ from palpate.segmentation.growing_choice import (
     without_holes,
 )
 from palpate.segmentation.mask_shape import Mask, box_of
+from palpate.segmentation.side_by_side import side_by_side
 
 __all__ = ["is_tube", "tubes"]
 
@@ -55,49 +56,43 @@ LONG = 8.0
 """Length of a tube by its radius, at least."""
 
 
-@dataclass(frozen=True)
-class _Pieces:
-    """Pieces of a mask, each about as wide throughout, and the ways between them."""
-
-    numbers: NDArray[np.int64]
-    """Of the piece that a cell is in; 0 is none."""
-    depths: NDArray[np.float64]
-    """Of pieces, by number [cells]."""
-    first: NDArray[np.int64]
-    second: NDArray[np.int64]
-    """Pieces beside each other."""
-    ways: NDArray[np.float64]
-    """Depths of the ways between them [cells]."""
-
-    def reached(self, start: int, neck: float) -> Mask:
-        """Returns what of the mask is one tube with a piece."""
-        less = np.minimum(self.depths[self.first], self.depths[self.second])
-        more = np.maximum(self.depths[self.first], self.depths[self.second])
-        open_ways = (self.ways >= neck * less) & (more <= WIDER * less)
-        beside: dict[int, list[int]] = defaultdict(list)
-        for one, other in zip(self.first[open_ways], self.second[open_ways], strict=True):
-            beside[int(one)].append(int(other))
-            beside[int(other)].append(int(one))
-        found, left = {start}, [start]
-        while left:
-            new = [other for other in beside[left.pop()] if other not in found]
-            found.update(new)
-            left += new
-        return np.isin(self.numbers, sorted(found))
+def _reached(pieces: Basins, start: int, neck: float) -> Mask:
+    """Returns what is one tube with a piece."""
+    ways = pieces.ways
+    less = np.minimum(pieces.depths[ways.first], pieces.depths[ways.second])
+    more = np.maximum(pieces.depths[ways.first], pieces.depths[ways.second])
+    is_open = (ways.depths >= neck * less) & (more <= WIDER * less)
+    beside: dict[int, list[int]] = defaultdict(list)
+    for one, other in zip(ways.first[is_open], ways.second[is_open], strict=True):
+        beside[int(one)].append(int(other))
+        beside[int(other)].append(int(one))
+    found, left = {start}, [start]
+    while left:
+        new = [other for other in beside[left.pop()] if other not in found]
+        found.update(new)
+        left += new
+    is_one = np.zeros(len(pieces.depths), bool)
+    is_one[list(found)] = True
+    mask: Mask = is_one[pieces.numbers]
+    return mask
 
 
-def tubes(cells: Cells, *, most: int) -> list[Region]:
+def tubes(
+    cells: Cells, *, most: int, told: Callable[[float], None] = lambda _: None
+) -> list[Region]:
     """Returns the tubes of all ranges and necks that hold the seeds, of so many cells at most."""
     middle = seed_value(cells)
     span = span_of(cells, middle)
-    found = [
-        (mask, box, half)
-        for half in (share * span for share in HALVES)
-        for mask, box in _masks(cells, middle - half, middle + half)
-        if np.count_nonzero(mask) <= most
-    ]
-    slopes = slopes_of(cells.values, [box for _, box, _ in found])
-    return [measured(mask, box, slopes, half=half) for mask, box, half in found]
+
+    def follow(half: float) -> list[Found]:
+        tried = _masks(cells, middle - half, middle + half)
+        found = [Found(mask, box, half) for mask, box in tried]
+        return [one for one in found if one.count <= most]
+
+    halves = [share * span for share in HALVES]
+    found = [one for some in side_by_side(follow, halves, told=told) for one in some]
+    slopes = slopes_of(cells.values, [one.box for one in found])
+    return [measured(one, slopes) for one in found]
 
 
 def _masks(cells: Cells, low: float, high: float) -> Iterator[tuple[Mask, Box]]:
@@ -112,7 +107,7 @@ def _masks(cells: Cells, low: float, high: float) -> Iterator[tuple[Mask, Box]]:
         for seed in cells.seeds
     ]
     for neck in NECKS:
-        mask = _without_films(pieces.reached(int(pieces.numbers[seeds[0]]), neck), seeds)
+        mask = _without_films(_reached(pieces, int(pieces.numbers[seeds[0]]), neck), seeds)
         if all(mask[seed] for seed in seeds):
             yield in_box(mask, box)
 
@@ -128,46 +123,13 @@ def is_tube(region: Region) -> bool:
     return region.count >= LONG * math.pi * region.depth**3
 
 
-def _pieces(mask: Mask) -> _Pieces:
-    """Returns the pieces of a mask."""
+def _pieces(mask: Mask) -> Basins:
+    """Returns the pieces of a mask, each about as wide throughout."""
     sitk = simpleitk()
     padded = np.pad(mask, 1)
-    depth = sitk.DiscreteGaussian(
-        sitk.SignedMaurerDistanceMap(
-            sitk.GetImageFromArray(padded.view(np.uint8)),
-            insideIsPositive=True,
-            squaredDistance=False,
-        ),
-        [BLUR**2] * 3,
-        32,
-        [0.02] * 3,
+    depth = sitk.SignedMaurerDistanceMap(
+        sitk.GetImageFromArray(padded.view(np.uint8)), insideIsPositive=True, squaredDistance=False
     )
-    depths = sitk.GetArrayFromImage(depth) + (0.5 + BLURRED)
-    heights = np.where(padded, -np.log(np.maximum(depths, 0.5)), 1.0).astype(np.float32)
-    basins = sitk.GetArrayFromImage(
-        sitk.MorphologicalWatershed(sitk.GetImageFromArray(heights), SAME, False, False)  # noqa: FBT003
-    )
-    inner = (slice(1, -1),) * 3
-    numbers = np.where(mask, basins[inner], 0).astype(np.int64)
-    depths = depths[inner]
-    of_pieces = np.zeros(int(numbers.max()) + 1)
-    np.maximum.at(of_pieces, numbers[mask], depths[mask])
-    return _Pieces(numbers, of_pieces, *_ways(numbers, depths))
-
-
-def _ways(
-    numbers: NDArray[np.int64], depths: NDArray[np.float32]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Returns pieces beside each other, and the greatest depths of their common faces."""
-    count = int(numbers.max()) + 1
-    pairs, faces = [], []
-    for axis in range(3):
-        own, its = (np.moveaxis(numbers, axis, 0)[part] for part in (np.s_[:-1], np.s_[1:]))
-        here, there = (np.moveaxis(depths, axis, 0)[part] for part in (np.s_[:-1], np.s_[1:]))
-        meet = (own != its) & (own > 0) & (its > 0)
-        pairs.append(np.minimum(own, its)[meet] * count + np.maximum(own, its)[meet])
-        faces.append(np.minimum(here, there)[meet])
-    keys, places = np.unique(np.concatenate(pairs), return_inverse=True)
-    ways = np.zeros(len(keys))
-    np.maximum.at(ways, places, np.concatenate(faces))
-    return keys // count, keys % count, ways
+    depths = blurred(sitk.GetArrayFromImage(depth), BLUR**2, most_error=0.02)
+    inner = depths[1:-1, 1:-1, 1:-1] + np.float32(0.5 + BLURRED)
+    return basins_of(np.maximum(inner, np.float32(0.5)), mask, same=math.exp(-SAME))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.segmentation.growing_cells import Cells, connected
-from palpate.segmentation.growing_choice import Region, in_box, measured, slopes_of
+from palpate.segmentation.growing_choice import Found, Region, in_box, measured, slopes_of
 
 __all__ = ["ALIKE", "agreed", "best_of"]
 
@@ -48,7 +48,8 @@ def agreed(cells: Cells, best: Region, found: list[Region]) -> Region:
     most = connected(votes > 0.5 * sum(one.score for one in alike), list(cells.seeds))
     first, second, third = (slice(0, length) for length in most.shape)
     mask, box = in_box(most, (first, second, third))
-    return measured(mask, box, slopes_of(cells.values, [box]), half=max(one.half for one in alike))
+    most_agreed = Found(mask, box, max(one.half for one in alike))
+    return measured(most_agreed, slopes_of(cells.values, [box]))
 
 
 def _alike(one: Region, other: Region) -> bool:

@@ -24,11 +24,13 @@ from palpate.base.errors import EmptySegmentError, OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
 from palpate.segmentation.growing_by_choice import grown_by_choice
+from palpate.segmentation.growing_cells import Box
+from palpate.segmentation.growing_levels import USUAL, Levels, alone
 from palpate.segmentation.lengths_in_voxels import most_voxels, whole_voxels, within
 from palpate.segmentation.mask_shape import Mask, closed, filled, margin, squared_distance_to
 from palpate.volumes.volume import Volume
 
-__all__ = ["Growing", "grow"]
+__all__ = ["Growing", "grow", "grow_levels"]
 
 SMOOTHING = 1.5
 """Standard deviation of the Gaussian that takes noise away before values are compared [mm]."""
@@ -116,21 +118,59 @@ def grow(
     """
     how = growing or Growing()
     how.check()
+    levels = _levels(volume, seeds, how=how, progress=progress)
+    mask = np.zeros(volume.shape, bool)
+    mask[levels.box] = levels.mask(USUAL)
+    return mask
+
+
+def grow_levels(
+    volume: Volume,
+    seed: Sequence[float],
+    *,
+    growing: Growing | None = None,
+    progress: Progress = silent,
+) -> Levels:
+    """Returns the region that grows from a seed, with those of narrower and wider ranges.
+
+    Where a person gives the range, the spread or the passage, there is one only.
+
+    Args:
+        volume: The scan.
+        seed: Point in the patient [mm].
+        growing: How it grows.
+        progress: Told what is being done.
+
+    Raises:
+        OptionError: The seed lies outside of the scan, or an option is out of range.
+        EmptySegmentError: No voxel at the seed is in range.
+    """
+    how = growing or Growing()
+    how.check()
+    return _levels(volume, [seed], how=how, progress=progress)
+
+
+def _levels(
+    volume: Volume, seeds: Sequence[Sequence[float]], *, how: Growing, progress: Progress
+) -> Levels:
+    """Returns the levels of the region that grows from seeds."""
     places = _places(volume, seeds)
     if how.range is None and how.spread is None and how.passage is None:
-        box, region = grown_by_choice(
+        return grown_by_choice(
             volume, places, most_ml=how.most_ml, fill=how.fill, progress=progress
         )
-        mask = np.zeros(volume.shape, bool)
-        mask[box] = region
-        return mask
-    return _by_hand(volume, places, how=how, progress=progress)
+    box, region = _by_hand(volume, places, how=how, progress=progress)
+    return alone(box, region, [tuple(map(int, place - _start(box))) for place in places])
+
+
+def _start(box: Box) -> NDArray[np.int64]:
+    return np.array([side.start for side in box])
 
 
 def _by_hand(
     volume: Volume, places: list[NDArray[np.int64]], *, how: Growing, progress: Progress
-) -> Mask:
-    """Returns the region of the range, spread or passage that a person gives."""
+) -> tuple[Box, Mask]:
+    """Returns the region of the range, spread or passage that a person gives, in a box."""
     spread = SPREAD if how.spread is None else how.spread
     box = _box(volume, places, how.most_ml)
     start = np.array([side.start for side in box])
@@ -143,15 +183,13 @@ def _by_hand(
     progress("finding the border", None)
     ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=spread)
     region = _to_border(region, volume.between(*ends, box), volume.spacing, fill=how.fill)
-    mask = np.zeros(volume.shape, bool)
-    mask[box] = region
     if not region.any():
         unit = f" {volume.unit}" if volume.unit else ""
         raise EmptySegmentError(
             f"nothing of {low:g} to {high:g}{unit} is at the seed; allowed: a seed within "
             "tissue, or a larger spread"
         )
-    return mask
+    return box, region
 
 
 def _extent(volume: Volume) -> str:

@@ -38,6 +38,7 @@ from palpate.server.messages.touch import PublishedNeedle, TouchMessages
 from palpate.server.page_words import page_words
 from palpate.server.recording import Recorder
 from palpate.server.second_scan import second_message
+from palpate.server.standstill import Standstill
 from palpate.session.session import Session
 from palpate.volumes.second_scan import SecondScan
 
@@ -51,6 +52,9 @@ IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
 EXCHANGED = 4001
 """Code with which pages of a scan are sent away that makes room for another."""
+STOOD_STILL = 4002
+"""Code with which pages are sent away, to come again at once, whose messages are too old to be done;
+the reason is how many seconds the process stood still."""
 
 
 class Live:
@@ -86,6 +90,8 @@ class Live:
         self._needle = PublishedNeedle(session)
         self._outboxes: set[Outbox] = set()
         self._sockets: set[WebSocket] = set()
+        self._standstill = Standstill()
+        self._greeting_pages_anew: asyncio.Task[None] | None = None
         self._scene_of_now: object = None
         self._second = second_message(session.scene.volume, session.scene.second, version=0)
         # subjects of messages
@@ -130,6 +136,7 @@ class Live:
         changes = asyncio.create_task(self._follow_changes())
         try:
             while self._publish_state():
+                self._beat()
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
         finally:
             worker.cancel()
@@ -165,7 +172,11 @@ class Live:
         sender = asyncio.create_task(self._send(websocket, outbox))
         try:
             while True:
-                await self._take(await _receive(websocket), outbox)
+                packed = await _receive(websocket)
+                self._beat()
+                # one that was sent away is read to its end, and not listened to
+                if outbox in self._outboxes:
+                    await self._take(packed, outbox)
         except WebSocketDisconnect:
             pass
         finally:
@@ -208,6 +219,17 @@ class Live:
         for websocket in list(self._sockets):
             with suppress(RuntimeError):
                 await websocket.close(EXCHANGED, "another scan")
+
+    def _beat(self) -> None:
+        """Sends all pages away to be greeted anew, where this process stood still.
+
+        What they asked meanwhile goes with their connections.
+        """
+        seconds = self._standstill.beat()
+        if seconds > 0.0:
+            sockets, self._sockets = self._sockets, set()
+            self._outboxes.clear()
+            self._greeting_pages_anew = asyncio.create_task(_close_all(sockets, seconds))
 
     # --- to pages -------------------------------------------------------------------------
 
@@ -313,6 +335,13 @@ class Live:
             self.segments.threshold(wanted)
         except (PalpateError, RuntimeError) as error:
             self._from_threads.put(protocol.Notice(level="error", text=page_words(str(error))))
+
+
+async def _close_all(sockets: set[WebSocket], seconds: float) -> None:
+    """Closes the connections of pages after so long a standstill."""
+    for websocket in sockets:
+        with suppress(RuntimeError):
+            await websocket.close(STOOD_STILL, f"{seconds:.0f}")
 
 
 async def _receive(websocket: WebSocket) -> bytes:

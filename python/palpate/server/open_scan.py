@@ -26,7 +26,8 @@ from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
 from palpate.saved.scene_file import SavedScene
 from palpate.server.added_labels import add_labels
-from palpate.server.answers import errors_as_text
+from palpate.server.answers import errors_as_text, json_body, json_response
+from palpate.server.area_values import AreaRequest, measured_areas
 from palpate.server.export import export_response
 from palpate.server.job import Job
 from palpate.server.live import Live
@@ -240,10 +241,20 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/scene", scene, methods=["POST"]),
         Route("/export", export, methods=["POST"]),
         Route("/statistics", _statistics_of(live), methods=["POST"]),
+        Route("/areas", _areas_of(live), methods=["POST"]),
         Route("/surface", _surface_of(live), methods=["POST"]),
         Route("/view", view),
         Route("/picture", _picture_of(live), methods=["POST"]),
     ]
+
+
+def _areas_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
+    async def areas(request: Request) -> Response:
+        wanted = await json_body(request, AreaRequest)
+        volume, stored = live.session.scene.volume, live.picture.values
+        return json_response(await run_in_threadpool(measured_areas, wanted, volume, stored))
+
+    return errors_as_text(areas)
 
 
 def _surface_of(live: Live) -> Callable[[Request], Awaitable[Response]]:

@@ -15,6 +15,7 @@ from palpate.pictures.appearance import Appearance, Lighting, Mode
 from palpate.pictures.camera import Camera
 from palpate.pictures.choices import View
 from palpate.pictures.extent import Extent, extent_of
+from palpate.pictures.felt_look import hinted
 from palpate.pictures.look_of_scan import appearance_of, exceeded_by
 from palpate.pictures.looks import looks
 from palpate.pictures.shown_segments import ShownBodies
@@ -74,6 +75,8 @@ def test_views_are_framed_as_on_the_page(view: str, case: dict[str, Any]) -> Non
 def test_transfer_functions_are_those_of_the_page(case: dict[str, Any]) -> None:
     anchors = Anchors(*case["anchors"])
     assert np.allclose(numbers(transfer_of_tissue(anchors)), page_numbers(case["tissue"]))
+    hints = numbers(hinted(transfer_of_tissue(anchors), anchors))
+    assert np.allclose(hints, page_numbers(case["hinted"]), rtol=1e-6, atol=1e-7)
     assert set(case["presets"]) == {preset.name for preset in looks().presets}
     for preset in looks().presets:
         made = numbers(transfer_of_preset(preset, anchors, tuple(PAGE["limits"])))

@@ -209,6 +209,47 @@ def test_an_edited_segment_is_drawn_by_its_voxels() -> None:
     assert green[:, :28].sum() == 0
 
 
+def half_of_bone(**changes: Any) -> Scene:
+    """Returns a ball of bone of which the half at the patient's left is a segment."""
+    volume = body()
+    mask = volume.threshold(500).mask()
+    mask[:, :, :20] = 0
+    half = volume.segment(mask, name="half")
+    half.made_by = (500.0, 1200.0)
+    scene = Scene(volume)
+    scene.add(half, colour=(0.0, 1.0, 0.0), **changes)
+    return scene
+
+
+def seen(scene: Scene | Volume, **options: Any) -> NDArray[np.float64]:
+    """Returns how opaque the pixels are before the bone, at the patient's right and left."""
+    picture = palpate.render(
+        scene, view="anterior", size=(64, 64), background="transparent", **options
+    )
+    opacity = picture[28:36, :, 3].astype(float) / 255.0
+    return np.array([opacity[:, 27:30].mean(), opacity[:, 34:37].mean()])
+
+
+def test_bone_that_is_not_felt_is_hinted_at() -> None:
+    right, left = seen(half_of_bone())
+    assert left == pytest.approx(1.0, abs=0.01)
+    assert right < 0.8 * seen(body())[0]
+    # a segment that the probe passes through hints at nothing
+    assert seen(half_of_bone(touchable=False))[0] > 1.2 * right
+    # where all are values, segments tell nothing of them
+    assert seen(half_of_bone(), mode="mip") == pytest.approx(seen(body(), mode="mip"))
+
+
+def test_only_what_can_be_touched() -> None:
+    right, left = seen(half_of_bone(), touchable_only=True)
+    assert right == 0.0
+    assert left == pytest.approx(1.0, abs=0.01)
+    assert seen(half_of_bone(touchable=False), touchable_only=True).max() == 0.0
+    assert seen(half_of_bone(), mode="iso", touchable_only=True)[0] == 0.0
+    everything = seen(half_of_bone(), mode="mip")
+    assert seen(half_of_bone(), mode="mip", touchable_only=True) == pytest.approx(everything)
+
+
 def test_an_object_with_voxels_of_its_own_is_drawn_where_it_stands() -> None:
     volume = body()
     # beyond the scan, which ends at 40 mm

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ from palpate.base.errors import OptionError
 from palpate.bench.growing import crisp_ball
 from palpate.io.reading import read
 from palpate.segmentation import mask_shape
-from palpate.segmentation.operations import Growing, grown
+from palpate.segmentation.growing_levels import USUAL
+from palpate.segmentation.operations import Growing, grow_levels, grown
 from palpate.volumes.volume import Volume
 
 
@@ -150,3 +152,46 @@ def test_a_click_into_a_chamber_gives_the_chamber_without_its_vessel() -> None:
     chambers[100:] = False
     assert dice(found, chambers) > 0.9
     assert np.count_nonzero(found & vessel) < 0.1 * np.count_nonzero(vessel)
+
+
+def test_wider_ranges_hold_narrower_ones_and_the_seed_and_the_usual_one_is_what_is_grown() -> None:
+    volume, _ = crisp_ball(10.0, (1.0, 1.1, 1.6), noise=8.0)
+    seed = middle_of(volume)
+    levels = grow_levels(volume, seed)
+    least, most = levels.ends
+    assert least < USUAL <= most
+    masks = [levels.mask(level) for level in (least, (least + USUAL) // 2, USUAL, most)]
+    assert all(not np.any(narrow & ~wide) for narrow, wide in pairwise(masks))
+    assert np.count_nonzero(masks[0]) < np.count_nonzero(masks[2])
+    assert all(mask[levels.seeds[0]] for mask in masks)
+    usual = np.zeros(volume.shape, bool)
+    usual[levels.box] = masks[2]
+    np.testing.assert_array_equal(usual, grown(volume, [seed]).mask() != 0)
+
+
+def test_a_short_vessel_beside_a_body_of_nearly_its_values_is_told() -> None:
+    z, y, x = np.indices((60, 60, 70)).astype(float)
+    body = (z - 30.0) ** 2 + (y - 30.0) ** 2 + (x - 30.0) ** 2 <= 24.0**2
+    vessel = (np.hypot(y - 30.0, x - 52.0) <= 5.0) & (abs(z - 30.0) < 22.0) & ~body
+    noise = np.random.default_rng(6).normal(0.0, 3.0, x.shape)
+    values = 100.0 * body + 130.0 * vessel + noise
+    volume = Volume(np.rint(values).astype(np.int16), spacing=(2.0, 2.0, 2.0))
+    place = volume.patient_from_grid @ [54.5, 30.5, 40.5, 1.0]
+    with pytest.raises(OptionError, match="would leak"):
+        grown(volume, [tuple(float(c) for c in place[:3])])
+
+
+def test_work_tells_how_far_it_is_and_ends_where_a_person_stops_it() -> None:
+    volume, _ = crisp_ball(10.0, (1.0, 1.0, 1.0), noise=5.0)
+    shares: list[float] = []
+
+    def stop(_: str, share: float | None) -> None:
+        if share is not None:
+            shares.append(share)
+        if len(shares) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        grown(volume, [middle_of(volume)], progress=stop)
+    assert len(shares) == 3
+    assert all(0.0 <= share < 1.0 for share in shares)

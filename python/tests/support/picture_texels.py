@@ -30,7 +30,7 @@ def colours_of(message: Told) -> NDArray[np.float32]:
 
 
 def depths_of(message: Told) -> NDArray[np.float64]:
-    """Returns depths [mm] of the pixels that have one."""
+    """Returns depths [mm], negative of what is seen through, infinite where nothing is."""
     columns, rows = (math.ceil(edge / message["depth_every"]) for edge in message["size"])
     if message["coding"] == "raw":
         steps = np.frombuffer(message["depths"], "<u2").reshape(rows, columns)
@@ -38,6 +38,7 @@ def depths_of(message: Told) -> NDArray[np.float64]:
         planes = np.frombuffer(zlib.decompress(message["depths"]), np.uint8)
         low, high = planes.reshape(2, rows, columns).astype("<u2")
         steps = np.cumsum(low + 256 * high, axis=1, dtype="<u2")
-    share = steps / 65534.0
+    is_haze = steps >= 32768
+    share = (steps - 32768.0 * is_haze) / 32766.0
     depths = message["nearest"] + share * (message["farthest"] - message["nearest"])
-    return np.where(steps == 65535, np.inf, depths)
+    return np.where(steps == 65535, np.inf, np.where(is_haze, -depths, depths))

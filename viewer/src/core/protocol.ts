@@ -734,12 +734,13 @@ export interface Outline {
  * a `part` of such a picture, it has its first column and row there, and is to be put over one
  * of the same view that shows state `over` or a later one. `state` is the number of what it
  * shows, which rises with every change of that. Rows from the upper edge, little-endian.
- * `milliseconds` is how long it was drawn.
+ * `milliseconds` is how long it was drawn. With several `eyes` rows of colours and depths are
+ * those of all of them, one eye after the other; `size` is that of each.
  *
  * `coding` "raw": `colours` are linear RGB multiplied by opacity, and opacity, as float16,
  * shape [rows, columns, 4]; `depths` distances from the eye along the direction of view as
- * uint16 from `nearest` (0) to `farthest` (65534) [mm], 65535 where nothing is, shape
- * [rows, columns].
+ * uint16 from `nearest` (0) to `farthest` (32766) [mm], 32768 more where all of a ray is seen
+ * through: there what is seen lies about so deep; 65535 where nothing is; shape [rows, columns].
  *
  * `coding` "webp": `colours` is a WebP picture of twice as many rows, above the same RGB
  * divided by `brightest`, as sRGB, below opacity as grey. `depths` are those of every
@@ -750,6 +751,7 @@ export interface DrawnPicture {
   readonly type: "drawn_picture";
   readonly number: number;
   readonly size: readonly [number, number];
+  readonly eyes: number;
   readonly part: readonly [number, number] | null;
   readonly over: number | null;
   readonly state: number;
@@ -821,6 +823,22 @@ export interface NeedleEvents {
 export interface SegmentWork {
   readonly type: "segment_work";
   readonly what: string | null;
+}
+
+/**
+ * Tells of a region that is shown as segment `id` until a person keeps it or not.
+ *
+ * `level` is how wide its range of values is, from `least` to `most`; `usual` is the one
+ * that was found.
+ */
+export interface Grown {
+  readonly type: "grown";
+  readonly id: SegmentId;
+  readonly level: number;
+  readonly usual: number;
+  readonly least: number;
+  readonly most: number;
+  readonly volume_ml: number;
 }
 
 /**
@@ -1064,7 +1082,8 @@ export interface PictureOver {
 /**
  * Requests pictures of the 3-D view in the last `PictureLook`; see `DrawnPicture`.
  *
- * One at once; where the view does not move (`moving`) finer ones follow, until another is
+ * One at once, with what each of the `cameras` sees: two eyes that look straight ahead, or one.
+ * Where the view does not move (`moving`) finer ones follow, until another is
  * requested. `size` has columns and rows [pixels]. The last picture is the mean of `samples`,
  * of `steps_per_voxel` steps for each smallest voxel edge. With `jitter` rays start at
  * different fractions of a step. Where the page shows this view already (`over`) and a part of
@@ -1073,7 +1092,7 @@ export interface PictureOver {
 export interface DrawPicture {
   readonly type: "draw_picture";
   readonly number: number;
-  readonly camera: SeenFrom;
+  readonly cameras: readonly SeenFrom[];
   readonly size: readonly [number, number];
   readonly moving: boolean;
   readonly over: PictureOver | null;
@@ -1109,7 +1128,7 @@ export interface Otsu {
 }
 
 /**
- * Makes a segment of the connected voxels with values like those at `seed`.
+ * Shows a region of the connected voxels with values like those at `seed`: `Grown` answers.
  *
  * `spread` is half of the range of values, in standard deviations around the seed. Passages
  * narrower than `passage` [mm] are not entered, and the segment becomes no larger than
@@ -1121,6 +1140,18 @@ export interface GrowSegment {
   readonly spread: number | null;
   readonly passage: number | null;
   readonly most_ml: number;
+}
+
+/** Shows the region of a narrower or wider range: `Grown` answers, if one is shown. */
+export interface ChangeGrown {
+  readonly type: "change_grown";
+  readonly level: number;
+}
+
+/** Makes the region that is shown a segment, as one step of undo, or shows it no more. */
+export interface EndGrown {
+  readonly type: "end_grown";
+  readonly keeps: boolean;
 }
 
 /**
@@ -1564,6 +1595,7 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | Grown
   | Islands
   | Scissors
   | TableFound
@@ -1586,6 +1618,8 @@ export type FromPage =
   | Threshold
   | Otsu
   | GrowSegment
+  | ChangeGrown
+  | EndGrown
   | GrowSeeds
   | ChangeShape
   | ShowIslands
@@ -2223,6 +2257,7 @@ const isDrawnPicture = record({
   type: oneOf("drawn_picture"),
   number: whole(),
   size: tuple(whole(), whole()),
+  eyes: whole(),
   part: nullable(tuple(whole(), whole())),
   over: nullable(whole()),
   state: whole(),
@@ -2275,6 +2310,16 @@ const isNeedleEvents = record({
 const isSegmentWork = record({
   type: oneOf("segment_work"),
   what: nullable(text()),
+});
+
+const isGrown = record({
+  type: oneOf("grown"),
+  id: isSegmentId,
+  level: whole({ ge: 0, le: 255 }),
+  usual: whole({ ge: 0, le: 255 }),
+  least: whole({ ge: 0, le: 255 }),
+  most: whole({ ge: 0, le: 255 }),
+  volume_ml: real(),
 });
 
 const isIslands = record({
@@ -2363,6 +2408,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["grown", isGrown],
   ["islands", isIslands],
   ["scissors", isScissors],
   ["table_found", isTableFound],

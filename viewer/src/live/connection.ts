@@ -5,6 +5,7 @@ import type { FromPage, ToPage } from "../core/protocol";
 import { takeWorker } from "./early_workers";
 import type { FromConnection, ToConnection } from "./connection_messages";
 import { Resumption } from "./resume";
+import type { Silence } from "./silence";
 
 export type ConnectionState =
   | { readonly kind: "connecting" }
@@ -23,10 +24,15 @@ export interface ConnectionEvents {
   readonly message: (message: ToPage, arrived: number) => void;
   readonly state: (state: ConnectionState) => void;
   readonly malformed: (text: string) => void;
+  readonly silence: (silence: Silence) => void;
+  /** The engine goes on after it stood still for some seconds: what it was asked meanwhile is not done. */
+  readonly stoodStill: (seconds: string) => void;
 }
 
 /** Code with which the engine closes the connections of a scan that makes room for another. */
 const exchanged = 4001;
+/** Code with which an engine that stood still forgets what it was asked meanwhile; the reason is how long [s]. */
+const stoodStill = 4002;
 const firstRetry = 400;
 const slowestRetry = 4000;
 
@@ -76,9 +82,15 @@ export class Connection {
       case "malformed":
         this.events.malformed(message.text);
         break;
+      case "silence":
+        this.events.silence(message.silence);
+        break;
       case "closed":
         if (message.code === exchanged) {
           this.events.state({ kind: "exchanged" });
+        } else if (message.code === stoodStill) {
+          this.events.stoodStill(message.reason);
+          this.open();
         } else {
           void this.reopen(message.reason);
         }

@@ -6,14 +6,22 @@ import { decodeToPage, encodeFromPage } from "../core/protocol";
 import type { FromConnection, ToConnection } from "./connection_messages";
 import { Mailbox, memoryOf } from "./mailbox";
 import { PictureParts } from "./picture_parts";
+import { lookEvery, SilenceWatch, type Silence } from "./silence";
 
 const mailbox = new Mailbox();
 const pictureParts = new PictureParts();
+const watch = new SilenceWatch();
 let socket: WebSocket | null = null;
 let pageReady = true;
 
 function tell(message: FromConnection, transfer: Transferable[] = []): void {
   postMessage(message, { transfer });
+}
+
+function tellSilence(silence: Silence | null): void {
+  if (silence !== null) {
+    tell({ kind: "silence", silence });
+  }
 }
 
 function deliver(): void {
@@ -26,6 +34,7 @@ function deliver(): void {
 
 function receive(packed: ArrayBuffer): void {
   const arrived = performance.timeOrigin + performance.now();
+  tellSilence(watch.heard(performance.now()));
   try {
     const message = decodeToPage(packed);
     if (message.type === "picture_part") {
@@ -57,10 +66,15 @@ function open(url: string): void {
   };
   opening.onclose = (event) => {
     socket = null;
+    tellSilence(watch.forget());
     tell({ kind: "closed", code: event.code, reason: event.reason });
   };
   socket = opening;
 }
+
+setInterval(() => {
+  tellSilence(watch.look(performance.now()));
+}, lookEvery);
 
 onmessage = (event: MessageEvent<ToConnection>) => {
   const message = event.data;

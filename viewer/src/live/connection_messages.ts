@@ -3,6 +3,7 @@
  */
 import type { FromPage } from "../core/protocol";
 import type { Letter } from "./mailbox";
+import type { Silence } from "./silence";
 
 export type ToConnection =
   | { readonly kind: "open"; readonly url: string }
@@ -12,6 +13,8 @@ export type ToConnection =
 
 export type FromConnection =
   | { readonly kind: "opened" }
+  /** How long the engine has been silent, where that has changed. */
+  | { readonly kind: "silence"; readonly silence: Silence }
   | { readonly kind: "batch"; readonly letters: readonly Letter[] }
   /** The socket has closed. */
   | { readonly kind: "closed"; readonly code: number; readonly reason: string }

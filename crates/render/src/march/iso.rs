@@ -24,6 +24,7 @@ pub(super) fn seen_along<'a, L: Gather>(
         clarity: one,
         depth: Floats::splat(-1.0),
         segment: none,
+        haze: Floats::splat(-1.0),
     };
     let first = L::apart(Meet { shading, packet });
     let met = !first.code.equal(none);

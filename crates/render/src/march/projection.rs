@@ -37,11 +37,12 @@ pub(super) fn seen_along<L: Gather>(
     beside: Option<&Beside<'_, L>>,
 ) -> Seen<L> {
     let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
-    let share = L::apart(ShareAlong { shading, packet });
+    let (share, place) = L::apart(ShareAlong { shading, packet });
     let grey = share.max(zero).min(one);
+    let haze = place.or_else(L::Float::splat(-NONE).less(share), Floats::splat(-1.0));
     let Some(beside) = beside else {
         let light = linear_from_screen::<L>(grey);
-        return seen_as(Vector::new(light, light, light), grey);
+        return seen_as(Vector::new(light, light, light), grey, haze);
     };
     let colour = under_second(beside, Vector::new(grey, grey, grey));
     let Vector { x, y, z } = colour;
@@ -50,17 +51,18 @@ pub(super) fn seen_along<L: Gather>(
         linear_from_screen::<L>(y),
         linear_from_screen::<L>(z),
     );
-    seen_as(light, x.max(y).max(z))
+    seen_as(light, x.max(y).max(z), haze)
 }
 
 /// Black is as clear as air: the ground shows through.
 #[inline(always)]
-fn seen_as<L: Gather>(light: Vector<L>, brightest: L::Float) -> Seen<L> {
+fn seen_as<L: Gather>(light: Vector<L>, brightest: L::Float, haze: L::Float) -> Seen<L> {
     Seen {
         light,
         clarity: L::Float::splat(1.0) - brightest,
         depth: Floats::splat(-1.0),
         segment: Ints::splat(0),
+        haze,
     }
 }
 
@@ -69,7 +71,7 @@ fn seen_as<L: Gather>(light: Vector<L>, brightest: L::Float) -> Seen<L> {
 fn under_second<L: Gather>(beside: &Beside<'_, L>, first: Vector<L>) -> Vector<L> {
     let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
     let shading = &beside.second.shading;
-    let share = L::apart(ShareAlong {
+    let (share, _) = L::apart(ShareAlong {
         shading,
         packet: &beside.rays,
     });
@@ -85,17 +87,18 @@ fn under_second<L: Gather>(beside: &Beside<'_, L>, first: Vector<L>) -> Vector<L
     colour.or_else(shows, first)
 }
 
-/// Fraction of the window along rays; less than 0 where nothing counts.
+/// Fraction of the window along rays, `-NONE` where nothing counts; and the length at which it lies: of a mean, the middle
+/// of what counts [mm].
 struct ShareAlong<'a, L: Gather> {
     shading: &'a Shading<'a>,
     packet: &'a Packet<L>,
 }
 
 impl<L: Gather> Work<L> for ShareAlong<'_, L> {
-    type Done = L::Float;
+    type Done = (L::Float, L::Float);
 
     #[inline(always)]
-    fn done(self) -> L::Float {
+    fn done(self) -> Self::Done {
         let Self { shading, packet } = self;
         let none = L::Float::splat(if shading.blend == Blend::Mip {
             -NONE
@@ -137,10 +140,13 @@ impl<L: Gather> Work<L> for ShareAlong<'_, L> {
         }
         if shading.blend == Blend::Average {
             let mean = counted.sum.div(counted.count.max(Floats::splat(1.0)));
-            return mean.or_else(zero.less(counted.count), Floats::splat(-NONE));
+            let middle = L::Float::splat(0.5) * (counted.first + counted.last);
+            let share = mean.or_else(zero.less(counted.count), Floats::splat(-NONE));
+            return (share, middle);
         }
-        let found = refined(shading, packet, &counted);
-        found.or_else(found.abs().less(Floats::splat(NONE)), Floats::splat(-NONE))
+        let (found, place) = refined(shading, packet, &counted);
+        let is_any = found.abs().less(Floats::splat(NONE));
+        (found.or_else(is_any, Floats::splat(-NONE)), place)
     }
 }
 
@@ -188,9 +194,13 @@ impl<L: Gather> Counted<L> {
     }
 }
 
-/// The largest value beside a sample, or the least: a thin bone, or an airway, lies between two of them.
+/// The largest value beside a sample, or the least, and where: a thin bone, or an airway, lies between two of them.
 #[inline(always)]
-fn refined<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>, counted: &Counted<L>) -> L::Float {
+fn refined<L: Gather>(
+    shading: &Shading<'_>,
+    packet: &Packet<L>,
+    counted: &Counted<L>,
+) -> (L::Float, L::Float) {
     let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
     let (mut found, mut place) = (counted.extreme, counted.place);
     let mut reach = 0.5 * shading.step;
@@ -198,7 +208,7 @@ fn refined<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>, counted: &Count
         for side in [-1.0, 1.0] {
             let asked = zero.less(found) & found.less(one);
             if !asked.any() {
-                return found;
+                return (found, place);
             }
             let next = place + Floats::splat(side * reach);
             let (share, counts) = share_at(shading, packet.at(next));
@@ -216,7 +226,7 @@ fn refined<L: Gather>(shading: &Shading<'_>, packet: &Packet<L>, counted: &Count
         }
         reach *= 0.5;
     }
-    found
+    (found, place)
 }
 
 /// Light of a grey on the screen.

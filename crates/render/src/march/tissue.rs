@@ -38,6 +38,9 @@ struct March<'a, L: Gather> {
     layers: Layers<'a, L>,
     /// Here is a second scan alone.
     is_beside: bool,
+    /// What is seen of all intervals, and the same times their lengths along the ray: where haze lies.
+    weight: L::Float,
+    weighted: L::Float,
     seen: Seen<L>,
 }
 
@@ -73,7 +76,7 @@ pub(super) fn seen_along<'a, L: Gather>(
     if shading.blend.draws_solids() {
         march.end_at_bodies(shading, packet);
     }
-    (march.seen, march.layers)
+    march.ended()
 }
 
 /// Goes through two scans.
@@ -103,7 +106,7 @@ impl<'b, L: Gather> Work<L> for Through<'_, 'b, L> {
                 march.end_at_bodies(shading, packet);
             }
         }
-        (march.seen, march.layers)
+        march.ended()
     }
 }
 
@@ -129,13 +132,24 @@ impl<'a, L: Gather> March<'a, L> {
             cut: Masks::splat(false),
             layers,
             is_beside: false,
+            weight: zero,
+            weighted: zero,
             seen: Seen {
                 light: Vector::new(zero, zero, zero),
                 clarity: Floats::splat(1.0),
                 depth: Floats::splat(-1.0),
                 segment: Ints::splat(0),
+                haze: Floats::splat(-1.0),
             },
         }
+    }
+
+    /// What was seen, and the surfaces that rays have not come to.
+    #[inline(always)]
+    fn ended(mut self) -> (Seen<L>, Layers<'a, L>) {
+        let is_any = L::Float::splat(0.0).less(self.weight);
+        self.seen.haze = self.weighted.div(self.weight).or_else(is_any, self.seen.haze);
+        (self.seen, self.layers)
     }
 
     /// Begins another stretch of rays that go through two scans.
@@ -371,12 +385,14 @@ impl<'a, L: Gather> March<'a, L> {
         if shading.blend == Blend::Emission {
             let share = (clarity * extinction * size).or_else(adds, zero);
             self.seen.light = self.seen.light.along(colour, share);
+            self.weigh(share, middle);
             return divided;
         }
         let opacity = one - exp_of_negative::<L>(zero - extinction * size);
         let share = (clarity * opacity).or_else(adds, zero);
         self.seen.light = if shading.blend == Blend::Absorption {
             // what is absorbed of the light behind, bright where much is: as a radiograph shows it
+            self.weigh(share, middle);
             self.seen.light + Vector::new(share, share, share)
         } else {
             self.seen.light.along(colour, share)
@@ -386,6 +402,13 @@ impl<'a, L: Gather> March<'a, L> {
             self.seen.note_depth(self.next, interval.segment, adds);
         }
         divided
+    }
+
+    /// Counts what is seen of an interval at the length of its middle.
+    #[inline(always)]
+    fn weigh(&mut self, share: L::Float, middle: L::Float) {
+        self.weight = self.weight + share;
+        self.weighted = self.weighted + share * middle;
     }
 
     /// Adds the light of the bodies at which rays end.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import msgspec
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -180,7 +182,7 @@ class Library:
     async def _open(self, request: Request) -> ASGIApp:
         self._check_free()
         wanted = await json_body(request, OpenRequest)
-        place = self._results.place_of(wanted)
+        place = Place(Path(), demo=True) if wanted.demo else self._results.place_of(wanted)
         return Job(
             lambda progress, emit: self._opener.open(
                 place, beside=wanted.beside, progress=progress, emit=emit

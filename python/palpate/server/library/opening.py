@@ -17,6 +17,7 @@ from palpate.base.progress import Progress
 from palpate.io.reading import read, read_again, read_sibling
 from palpate.labels.labels import read_labels
 from palpate.saved.autosave import autosave_of, note_scene
+from palpate.saved.demonstration import demonstration
 from palpate.saved.ending import is_scene
 from palpate.saved.opening import Opening, opening, opening_of
 from palpate.saved.recent import note_recent
@@ -216,6 +217,8 @@ class Opener:
 
 def _read(place: Place, progress: Progress) -> Opening:
     """Reads what is at a place, or makes it."""
+    if place.demo:
+        return demonstration(progress)
     if place.make is not None:
         return opening_of(place.make(progress))
     if place.autosave is not None:

@@ -61,6 +61,8 @@ class OpenRequest(msgspec.Struct, frozen=True):
     """Where the files do not have it [mm]."""
     beside: bool = False
     """Whether it is shown with the open scan, and not in its place."""
+    demo: bool = False
+    """Whether the built-in phantom is meant, and no file."""
 
 
 class VolumeRequest(msgspec.Struct, frozen=True):
@@ -133,6 +135,8 @@ class Place:
     """Name of the scan; by default that of the path."""
     autosave: Autosave | None = None
     """Changes that are restored with the scan."""
+    demo: bool = False
+    """Whether it is the built-in phantom, which is at no path."""
 
 
 def path_of(given: str) -> Path:

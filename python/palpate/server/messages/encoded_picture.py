@@ -22,6 +22,10 @@ __all__ = ["encoded_picture"]
 
 NOTHING = 65535
 """Depth where nothing is."""
+MOST_STEPS = 32766
+"""From the nearest depth to the farthest."""
+HAZE = 32768
+"""The first of the depths of what is seen through."""
 BRIGHTEST = 2.2
 """Linear; bent highlights (``softened`` in composite.frag) end in white within 1/255 before it."""
 EFFORT = 0
@@ -42,12 +46,16 @@ def encoded_picture(
 ) -> protocol.DrawnPicture:
     """Returns the message with a picture that took so many seconds, to be put over an edit's."""
     rows, columns = picture.depths.shape
+    rows //= picture.eyes
     halves = picture.colours.astype("<f2")
-    depths, nearest, farthest = _encoded_depths(picture.depths, packing)
+    # each eye's rows are left out by themselves
+    of_eyes = picture.depths.reshape(picture.eyes, rows, columns)
+    depths, nearest, farthest = _encoded_depths(of_eyes, packing)
     quality = packing.quality
     return protocol.DrawnPicture(
         number=number,
         size=(columns, rows),
+        eyes=picture.eyes,
         part=picture.part,
         over=over,
         state=picture.state,
@@ -92,9 +100,13 @@ def _tables() -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
 def _encoded_depths(
     depths: NDArray[np.float32], packing: Packing
 ) -> tuple[NDArray[np.uint16], float, float]:
-    """Returns depths as whole steps between the nearest and the farthest, and these two [mm]."""
+    """Returns depths as whole steps between the nearest and the farthest, and these two [mm].
+
+    Depths have shape [eyes, rows, columns], as the steps do.
+    """
     every = packing.depth_every
-    depths = depths[::every, ::every]
+    depths = depths[:, ::every, ::every]
+    is_haze, depths = depths < 0, np.abs(depths)
     seen = np.isfinite(depths)
     if not seen.any():
         return np.full(depths.shape, NOTHING, "<u2"), 0.0, 1.0
@@ -102,13 +114,13 @@ def _encoded_depths(
     span = max(float(depths.max(where=seen, initial=nearest)) - nearest, 1e-3)
     if packing.quality is not None:
         # few steps are packed smaller
-        span = max(span, packing.depth_step * (NOTHING - 1))
-    steps = np.where(seen, (depths - nearest) * ((NOTHING - 1) / span) + 0.5, NOTHING)
-    return np.minimum(steps, NOTHING).astype("<u2"), nearest, nearest + span
+        span = max(span, packing.depth_step * MOST_STEPS)
+    steps = (depths - nearest) * (MOST_STEPS / span) + 0.5 + HAZE * is_haze
+    return np.where(seen, steps, NOTHING).astype("<u2"), nearest, nearest + span
 
 
 def _deflated(depths: NDArray[np.uint16]) -> bytes:
     """Returns differences along rows, first low bytes and then high ones, deflated."""
-    differences = np.diff(depths, axis=1, prepend=np.uint16(0))
+    differences = np.diff(depths, axis=-1, prepend=np.uint16(0))
     planes = np.stack([differences & 255, differences >> 8]).astype(np.uint8)
     return zlib.compress(planes.tobytes(), DEFLATE_LEVEL)

@@ -169,13 +169,13 @@ class PagePainter:
     def _draw_edited(self, request: protocol.DrawPicture, look: Appearance) -> bool:
         """Draws and sends the part that was edited under what the page shows, if it is but one."""
         over = request.over
-        if over is None or over.divisor > COARSE:
+        if over is None or over.divisor > COARSE or len(request.cameras) > 1:
             return False
         began = time.perf_counter()
         stage = Stage(over.divisor)
         picture = self._own.draw_edited(
             look,
-            msgspec.convert(request.camera, Camera, from_attributes=True),
+            self._cameras(request)[0],
             self._size(request, stage),
             since=over.state,
             fineness=self._fineness(request, stage),
@@ -218,13 +218,17 @@ class PagePainter:
         *,
         number: int | None,
     ) -> DrawnArrays | None:
-        return self._own.draw(
+        return self._own.draw_eyes(
             look,
-            msgspec.convert(request.camera, Camera, from_attributes=True),
+            self._cameras(request),
             self._size(request, stage),
             fineness=self._fineness(request, stage),
             number=number,
         )
+
+    @staticmethod
+    def _cameras(request: protocol.DrawPicture) -> list[Camera]:
+        return msgspec.convert(request.cameras, list[Camera], from_attributes=True)
 
     @staticmethod
     def _size(request: protocol.DrawPicture, stage: Stage) -> tuple[int, int]:
@@ -243,7 +247,8 @@ class PagePainter:
     def _stages(self, request: protocol.DrawPicture, look: Appearance) -> Iterator[Stage]:
         """Yields what is drawn for a request, coarse to fine."""
         columns, rows = request.size
-        finest = max(1.0, math.sqrt(columns * rows / MOST_PIXELS))
+        pixels = columns * rows * len(request.cameras)
+        finest = max(1.0, math.sqrt(pixels / MOST_PIXELS))
         if request.moving:
             yield Stage(max(finest, self._pace.divisor), haste=True, to_end=True)
             return
@@ -259,7 +264,7 @@ class PagePainter:
     @staticmethod
     def _key(request: protocol.DrawPicture, look: Appearance) -> object:
         """Returns what a picture in haste depends on, but for voxels."""
-        return request.camera, request.size, look
+        return request.cameras, request.size, look
 
     def _superseded(self) -> bool:
         with self._changed:

@@ -22,7 +22,7 @@ from palpate.base.errors import OptionError, PalpateError
 from palpate.segmentation.crop import outside
 from palpate.segmentation.operations import (
     Growing,
-    grown,
+    grow_levels,
     grown_from_seeds,
     otsu,
     smoothed_together,
@@ -30,6 +30,7 @@ from palpate.segmentation.operations import (
 from palpate.segmentation.segment_steps import ShapeStep
 from palpate.segmentation.table import skin_value, table
 from palpate.server.messages.going_part import GoingPart
+from palpate.server.messages.grown_preview import GrownPreview
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.segment_steps import wanted_steps
 from palpate.server.messages.shown_islands import show_islands
@@ -47,6 +48,8 @@ __all__ = ["SegmentWork", "ThresholdJobs", "Wanted"]
 Wanted = (
     protocol.Otsu
     | protocol.GrowSegment
+    | protocol.ChangeGrown
+    | protocol.EndGrown
     | protocol.GrowSeeds
     | protocol.ChangeShape
     | protocol.ShowIslands
@@ -132,9 +135,12 @@ class SegmentWork:
         self._busy = False
         self._table: Segment | None = None
         self._going = GoingPart(session, segments)
+        self._grown = GrownPreview(session, segments)
         self._kinds: dict[type[Wanted], Callable[[Any, Told], None]] = {
             protocol.Otsu: self._otsu,
             protocol.GrowSegment: self._grow,
+            protocol.ChangeGrown: self._change_grown,
+            protocol.EndGrown: self._end_grown,
             protocol.GrowSeeds: self._grow_seeds,
             protocol.ChangeShape: self._change,
             protocol.ShowIslands: self._show_islands,
@@ -165,8 +171,8 @@ class SegmentWork:
     def ask(self, wanted: Wanted) -> None:
         """Adds a piece of work; it is done after those that wait.
 
-        A threshold replaces one that waits for the same segment; nobody waits for a table that is
-        only suggested.
+        A threshold replaces one that waits for the same segment, and a level of a grown region one
+        that waits; nobody waits for a table that is only suggested.
         """
         if isinstance(wanted, protocol.SuggestTable) and self.is_busy:
             return
@@ -175,6 +181,10 @@ class SegmentWork:
                 other
                 for other in self._waiting
                 if not isinstance(other, protocol.Threshold) or other.id != wanted.id
+            )
+        if isinstance(wanted, protocol.ChangeGrown):
+            self._waiting = deque(
+                other for other in self._waiting if not isinstance(other, protocol.ChangeGrown)
             )
         self._waiting.append(wanted)
         self._filled.set()
@@ -281,17 +291,25 @@ class SegmentWork:
         self._session.remove_from_scan(outside(volume, wanted.low, wanted.high))
 
     def _grow(self, wanted: protocol.GrowSegment, progress: Told) -> None:
+        progress("looking for the region", None)
+        self._grown.drop()
         growing = Growing(spread=wanted.spread, passage=wanted.passage, most_ml=wanted.most_ml)
         number = 1 + sum(1 for state in self._session.segments())
-        segment = grown(
-            self._session.scene.volume,
-            [wanted.seed],
-            name=f"Region {number}",
-            growing=growing,
-            progress=progress,
-        )
-        progress("adding the segment", None)
-        self._segments.add(segment)
+        volume = self._session.scene.volume
+        levels = grow_levels(volume, wanted.seed, growing=growing, progress=progress)
+        progress("showing the region", None)
+        self._publish(self._grown.show(levels, name=f"Region {number}"))
+
+    def _change_grown(self, wanted: protocol.ChangeGrown, _: Told) -> None:
+        told = self._grown.change(wanted.level)
+        if told is not None:
+            self._publish(told)
+
+    def _end_grown(self, wanted: protocol.EndGrown, _: Told) -> None:
+        if wanted.keeps:
+            self._grown.keep()
+        else:
+            self._grown.drop()
 
     def _grow_seeds(self, wanted: protocol.GrowSeeds, progress: Told) -> None:
         first = wanted.ids[0]

@@ -462,3 +462,12 @@ def test_a_windows_title_names_no_file_that_was_not_given(
     # what the files themselves say of the scan
     client.job("open", {"path": str(study), "series": "1.2.3"})
     assert title() == "CT thin"
+
+
+def test_the_demo_is_opened_without_a_file_and_not_remembered(client: LibraryClient) -> None:
+    *_, last = client.job("open", {"demo": True})
+    assert last == {"kind": "done"}
+    opened = client.workbench.opened
+    assert opened is not None
+    assert [segment.name for segment in opened.session.scene] == ["bone", "liver"]
+    assert recent_scans() == []

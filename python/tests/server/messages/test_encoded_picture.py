@@ -66,3 +66,23 @@ def test_depths_are_kept_to_their_step(picture: DrawnArrays) -> None:
     seen = np.isfinite(before)
     assert (np.isfinite(after) == seen).all()
     assert np.abs(after[seen] - before[seen]).max() <= 0.501
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("packing", [Packing(), Packing(75, depth_step=1.0, depth_every=2)])
+def test_depths_of_what_is_seen_through_are_told_apart(data_folder: Path, packing: Packing) -> None:
+    scene = DrawnScene(read(data_folder / "cthead_stanford" / "CThead.mha"), mode="absorption")
+    camera = scene.camera("first", SIZE)
+    drawn = scene._renderer.draw(camera, SIZE, samples=1, haste=True)
+    assert drawn is not None
+    picture = DrawnArrays(drawn.colours(), drawn.depths())
+    before = picture.depths[:: packing.depth_every, :: packing.depth_every]
+    after = depths_of(packed(picture, packing))
+    seen = np.isfinite(before)
+    assert (before[seen] < 0).all()
+    assert seen.mean() > 0.1
+    assert (np.isfinite(after) == seen).all()
+    # half a step
+    assert np.abs(after[seen] - before[seen]).max() <= 0.501
+    # the middle of a head, not its face
+    assert abs(np.median(-before[seen]) - camera.distance) < 25.0

@@ -60,7 +60,7 @@ def request(session: Session, number: int, *, moving: bool, **changes: Any) -> p
     camera = protocol.SeenFrom(
         (x, y, z), 400.0, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), 0.3, None, 0.0
     )
-    usual = protocol.DrawPicture(number, camera, (60, 48), moving, None, 1.0, 2, jitter=False)
+    usual = protocol.DrawPicture(number, [camera], (60, 48), moving, None, 1.0, 2, jitter=False)
     return msgspec.structs.replace(usual, **changes)
 
 
@@ -125,6 +125,28 @@ def test_a_view_at_rest_is_drawn_finer_and_finer(session: Session) -> None:
     # the middle of a ball is nearer than its rim
     assert depths[24, 30] < 400.0
     assert depths[24, 30] == pytest.approx(depths.min(), abs=0.5)
+
+
+@pytest.mark.parametrize("moving", [True, False])
+def test_two_eyes_get_their_pictures_one_below_the_other(session: Session, *, moving: bool) -> None:
+    (camera,) = request(session, 1, moving=moving).cameras
+    eyes = [msgspec.structs.replace(camera, aside=aside) for aside in (-0.1, 0.1)]
+
+    def seen_by(cameras: list[protocol.SeenFrom]) -> Told:
+        async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+            pictures.look(look(), page)
+            asked = request(session, 1, moving=moving, cameras=cameras, size=(61, 47))
+            pictures.draw(asked, page)
+            return [await next_of(page)] if moving else await until_finished(page)
+
+        return told(session, ask)[-1]
+
+    both, left, right = (seen_by(cameras) for cameras in (eyes, eyes[:1], eyes[1:]))
+    assert both["eyes"] == 2
+    assert both["size"] == left["size"]
+    assert left["colours"] != right["colours"]
+    assert both["colours"] == left["colours"] + right["colours"]
+    assert len(both["depths"]) == 2 * len(left["depths"])
 
 
 def test_a_view_that_moves_gets_one_picture_in_haste(session: Session) -> None:
@@ -220,7 +242,7 @@ def test_a_failure_is_answered_and_the_next_picture_is_drawn(
     async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
         pictures.look(look(), page)
         with monkeypatch.context() as broken:
-            broken.setattr(SessionPictures, "draw", fail)
+            broken.setattr(SessionPictures, "draw_eyes", fail)
             pictures.draw(request(session, 4, moving=True), page)
             failed = await next_of(page)
         pictures.draw(request(session, 5, moving=True), page)
@@ -389,7 +411,7 @@ def test_a_second_scan_is_seen_where_it_lies_and_moves(session: Session) -> None
     ("asked", "sentence"),
     [
         ({}, "picture requested before its look. Use picture_look first"),
-        ({"camera": {"up": (0.0, 0.0, 2.0)}}, "Use unit vectors at right angles"),
+        ({"cameras": {"up": (0.0, 0.0, 2.0)}}, "Use unit vectors at right angles"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_in_one_line(
@@ -397,9 +419,9 @@ def test_what_cannot_be_drawn_is_refused_in_one_line(
 ) -> None:
     async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
         changes = dict(asked)
-        if "camera" in changes:
-            camera = request(session, 1, moving=False).camera
-            changes["camera"] = msgspec.structs.replace(camera, **changes["camera"])
+        if "cameras" in changes:
+            (camera,) = request(session, 1, moving=False).cameras
+            changes["cameras"] = [msgspec.structs.replace(camera, **changes["cameras"])]
         if changes:
             pictures.look(look(), page)
         wanted = request(session, 1, moving=False, **changes)

@@ -27,18 +27,70 @@ from palpate.volumes.volume import Volume, VolumeTraits
 from running_server import PATIENCE
 
 GROW = {"type": "grow_segment", "spread": 2.5, "passage": 4.0, "most_ml": 100.0}
+FOUND = GROW | {"spread": None, "passage": None}
 SHAPE = {"type": "change_shape", "id": 1, "other": None}
 
 
-def test_a_region_grows_and_undo_takes_it_away(server: Any) -> None:
+def test_a_region_is_shown_until_it_is_kept_and_undo_takes_it_away(server: Any) -> None:
     with server.page() as page:
         page.send(GROW | {"seed": [20.0, 20.0, 20.0]})
-        both = page.receive("segments", until=lambda m: len(m["segments"]) == 2)["segments"]
+        told = page.receive("grown")
+        assert told["least"] == told["level"] == told["most"]
+        preview = server.session.segments()[1]
+        assert not preview["touchable"]
+        assert told["volume_ml"] == pytest.approx(preview["volume"] / 1000.0)
+        page.send({"type": "end_grown", "keeps": True})
+        both = page.receive(
+            "segments", until=lambda m: [each["touchable"] for each in m["segments"]] == [True] * 2
+        )["segments"]
         assert both[1]["name"] == "Region 2"
         assert both[1]["range"] is None
         assert both[1]["voxels"] == pytest.approx(both[0]["voxels"], rel=0.2)
         page.send({"type": "undo"})
         page.receive("segments", until=lambda m: len(m["segments"]) == 1)
+
+
+def test_levels_of_a_grown_region_change_it_and_one_undo_takes_back_what_was_kept(
+    server: Any,
+) -> None:
+    session = server.session
+    with server.page() as page:
+        page.send(FOUND | {"seed": [20.0, 20.0, 20.0]})
+        told = page.receive("grown")
+        assert told["least"] < told["usual"]
+        volumes = []
+        for level in (told["least"], told["usual"], told["most"]):
+            page.send({"type": "change_grown", "level": level})
+            now = page.receive("grown")
+            assert now["level"] == level
+            volumes.append(now["volume_ml"])
+        assert volumes == sorted(volumes)
+        assert volumes[1] == told["volume_ml"]
+        page.send({"type": "change_grown", "level": told["least"]})
+        page.receive("grown", until=lambda m: m["level"] == told["least"])
+        page.send({"type": "end_grown", "keeps": True})
+        page.receive(
+            "segments", until=lambda m: [each["touchable"] for each in m["segments"]] == [True] * 2
+        )
+        kept = session.segment(2)
+        assert kept.voxel_count * kept.volume.voxel_volume / 1000.0 == pytest.approx(volumes[0])
+        page.send({"type": "undo"})
+        page.receive("segments", until=lambda m: len(m["segments"]) == 1)
+
+
+def test_a_grown_region_that_is_dropped_leaves_nothing_and_other_work_stays(server: Any) -> None:
+    session = server.session
+    before = session.segment(1).voxel_count
+    with server.page() as page:
+        page.send(FOUND | {"seed": [20.0, 20.0, 20.0]})
+        told = page.receive("grown")
+        page.send({"type": "change_grown", "level": told["least"]})
+        page.receive("grown", until=lambda m: m["level"] == told["least"])
+        # something else is done meanwhile, which dropping must not take back
+        session.fill_box(1, low=(0, 0, 0), high=(2, 2, 2), solid=True)
+        page.send({"type": "end_grown", "keeps": False})
+        page.receive("segments", until=lambda m: len(m["segments"]) == 1)
+        assert session.segment(1).voxel_count == before + 8
 
 
 def test_shown_segments_are_smoothed_together(server: Any) -> None:

@@ -34,6 +34,14 @@ export function isLit(blend: Blend): boolean {
   return blend === "shaded" || blend === "iso";
 }
 
+/**
+ * Whether what a pixel shows has a depth by which the picture can be turned to a view nearby. In a slab it has none: the
+ * slab turns with the view, and other tissue comes into it.
+ */
+export function hasDepth({ blend, slab }: Pick<Optics, "blend" | "slab">): boolean {
+  return drawsSolids(blend) || slab === null;
+}
+
 export interface Optics {
   readonly blend: Blend;
   /** Factor on all extinction. */

@@ -6,7 +6,6 @@ import type { Named } from "../appearance/picture_names";
 import type { Segment } from "../protocol";
 import { drawnAsSurface } from "../segments/shown_segments";
 import type { Fusion } from "../second/second_scan";
-import type { Stereo } from "../view/stereo";
 import type { Drawer } from "./quicker_drawer";
 
 export const drawerChoices = ["auto", "browser", "engine"] as const;
@@ -36,7 +35,6 @@ export interface ShownThings {
   readonly connected: boolean;
   /** Why the engine's pictures do not come; null where they do. */
   readonly failure: string | null;
-  readonly stereo: Stereo["mode"];
   /** How the view shows a second scan; null where it shows none. */
   readonly second: Fusion | null;
   readonly deforming: boolean;
@@ -45,15 +43,12 @@ export interface ShownThings {
 
 /** Why the engine cannot draw what is shown; null where it can. */
 export function engineObstacle(shown: ShownThings): string | null {
-  const { connected, failure, stereo, second, deforming, segments } = shown;
+  const { connected, failure, second, deforming, segments } = shown;
   if (!connected) {
     return "the engine is not connected";
   }
   if (failure !== null) {
     return `${failure}; the engine is tried again every ${String(retrySeconds)} s`;
-  }
-  if (stereo !== "off") {
-    return "stereo is shown";
   }
   if (second !== null && second !== "blend") {
     return "two scans are shown by turns";

@@ -3,6 +3,7 @@
  * Places are CSS pixels of a pane.
  */
 import { project, type Camera, type Viewport } from "../geometry/camera";
+import { isArea } from "./area";
 import type { MarkKind } from "./measure";
 import { strengthAway } from "../slices/slice_marks";
 import { placeOnSlice, type SlicePlane } from "../slices/slice_plane";
@@ -39,7 +40,7 @@ export function strengthOf(places: readonly MarkPlace[]): number {
   return meets ? 1 : Math.max(0, ...depths.map((depth) => strengthAway(Math.abs(depth))));
 }
 
-/** Where a mark's label stands: beside the middle of a distance, the vertex of an angle, a point. */
+/** Where a mark's label stands: beside the middle of a distance, the vertex of an angle, a point, an end of an area. */
 export function labelPlace(kind: MarkKind, places: readonly MarkPlace[]): MarkPlace | null {
   const [first, second] = places;
   if (first === undefined) {
@@ -48,5 +49,5 @@ export function labelPlace(kind: MarkKind, places: readonly MarkPlace[]): MarkPl
   if (second === undefined || kind === "point") {
     return first;
   }
-  return kind === "angle" ? second : { x: (first.x + second.x) / 2, y: (first.y + second.y) / 2, before: 0 };
+  return kind === "angle" || isArea(kind) ? second : { x: (first.x + second.x) / 2, y: (first.y + second.y) / 2, before: 0 };
 }

@@ -1,13 +1,15 @@
 /**
- * Marks that a person sets on a scan: single points, distances, angles and planned paths of a needle, and what they
- * measure.
+ * Marks that a person sets on a scan: single points, distances, angles, areas and planned paths of a needle, and what
+ * they measure.
  *
  * Frame: scene, LPS [mm]; angles [rad].
  */
+import { formatArea, type AreaValues } from "./area_values";
+import { areaKinds, areaOutline, areaSize, draggedArea, isArea } from "./area";
 import { formatFixed } from "../base/format";
 import { distance, dot, isPoint, length, subtract, type Vec3 } from "../geometry/vector";
 
-export const markKinds = ["point", "distance", "angle", "path"] as const;
+export const markKinds = ["point", "distance", "angle", "path", ...areaKinds] as const;
 export type MarkKind = (typeof markKinds)[number];
 
 export interface Mark {
@@ -16,20 +18,22 @@ export interface Mark {
   readonly name: string;
   /**
    * In the order in which they were set; of an angle the second is its vertex, of a path of a needle its target comes
-   * first.
+   * first; of an area its middle and the ends of two half axes.
    */
   readonly points: readonly Vec3[];
   readonly visible: boolean;
 }
 
 /** Points that make a mark whole. */
-export const pointsOf: Readonly<Record<MarkKind, number>> = { point: 1, distance: 2, angle: 3, path: 2 };
+export const pointsOf: Readonly<Record<MarkKind, number>> = { point: 1, distance: 2, angle: 3, path: 2, ellipse: 3, rectangle: 3 };
 
 const kindNames: Readonly<Record<MarkKind, string>> = {
   point: "Point",
   distance: "Distance",
   angle: "Angle",
   path: "Needle path",
+  ellipse: "Ellipse",
+  rectangle: "Rectangle",
 };
 
 /** Longer names are cut. */
@@ -62,8 +66,13 @@ export function changedMark(
 
 /** Marks of which one point stands elsewhere. */
 export function withPointAt(marks: readonly Mark[], id: number, index: number, point: Vec3): readonly Mark[] {
-  const points = marks.find((mark) => mark.id === id)?.points ?? [];
-  return changedMark(marks, id, { points: points.map((other, i) => (i === index ? point : other)) });
+  const mark = marks.find((each) => each.id === id);
+  const points = mark?.points ?? [];
+  const moved =
+    mark !== undefined && isArea(mark.kind)
+      ? draggedArea(points, index, point)
+      : points.map((other, i) => (i === index ? point : other));
+  return changedMark(marks, id, { points: moved });
 }
 
 /** Angle at a vertex between the ways to two points [rad]; 0 where one of them is the vertex itself. */
@@ -74,7 +83,16 @@ export function angleAt(vertex: Vec3, a: Vec3, b: Vec3): number {
   return size > 0 ? Math.acos(Math.min(1, Math.max(-1, dot(toA, toB) / size))) : 0;
 }
 
-/** What a mark measures: a length [mm], an angle [rad], nothing of a point or while points are missing. */
+/** The line of a mark in space: from point to point, or around an area and back. */
+export function lineOf({ kind, points }: Pick<Mark, "kind" | "points">): readonly Vec3[] {
+  if (!isArea(kind) || points.length < pointsOf[kind]) {
+    return points;
+  }
+  const outline = areaOutline(kind, points);
+  return [...outline, ...outline.slice(0, 1)];
+}
+
+/** What a mark measures: a length [mm], an angle [rad], an area [mm²], nothing of a point or while points are missing. */
 export function measured({ kind, points }: Pick<Mark, "kind" | "points">): number | null {
   const [first, second, third] = points;
   if ((kind === "distance" || kind === "path") && first !== undefined && second !== undefined) {
@@ -83,25 +101,34 @@ export function measured({ kind, points }: Pick<Mark, "kind" | "points">): numbe
   if (kind === "angle" && first !== undefined && second !== undefined && third !== undefined) {
     return angleAt(second, first, third);
   }
-  return null;
+  return isArea(kind) && third !== undefined ? areaSize(kind, points) : null;
 }
 
 const degrees = (angle: number): number => (angle * 180) / Math.PI;
 
-/** "12.3 mm", "47.1°"; empty where nothing is measured. */
+/** "12.3 mm", "47.1°", "312 mm²"; empty where nothing is measured. */
 export function formatMeasured(mark: Pick<Mark, "kind" | "points">): string {
   const value = measured(mark);
   if (value === null) {
     return "";
   }
+  if (isArea(mark.kind)) {
+    return formatArea(value);
+  }
   return mark.kind === "angle" ? `${degrees(value).toFixed(1)}°` : formatFixed(value, 1, "mm");
 }
 
+/** What the engine has measured of an area; null where it has not. */
+export type ValuesOf = (mark: Mark) => AreaValues | null;
+
 /**
- * A table of marks for a spreadsheet (RFC 4180): a line each, lengths in mm, angles in degrees; places along the
- * scan's own axes where the sides of the body are not known.
+ * A table of marks for a spreadsheet (RFC 4180): a line each, lengths in mm, angles in degrees, areas in mm² with the
+ * values inside; places along the scan's own axes where the sides of the body are not known.
+ *
+ * @param unit of the scan's values; empty where there is none.
  */
-export function marksTable(marks: readonly Mark[], known: boolean): string {
+export function marksTable(marks: readonly Mark[], known: boolean, unit = "", valuesOf: ValuesOf = () => null): string {
+  const ofValues = unit === "" ? "" : ` (${unit})`;
   const axes = known ? ["L", "P", "S"] : ["x", "y", "z"];
   const head = [
     "name",
@@ -109,13 +136,18 @@ export function marksTable(marks: readonly Mark[], known: boolean): string {
     "value",
     "unit",
     ...[1, 2, 3].flatMap((i) => axes.map((axis) => `${axis}${String(i)} (mm)`)),
+    ...["mean", "SD", "min", "max"].map((name) => `${name}${ofValues}`),
+    "voxels",
   ];
   const rows = marks.map((mark) => {
     const value = measured(mark);
     const number = value === null ? "" : (mark.kind === "angle" ? degrees(value) : value).toFixed(2);
-    const unit = value === null ? "" : mark.kind === "angle" ? "deg" : "mm";
+    const measures = value === null ? "" : mark.kind === "angle" ? "deg" : isArea(mark.kind) ? "mm2" : "mm";
+    const inside = isArea(mark.kind) ? valuesOf(mark) : null;
+    const values = [inside?.mean, inside?.standard_deviation, inside?.minimum, inside?.maximum, inside?.count];
     const places = [0, 1, 2].flatMap((i) => mark.points[i]?.map((c) => c.toFixed(2)) ?? ["", "", ""]);
-    return [mark.name, mark.kind, number, unit, ...places];
+    const told = values.map((each) => (each === undefined || each === null ? "" : String(Number(each.toPrecision(9)))));
+    return [mark.name, mark.kind, number, measures, ...places, ...told];
   });
   return [head, ...rows].map((row) => `${row.map(cell).join(",")}\r\n`).join("");
 }

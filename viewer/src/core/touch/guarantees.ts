@@ -3,7 +3,8 @@
  *
  * Green: every guarantee has held since the start, and nothing stands between the contact
  * and the hand. Amber: they have held, and the safety stage holds the force back now. Red:
- * a guarantee was broken since the start; nothing turns it green again but a new start.
+ * a guarantee was broken since the start; nothing turns it green again but a new start. What
+ * an engine told that no longer answers is amber too: nobody knows what holds now.
  */
 import { formatCount, plural } from "../base/format";
 import type { Safety, Segment, Settings } from "../protocol";
@@ -56,8 +57,8 @@ export function whyNoForce(safety: Safety): string | null {
   return safety.off === null ? null : noForce[safety.off];
 }
 
-/** What the light shows for the counters of the safety stage. */
-export function lightOf(safety: Safety, model: Settings["model"]): Light {
+/** What the light shows for the counters of the safety stage; `isOld` are those of a silent engine. */
+export function lightOf(safety: Safety, model: Settings["model"], isOld = false): Light {
   const counts = countsOf(safety);
   if (safety.violations > 0) {
     const times = safety.violations === 1 ? "once" : `${formatCount(safety.violations)} times`;
@@ -72,6 +73,9 @@ export function lightOf(safety: Safety, model: Settings["model"]): Light {
       counts,
     };
   }
+  if (isOld) {
+    return { colour: "amber", ...silent, counts };
+  }
   const intervention = held[safety.force];
   if (intervention !== null) {
     return { colour: "amber", ...intervention, counts };
@@ -83,6 +87,11 @@ export function lightOf(safety: Safety, model: Settings["model"]): Light {
       : `No force check has failed so far. ${printedModel}`;
   return { colour: "green", short: "Force checks passed", meaning, counts };
 }
+
+const silent = {
+  short: "not answering",
+  meaning: "Palpate does not answer: force, contact and counts are the last that are known.",
+};
 
 const printedModel = "The thesis' models, as printed, promise nothing; “exact” passes all of them.";
 

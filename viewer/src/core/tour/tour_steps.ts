@@ -53,6 +53,7 @@ export const tourSteps: Readonly<Record<StepName, TourStep>> = {
         at: ".left [aria-label='Add a segment by threshold']",
         says: "Press this button, or open a segment in the list: its range of values is what is felt.",
       },
+      { at: "[data-testid=group-segments]", says: "Choose this group: it says what can be felt." },
       { at: "header [aria-label='Scan and segments']", says: "Open this panel: it says what can be felt." },
     ],
   },

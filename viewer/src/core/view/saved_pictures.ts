@@ -7,7 +7,7 @@ import type { Viewport } from "../geometry/camera";
 /** Pictures of one look and size, from each camera. */
 export interface PictureWish {
   readonly look: PictureLook;
-  readonly cameras: readonly DrawPicture["camera"][];
+  readonly cameras: DrawPicture["cameras"];
   /** Columns and rows. */
   readonly size: readonly [number, number];
   readonly steps_per_voxel: number;

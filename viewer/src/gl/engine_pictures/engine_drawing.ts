@@ -4,18 +4,20 @@
  */
 import type * as THREE from "three";
 import type { Appearance } from "../../core/appearance/appearance";
-import { drawsSolids } from "../../core/appearance/optics";
+import { hasDepth } from "../../core/appearance/optics";
 import { engineLook, type LookedSegments } from "../../core/drawing/engine_look";
 import type { Camera } from "../../core/geometry/camera";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { SecondAppearance } from "../../core/second/second_scan";
 import type { Plane } from "../../core/view/clip";
-import { turnedView } from "../../core/view/turned_view";
 import { everywhere, type Region } from "../../core/view/region";
+import { eyeCamera } from "../../core/view/stereo";
+import { turnedView } from "../../core/view/turned_view";
+import { deepEqual } from "../../core/base/deep_equal";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { EnginePass } from "./engine_pass";
-import { EnginePictures, type ArrivedPicture, type EngineView } from "./engine_pictures";
+import { EnginePictures, type ArrivedPicture, type EngineFrame, type EngineView } from "./engine_pictures";
 import { TurnedPicture } from "./turned_picture";
 
 /**
@@ -23,6 +25,13 @@ import { TurnedPicture } from "./turned_picture";
  * draws all, the engine's pictures would come later for them. A picture that has just come is turned at once.
  */
 const partsOfTime = 4;
+
+/** What pictures are drawn into. */
+interface Screen {
+  readonly frame: EngineFrame;
+  /** The cached picture of each eye; of a squeezed one narrower, or lower, than in the frame. */
+  readonly targets: readonly PictureTarget[];
+}
 
 export class EngineDrawing {
   readonly pictures: EnginePictures;
@@ -35,12 +44,13 @@ export class EngineDrawing {
   private segments: LookedSegments = { segments: [], modes: {} };
   private clip: readonly Plane[] = [];
   private second: SecondAppearance | null = null;
-  /** The picture on display, and the size of the target that it was drawn into. */
+  /** The picture on display, and for what it was drawn into its targets. */
   private last: ArrivedPicture | null = null;
-  private drawnSize: readonly [number, number] = [0, 0];
+  private drawnFrame: EngineFrame | null = null;
   /** The least and the largest depth of what it shows [mm]. */
   private span: readonly [number, number] = [0, 0];
-  private readonly turned: TurnedPicture;
+  /** Of each eye. */
+  private readonly turned: readonly [TurnedPicture, TurnedPicture];
   /** What is on display is the last picture, turned. */
   private isTurned = false;
   /** The camera that it was turned toward last. */
@@ -62,17 +72,18 @@ export class EngineDrawing {
   ) {
     this.pass = new EnginePass(marcher);
     this.partPass = new EnginePass(marcher);
-    this.turned = new TurnedPicture(halfFloat);
+    const turned = (): TurnedPicture => new TurnedPicture(halfFloat, this.pass.depthUniforms);
+    this.turned = [turned(), turned()];
     this.pictures = new EnginePictures(send);
   }
 
   async prepare(): Promise<void> {
-    await Promise.all([this.pass, this.partPass, this.turned].map((each) => each.prepare(this.renderer)));
+    await Promise.all([this.pass, this.partPass, ...this.turned].map((each) => each.prepare(this.renderer)));
   }
 
-  /** What stands on the screen in place of the cached picture; null where that does. */
-  get standIn(): PictureTarget | null {
-    return this.isTurned ? this.turned.target : null;
+  /** What stands on the screen in place of an eye's cached picture; null where that does. */
+  standIn(eye: number): PictureTarget | null {
+    return this.isTurned ? this.turnedOf(eye).target : null;
   }
 
   setAppearance(appearance: Appearance): void {
@@ -116,20 +127,24 @@ export class EngineDrawing {
    * a target of another size the last picture stands in until one of that size has come.
    *
    * @param changed the view or what is seen has changed since the last call.
-   * @param aim turns the cached picture to a view, and what stands over it.
-   * @param look turns what stands over the picture on display to a view.
+   * @param view as seen from between the eyes.
+   * @param aim turns the cached picture that is drawn into to what an eye sees.
+   * @param look turns what stands over the pictures on display to a view.
    */
-  advance({ changed, view, target, aim, look }: {
+  advance({ changed, view, screen, aim, look }: {
     readonly changed: boolean;
     readonly view: EngineView;
-    readonly target: PictureTarget;
+    readonly screen: Screen;
     readonly aim: (view: EngineView) => void;
     readonly look: (view: EngineView) => void;
   }): Region | null {
     const now = performance.now();
     this.took = this.awaitsFrame ? now - this.drawnAt : this.took;
-    const drawn = this.bring(changed, view, target, aim);
-    const isTurned = this.turn(drawn, view, target, look, now);
+    const drawn = this.bring(changed, view, screen, aim);
+    if (drawn === everywhere && this.last !== null) {
+      look(this.last.view);
+    }
+    const isTurned = this.turn(drawn, view, screen, look, now);
     this.awaitsFrame = isTurned || drawn !== null;
     this.drawnAt = this.awaitsFrame ? now : this.drawnAt;
     return isTurned ? everywhere : drawn;
@@ -138,18 +153,22 @@ export class EngineDrawing {
   dispose(): void {
     this.pass.dispose();
     this.partPass.dispose();
-    this.turned.dispose();
+    this.turned.forEach((each) => { each.dispose(); });
+  }
+
+  private turnedOf(eye: number): TurnedPicture {
+    return this.turned[eye === 0 ? 0 : 1];
   }
 
   /** Shows the last picture as the present view is, or as it was drawn; true where that is another than before. */
   private turn(
     drawn: Region | null,
     view: EngineView,
-    target: PictureTarget,
+    { frame, targets }: Screen,
     look: (view: EngineView) => void,
     now: number,
   ): boolean {
-    this.turned.isStale ||= drawn !== null;
+    this.turned.forEach((each) => { each.isStale ||= drawn !== null; });
     const { last } = this;
     const isDue = now - this.drawnAt >= partsOfTime * this.took;
     if (last === null || (drawn === null && (view.camera === this.turnedFor || !isDue))) {
@@ -159,7 +178,12 @@ export class EngineDrawing {
     const camera = this.turnedCamera(last, view.camera);
     if (camera !== null && camera !== last.view.camera) {
       const nearby = { ...view, camera };
-      this.turned.draw(this.renderer, { target, view: last.view, span: this.span }, nearby);
+      const aspect = frame.size[0] / frame.size[1];
+      targets.forEach((target, eye) => {
+        const [from, to] = [seenBy(eye, last, last.view), seenBy(eye, last, nearby)];
+        this.pass.turn(eye);
+        this.turnedOf(eye).draw(this.renderer, { target, view: from, aspect, span: this.span }, to);
+      });
       this.turns += camera === view.camera ? 1 : 0;
       this.isTurned = true;
       look(nearby);
@@ -178,17 +202,17 @@ export class EngineDrawing {
   private bring(
     changed: boolean,
     view: EngineView,
-    target: PictureTarget,
+    screen: Screen,
     aim: (view: EngineView) => void,
   ): Region | null {
-    const size = [target.target.width, target.target.height] as const;
-    this.pictures.ask(changed, view, size);
-    const isResized = this.drawnSize[0] !== size[0] || this.drawnSize[1] !== size[1];
+    const { frame, targets: [target] } = screen;
+    this.pictures.ask(changed, view, frame);
+    const isResized = !deepEqual(this.drawnFrame, frame);
     if (isResized) {
       this.pictures.cover();
     }
-    const next = this.pictures.next(size);
-    if (next?.picture.part) {
+    const next = this.pictures.next(frame);
+    if (next?.picture.part && target !== undefined) {
       this.widen(next.picture);
       return this.drawPart(next, next.picture.part, target);
     }
@@ -200,25 +224,29 @@ export class EngineDrawing {
     if (this.last === null || (next === null && !isResized)) {
       return null;
     }
-    this.drawnSize = size;
-    this.draw(this.last, target, aim);
+    this.drawnFrame = frame;
+    this.draw(this.last, screen, aim);
     return everywhere;
   }
 
   /** To what the last picture can be turned; null where it would show what is not. */
   private turnedCamera({ view }: ArrivedPicture, now: Camera): Camera | null {
     const { appearance, mayTurn, pictures } = this;
-    // in other modes a pixel shows all of its ray, at whatever depth
-    const hasDepth = appearance !== null && drawsSolids(appearance.optics.blend);
-    return mayTurn && pictures.differsByView ? turnedView(view.camera, now, hasDepth) : null;
+    const isDeep = appearance !== null && hasDepth(appearance.optics);
+    return mayTurn && pictures.differsByView ? turnedView(view.camera, now, isDeep) : null;
   }
 
-  private draw(last: ArrivedPicture, target: PictureTarget, aim: (view: EngineView) => void): void {
+  private draw(last: ArrivedPicture, { frame, targets }: Screen, aim: (view: EngineView) => void): void {
     const { divisor, samples } = last.picture;
     const { stepsPerVoxel } = this.pictures.resting;
-    target.useLevel(divisor);
-    aim(last.view);
-    this.pass.draw(this.renderer, target, last.size);
+    // the height of a view is the same in all sizes
+    const wider = (frame.size[0] * last.frame.size[1]) / (frame.size[1] * last.frame.size[0]);
+    targets.forEach((target, eye) => {
+      target.useLevel(divisor);
+      aim(seenBy(eye, last, last.view));
+      this.pass.turn(eye);
+      this.pass.draw(this.renderer, target, wider);
+    });
     this.shown = { divisor, stepsPerVoxel, passes: samples, triangles: 0 };
   }
 
@@ -248,4 +276,9 @@ export class EngineDrawing {
       this.pictures.setLook(look);
     }
   }
+}
+
+/** A view as an eye sees it by whom a picture was asked for; of more eyes the last one's. */
+function seenBy(eye: number, { frame: { asides } }: ArrivedPicture, view: EngineView): EngineView {
+  return { ...view, camera: eyeCamera(view.camera, asides[Math.min(eye, asides.length - 1)] ?? 0) };
 }

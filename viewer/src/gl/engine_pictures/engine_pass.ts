@@ -6,7 +6,15 @@ import { FullscreenPass } from "../base/fullscreen_pass";
 import type { PictureTarget } from "../base/picture_target";
 import type { RayMarcher } from "../march/ray_marcher";
 import { shaders } from "../shaders/shaders";
-import type { PictureTexels } from "./picture_texels";
+import { texelSize, type PictureTexels } from "./picture_texels";
+
+/** Depths of a picture as `engine.frag` has them. */
+export interface DepthUniforms {
+  readonly engineDepth: THREE.IUniform<THREE.DataTexture | null>;
+  readonly depthSpan: THREE.IUniform<THREE.Vector2>;
+  readonly ofEyes: THREE.IUniform<THREE.Vector2>;
+  readonly fit: THREE.IUniform<THREE.Vector2>;
+}
 
 export class EnginePass {
   private readonly uniforms;
@@ -21,12 +29,19 @@ export class EnginePass {
       engineSize: { value: new THREE.Vector2() },
       partFirst: { value: new THREE.Vector2() },
       partSize: { value: new THREE.Vector2() },
+      ofEyes: { value: new THREE.Vector2(0, 1) },
       used: { value: new THREE.Vector2() },
       fit: { value: new THREE.Vector2() },
       ...marcher.placeUniforms,
     };
     this.pass = new FullscreenPass(shaders.engine, this.uniforms);
     this.pass.material.defines = { LAYERS: "0" };
+  }
+
+  /** How deep what it shows lies, and where that is in the target. */
+  get depthUniforms(): DepthUniforms {
+    const { engineDepth, depthSpan, ofEyes, fit } = this.uniforms;
+    return { engineDepth, depthSpan, ofEyes, fit };
   }
 
   async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
@@ -38,27 +53,34 @@ export class EnginePass {
     const u = this.uniforms;
     const isRaw = colours instanceof Uint16Array;
     u.engineColour.value = isRaw
-      ? filled(u.engineColour.value, picture.size, colourTexture, colours)
+      ? filled(u.engineColour.value, texelSize(picture), colourTexture, colours)
       : unpackedTexture(u.engineColour.value, colours);
     u.engineDepth.value = filled(u.engineDepth.value, depthSize, depthTexture, depths);
     u.brightest.value = isRaw ? 0 : picture.brightest;
     u.partSize.value.set(...picture.size);
+    u.ofEyes.value.set(0, picture.eyes);
     u.depthSpan.value.set(picture.nearest, picture.farthest);
+  }
+
+  /** Turns to what an eye sees; where there are fewer pictures than eyes, the last is seen by all others. */
+  turn(eye: number): void {
+    const { value } = this.uniforms.ofEyes;
+    value.x = Math.min(eye, value.y - 1);
   }
 
   /**
    * Draws it, all of a picture, into the part in use.
    *
-   * @param size that was asked for; the target may be another by now, and shows less or more at its sides then.
+   * @param wider how much wider is what the target shows than what was asked for, for its height: that may be of a view
+   * of another size by now, and shows less or more at its sides then.
    */
-  draw(renderer: THREE.WebGLRenderer, target: PictureTarget, size?: readonly [number, number]): void {
-    const [width, height] = size ?? [target.target.width, target.target.height];
+  draw(renderer: THREE.WebGLRenderer, target: PictureTarget, wider = 1): void {
     const u = this.uniforms;
     u.engineSize.value.copy(u.partSize.value);
     u.partFirst.value.set(0, 0);
     u.used.value.set(target.width, target.height);
     // the height of a view is the same in all sizes
-    u.fit.value.set((target.target.width * height) / (target.target.height * width), 1);
+    u.fit.value.set(wider, 1);
     target.useRows(0, target.height);
     this.pass.draw(renderer, target.target);
   }

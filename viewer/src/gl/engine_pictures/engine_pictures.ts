@@ -10,6 +10,7 @@ import type { Camera, Extent } from "../../core/geometry/camera";
 import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import type { RestingPicture } from "../../core/view/quality";
 import { fewestSamples } from "../../core/view/saved_pictures";
+import { eyeCamera } from "../../core/view/stereo";
 import { rawTexels, unpackedTexels, type PictureTexels } from "./picture_texels";
 
 /**
@@ -26,16 +27,23 @@ export interface EngineView {
   readonly extent: Extent;
 }
 
+/** What is asked for: what eyes see that stand so far to the right [share of the distance], in pictures of one size. */
+export interface EngineFrame {
+  /** Columns and rows of one eye's picture. */
+  readonly size: readonly [number, number];
+  readonly asides: readonly number[];
+}
+
 /** A picture to be drawn, and how it is seen. */
 export interface ArrivedPicture extends PictureTexels {
   readonly view: EngineView;
-  /** That was asked for [pixels]. */
-  readonly size: readonly [number, number];
+  /** That was asked for. */
+  readonly frame: EngineFrame;
 }
 
 interface Wanted {
   readonly view: EngineView;
-  readonly size: readonly [number, number];
+  readonly frame: EngineFrame;
   readonly moving: boolean;
 }
 
@@ -135,9 +143,8 @@ export class EnginePictures {
    * Asks for what is due.
    *
    * @param changed the view or what is seen has changed since the last call.
-   * @param size of the picture [pixels].
    */
-  ask(changed: boolean, view: EngineView, size: readonly [number, number]): void {
+  ask(changed: boolean, view: EngineView, frame: EngineFrame): void {
     const now = this.clock();
     if (this.look === null) {
       return;
@@ -148,10 +155,10 @@ export class EnginePictures {
         this.changedAfter = this.number;
       }
       this.movedAt = now;
-      this.want({ view, size, moving: this.moving });
+      this.want({ view, frame, moving: this.moving });
     } else if (this.moving && now - this.movedAt >= settleMilliseconds) {
       this.moving = false;
-      this.want({ view, size, moving: false });
+      this.want({ view, frame, moving: false });
     }
     this.lastView = view;
     this.pump();
@@ -159,9 +166,9 @@ export class EnginePictures {
   }
 
   /** Asks for one picture in haste, to learn whether and how soon one comes; nothing else is asked for meanwhile. */
-  probe(view: EngineView, size: readonly [number, number]): void {
+  probe(view: EngineView, frame: EngineFrame): void {
     if (this.unanswered === null && this.look !== null) {
-      this.want({ view, size, moving: true });
+      this.want({ view, frame, moving: true });
       this.pump();
     }
   }
@@ -203,7 +210,7 @@ export class EnginePictures {
   }
 
   /** The newest picture that has come, or the part of it to be put over what is on display; null where none has. */
-  next(size: readonly [number, number]): ArrivedPicture | null {
+  next(frame: EngineFrame): ArrivedPicture | null {
     const { arrived } = this;
     this.arrived = null;
     if (arrived === null || !this.display(arrived.picture, arrived.asked)) {
@@ -213,7 +220,7 @@ export class EnginePictures {
     this.count += 1;
     this.answered = picture.number;
     this.finished = picture.finished && picture.number === this.number && this.wanted === null &&
-      isSameSize(arrived.size, size);
+      deepEqual(arrived.frame, frame);
     return arrived;
   }
 
@@ -240,7 +247,7 @@ export class EnginePictures {
     }
     this.shownReceived = received;
     this.asked = this.asked.filter((one) => one.number >= number);
-    this.arrived = { ...texels, view: asked.view, size: asked.size, asked };
+    this.arrived = { ...texels, view: asked.view, frame: asked.frame, asked };
     this.lastSeen = asked;
     this.failure = null;
     if (this.unanswered?.number === number) {
@@ -277,7 +284,7 @@ export class EnginePictures {
       this.send(look);
       this.toldLook = look;
     }
-    const { view, size, moving } = wanted;
+    const { view, frame, moving } = wanted;
     const seen = !moving && !isNewLook && this.lastSeen?.view.camera === view.camera && this.lastSeen.moving;
     this.number += 1;
     const fineness = {
@@ -292,8 +299,8 @@ export class EnginePictures {
     this.send({
       type: "draw_picture",
       number: this.number,
-      camera: seenFrom(view.camera),
-      size,
+      cameras: frame.asides.map((aside) => seenFrom(eyeCamera(view.camera, aside))),
+      size: frame.size,
       moving,
       over: isShown ? { state: onDisplay.state, divisor: onDisplay.divisor } : null,
       ...fineness,
@@ -306,13 +313,9 @@ export class EnginePictures {
   }
 }
 
-function isSameSize(one: readonly [number, number], other: readonly [number, number]): boolean {
-  return one[0] === other[0] && one[1] === other[1];
-}
-
 /** Whether two pictures differ by edits alone. */
 function looksAs(one: Asked, other: Asked): boolean {
-  return one.view.camera === other.view.camera && isSameSize(one.size, other.size) &&
+  return one.view.camera === other.view.camera && deepEqual(one.frame, other.frame) &&
     deepEqual(one.fineness, other.fineness) &&
     (one.look === other.look || deepEqual(withoutEdited(one.look), withoutEdited(other.look)));
 }
@@ -322,7 +325,7 @@ function withoutEdited(look: PictureLook): PictureLook {
   return { ...look, segments: look.segments.map((segment) => ({ ...segment, edited: false })) };
 }
 
-export function seenFrom(camera: Camera): DrawPicture["camera"] {
+export function seenFrom(camera: Camera): DrawPicture["cameras"][number] {
   const { target, distance, right, up, back, field, parallel, aside = 0 } = camera;
   return { target, distance, right, up, back, field, parallel, aside };
 }

@@ -11,15 +11,21 @@ export interface PictureTexels {
   readonly depthSize: readonly [number, number];
 }
 
+/** Columns, and rows of all eyes. */
+export function texelSize({ size: [columns, rows], eyes }: Pick<DrawnPicture, "size" | "eyes">): readonly [number, number] {
+  return [columns, rows * eyes];
+}
+
 /** Of a picture that is not packed. */
 export function rawTexels(picture: DrawnPicture): PictureTexels {
-  return { picture, colours: halves(picture.colours), depths: halves(picture.depths), depthSize: picture.size };
+  return { picture, colours: halves(picture.colours), depths: halves(picture.depths), depthSize: texelSize(picture) };
 }
 
 /** Of a packed picture; unpacked beside the page's own work. */
 export async function unpackedTexels(picture: DrawnPicture): Promise<PictureTexels> {
   const [columns, rows] = picture.size;
-  const depthSize = [Math.ceil(columns / picture.depth_every), Math.ceil(rows / picture.depth_every)] as const;
+  const every = picture.depth_every;
+  const depthSize = [Math.ceil(columns / every), picture.eyes * Math.ceil(rows / every)] as const;
   const [colours, planes] = await Promise.all([
     createImageBitmap(new Blob([picture.colours.slice()]), {
       premultiplyAlpha: "none",

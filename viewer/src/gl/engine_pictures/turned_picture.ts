@@ -11,6 +11,7 @@ import { FullscreenPass } from "../base/fullscreen_pass";
 import { PictureTarget } from "../base/picture_target";
 import { ThreeCamera } from "../base/three_camera";
 import { shaders } from "../shaders/shaders";
+import type { DepthUniforms } from "./engine_pass";
 import type { EngineView } from "./engine_pictures";
 
 /** Of the resolution, at the finest: it is put together before it is enlarged. */
@@ -21,10 +22,11 @@ const mostSteps = 64;
 /** How steep surfaces may be that are followed from pixel to pixel: pixels of depth for each. */
 const steepest = 8;
 
-/** What is turned: a picture in a target, its view, and its least and largest depth [mm]. */
+/** What is turned: a picture in a target, its view and how much wider than high, and its least and largest depth [mm]. */
 export interface TakenPicture {
   readonly target: PictureTarget;
   readonly view: EngineView;
+  readonly aspect: number;
   readonly span: readonly [number, number];
 }
 
@@ -46,25 +48,26 @@ export class TurnedPicture {
     picture: { value: null as THREE.Texture | null },
     pictureDepth: { value: null as THREE.Texture | null },
     hazeDepth: { value: 0 },
+    used: { value: new THREE.Vector2() },
+    drawnNearFar: { value: new THREE.Vector2() },
+    drawnParallel: { value: 0 },
   };
   private readonly uniforms = {
     ...this.drawnUniforms,
     seenDepth: { value: this.seen.texture },
     share: { value: new THREE.Vector2() },
-    used: { value: new THREE.Vector2() },
-    drawnNearFar: { value: new THREE.Vector2() },
-    drawnParallel: { value: 0 },
     drawnReach: { value: new THREE.Vector2() },
     size: { value: new THREE.Vector2() },
     drawnFromTurned: { value: new THREE.Matrix4() },
     steps: { value: 1 },
     thickness: { value: 0 },
   };
-  private readonly seenPass = new FullscreenPass(shaders.seenDepth, this.drawnUniforms);
+  private readonly seenPass: FullscreenPass;
   private readonly pass = new FullscreenPass(shaders.turned, this.uniforms);
 
-  constructor(halfFloat: boolean) {
+  constructor(halfFloat: boolean, depth: DepthUniforms) {
     this.target = new PictureTarget(halfFloat);
+    this.seenPass = new FullscreenPass(shaders.seenDepth, { ...this.drawnUniforms, ...depth });
   }
 
   async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
@@ -82,7 +85,7 @@ export class TurnedPicture {
       this.isStale = false;
     }
     const u = this.uniforms;
-    this.now.update(to.camera, to.extent, width / height);
+    this.now.update(to.camera, to.extent, picture.aspect);
     u.size.value.set(target.width, target.height);
     u.drawnFromTurned.value
       .multiplyMatrices(this.drawn.camera.projectionMatrix, this.drawn.camera.matrixWorldInverse)
@@ -101,10 +104,11 @@ export class TurnedPicture {
   }
 
   /** Takes up a picture, and how deep all that is seen in it lies. */
-  private take(renderer: THREE.WebGLRenderer, { target: drawn, view: { camera, extent }, span }: TakenPicture): void {
+  private take(renderer: THREE.WebGLRenderer, { target: drawn, view, aspect, span }: TakenPicture): void {
+    const { camera, extent } = view;
     const { target, width, height } = drawn;
     const u = this.uniforms;
-    this.drawn.update(camera, extent, target.width / target.height);
+    this.drawn.update(camera, extent, aspect);
     const { near, far } = nearAndFar(camera, extent);
     const deviceDepth = (depth: number): number => {
       const inside = Math.min(far, Math.max(near, depth));

@@ -18,6 +18,11 @@ const strength = { plain: 1, behind: 0.3 } as const;
 /** Numbers of a piece: from (x, y, z), to (x, y, z); both are one place for a point. */
 const pieceNumbers = 6;
 
+/** A line that ends at the very point where it begins goes around something: it has no points to take hold of. */
+function isOutline(points: readonly Vec3[]): boolean {
+  return points.length > 2 && points[0] === points.at(-1);
+}
+
 export class MarkStrokes {
   readonly scene = new THREE.Scene();
   private readonly uniforms = {
@@ -40,7 +45,7 @@ export class MarkStrokes {
   show(lines: readonly (readonly Vec3[])[]): void {
     const pieces = lines.flatMap((points) => [
       ...points.slice(1).map((point, i) => [...(points[i] ?? point), ...point]),
-      ...points.map((point) => [...point, ...point]),
+      ...(isOutline(points) ? [] : points.map((point) => [...point, ...point])),
     ]);
     const { geometry } = this.quads;
     // gives the buffers of what was shown back

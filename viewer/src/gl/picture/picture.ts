@@ -21,6 +21,7 @@ import type { Vec3 } from "../../core/geometry/vector";
 import type { Box, LabelVolume } from "../../core/scan/voxel_change";
 import { Compositor } from "./compositor";
 import { EngineDrawing } from "../engine_pictures/engine_drawing";
+import type { EngineFrame } from "../engine_pictures/engine_pictures";
 import { EngineSnapshot, type AskSaved } from "./engine_snapshot";
 import { DrawnScan } from "../textures/drawn_scan";
 import { DrawnScreen } from "./drawn_screen";
@@ -150,7 +151,7 @@ export class Picture {
       },
     );
     this.setQuality(this.quality);
-    const shown = (eye: number): PictureTarget => this.engine.standIn ?? this.refiner.pictureOf(eye);
+    const shown = (eye: number): PictureTarget => this.engine.standIn(eye) ?? this.refiner.pictureOf(eye);
     this.pane = new ViewPane(this.renderer, this.compositor, shown);
     this.screen = new DrawnScreen(this.renderer, this.pane, this.slices, support.software, options.mostPixelRatio);
     const programs = [this.engine.prepare(), this.compositor.prepare(this.renderer)];
@@ -193,9 +194,8 @@ export class Picture {
 
   /** Asks the engine for a picture while the browser draws, to learn whether and how soon one comes. */
   tryEngine(): void {
-    const { target } = this.refiner.pictureOf(0);
     if (this.view !== null) {
-      this.engine.pictures.probe(this.view, [target.width, target.height]);
+      this.engine.pictures.probe(this.view, this.engineFrame);
     }
   }
 
@@ -502,20 +502,32 @@ export class Picture {
       // slices are drawn here
       this.slices.follow(this.scan.frame);
     }
+    const frame = this.engineFrame;
     const drawn = engine.advance({
       changed: this.refiner.takeChange(),
       view,
-      target: this.refiner.pictureOf(0),
-      aim: ({ camera, extent }) => {
-        const { width, height } = this.pane.rect;
-        this.aim(camera, extent, width / height);
-        this.pane.look(camera, extent);
-      },
+      screen: { frame, targets: frame.asides.map((_, eye) => this.refiner.pictureOf(eye)) },
+      aim: ({ camera, extent }) => { this.aim(camera, extent, frame.size[0] / frame.size[1]); },
       look: ({ camera, extent }) => { this.pane.look(camera, extent); },
     });
     if (drawn !== null || !engine.pictures.isTurning) {
       this.show(drawn);
     }
+  }
+
+  /** What the engine is asked for; of pictures that are squeezed into their places all of the pixels. */
+  private get engineFrame(): EngineFrame {
+    const { rect, stereo } = this.pane;
+    const eyes = eyesOf(stereo, rect);
+    const { target } = this.refiner.pictureOf(0);
+    const [seen, drawn] = [viewportOf(stereo, rect), eyes[0]?.rect ?? rect];
+    return {
+      size: [
+        Math.round((target.width * seen.width) / drawn.width),
+        Math.round((target.height * seen.height) / drawn.height),
+      ],
+      asides: eyes.map(({ aside }) => aside),
+    };
   }
 
   /** Brings what was drawn to the screen, in a region of the picture, and what else has changed there. */
@@ -560,12 +572,14 @@ export class Picture {
     wish: Omit<SnapshotWish, "camera">,
     taken: (view: number) => Promise<void>,
   ): Promise<void> {
-    const isReady = this.byEngine ? this.scan.frame !== null && this.composes : this.scan.ready;
+    // the engine's strips are of one eye
+    const byEngine = this.byEngine && wish.stereo.mode === "off";
+    const isReady = byEngine ? this.scan.frame !== null && this.composes : this.scan.ready;
     if (!isReady || this.view === null || this.snapping || this.saving) {
       throw new Error("the picture is not ready");
     }
     const signal = AbortSignal.any([wish.signal, this.closing.signal]);
-    if (this.byEngine) {
+    if (byEngine) {
       await this.saveByEngine(context, cameras, { ...wish, signal }, taken);
       return;
     }
@@ -578,6 +592,11 @@ export class Picture {
   /** Pictures and strips that the GPU has drawn to the end. */
   get pieces(): number {
     return this.byEngine ? this.engine.pictures.count : this.refiner.drawnPieces;
+  }
+
+  /** Slices that were drawn. */
+  get drawnSlices(): number {
+    return this.slices.drawn;
   }
 
   /**

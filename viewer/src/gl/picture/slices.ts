@@ -43,6 +43,8 @@ const outlineWidth = 1.25;
 const ground: Vec3 = [11 / 255, 14 / 255, 18 / 255];
 
 export class Slices {
+  /** How many were drawn, again or anew. */
+  drawn = 0;
   private readonly uniforms;
   private readonly pass: FullscreenPass;
   private shown: readonly ShownSlice[] = [];
@@ -148,6 +150,7 @@ export class Slices {
         const { x, y, width, height: tall } = slice.rect;
         renderer.setViewport(x, height - y - tall, width, tall);
         this.pass.draw(renderer, null);
+        this.drawn += 1;
       }
     }
     this.stale.clear();

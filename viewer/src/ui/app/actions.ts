@@ -2,6 +2,7 @@
  * All that a person can have the page do by a key or by its name: one table, which the keyboard, the
  * help and the palette of commands share.
  */
+import { formatValue } from "../../core/base/format";
 import { letters, sideName } from "../../core/geometry/anatomy";
 import { presets } from "../../core/appearance/curve_presets";
 import { blendNames, qualityNames, stereoNames } from "../../core/appearance/picture_names";
@@ -12,12 +13,14 @@ import { stereoModes } from "../../core/view/stereo";
 import { toolChoices } from "../../core/tools/tools";
 import { larger, stiffer } from "../../core/touch/touch_settings";
 import type { Vec3 } from "../../core/geometry/vector";
-import { windowPresets } from "../../core/appearance/window_level";
+import { layoutNames, layouts } from "../../core/view/picture_layout";
 import { formats, type Exporter } from "../features/scan/exporter.svelte";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import { anatomy } from "../features/appearance/appearance_control.svelte";
 import type { Session } from "../state/session.svelte";
 import type { Stage } from "./stage";
+import { settings, settingNames } from "../../core/base/settings";
+import { groups, type Group as PanelGroup } from "./panel_groups.svelte";
 import { themes, type ThemeControl } from "../theme/theme.svelte";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 import type { UndoControl } from "./undo_control";
@@ -28,6 +31,8 @@ export interface Action {
   readonly group: Group;
   /** What it does, as a person would say it. */
   readonly name: string;
+  /** Usual other words for it. */
+  readonly words?: string;
   /** The first one is shown; the others do the same. */
   readonly keys: readonly string[];
   readonly run: () => void;
@@ -35,6 +40,8 @@ export interface Action {
   readonly end?: () => void;
   /** Whether a key that is held does it again and again, as a step. */
   readonly repeats?: boolean;
+  /** Its keys mean it only while the mouse or the keyboard is at a slice; there before what they mean elsewhere. */
+  readonly overSlice?: boolean;
   /** Whether it means something now; always where it is left out. */
   readonly ready?: () => boolean;
 }
@@ -61,6 +68,10 @@ export interface ActionTargets {
     readonly tour: () => void;
     readonly sound: () => void;
     readonly guarantees: () => void;
+    /** Shows the settings that some words mean; all without a word. */
+    readonly settings: (typed?: string) => void;
+    /** Shows a group of the left panel. */
+    readonly group: (group: PanelGroup) => void;
     readonly panel: (side: "left" | "right") => void;
     readonly escape: () => void;
   };
@@ -203,24 +214,43 @@ function slices({ session, stage }: ActionTargets): readonly Action[] {
   const known = session.scan?.orientation_known ?? true;
   return [
     { group, name: "3-D view alone, with a slice, with three", keys: ["L"], run: () => { stage.slices.nextLayout(); } },
-    { group, name: "3-D view alone", keys: [], run: () => { stage.slices.change({ layout: "view" }); } },
-    { group, name: "3-D view with a slice", keys: [], run: () => { stage.slices.change({ layout: "slice" }); } },
-    { group, name: "3-D view with three slices", keys: [], run: () => { stage.slices.change({ layout: "four" }); } },
+    ...layouts.map((layout) => ({
+      group,
+      name: layoutNames[layout],
+      keys: [],
+      run: () => { stage.slices.change({ layout }); },
+    }) as const),
+    {
+      group,
+      name: "Maximise the pane under the mouse, and back",
+      keys: ["Shift+F"],
+      run: () => { stage.slices.toggleAlone(stage.slices.underKeys ?? "view"); },
+    },
     ...sliceNames.map((single) => ({
       group,
       name: single === "oblique" ? "Oblique slice, along the view" : `Slice: ${sliceTitle(single, known)}`,
       keys: [],
       run: () => { stage.slices.change({ layout: "slice", single }); },
     }) as const),
-    ...windowPresets.map(({ name, window, level }) => ({
-      group,
-      name: `Window ${name} ${String(window)} / ${String(level)}`,
-      keys: [],
-      ready: () => session.scan?.unit === "HU",
-      run: () => { stage.slices.setWindow({ window, level }); },
-    }) as const),
+    ...windows(stage),
     { group, name: "Show all of each slice", keys: [], run: () => { stage.slices.fit(); } },
   ];
+}
+
+/** Windows on the digits, over a slice: one for each, so that none means anything else there. */
+function windows({ slices }: Stage): readonly Action[] {
+  return [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => {
+    const preset = slices.presets[digit - 1];
+    const figures = preset === undefined ? "" : `${formatValue(preset.window)} / ${formatValue(preset.level)}`;
+    return {
+      group: "Slices",
+      name: preset === undefined ? `Window ${String(digit)}: none` : `Window ${preset.name} ${figures}`,
+      keys: [String(digit)],
+      overSlice: true,
+      ready: () => preset !== undefined,
+      run: () => { slices.usePreset(digit - 1); },
+    };
+  });
 }
 
 /** What the mouse leads, and how touch feels. */
@@ -352,6 +382,13 @@ function tools({ stage, tool }: ActionTargets): readonly Action[] {
     },
     {
       group,
+      name: "Keep the region that was found",
+      keys: ["Enter"],
+      ready: () => stage.growing.shown !== null,
+      run: () => { stage.growing.end(true); },
+    },
+    {
+      group,
       name: "Cut along the line that was painted",
       keys: ["Enter"],
       ready: () => stage.cutting.ready || stage.scissors.ready,
@@ -374,6 +411,15 @@ function marks({ session, stage }: ActionTargets): readonly Action[] {
     { group, name: "Mark a point", keys: ["B"], run: () => { stage.marks.start("point"); } },
     { group, name: "Measure a distance", keys: ["M"], run: () => { stage.marks.start("distance"); } },
     { group, name: "Measure an angle", keys: ["Shift+M"], run: () => { stage.marks.start("angle"); } },
+    ...([["ellipse", "U"], ["rectangle", "Shift+U"]] as const).map(([kind, key]) => ({
+      group,
+      name: `Draw an area in a slice: ${kind}`,
+      keys: [key],
+      run: () => {
+        stage.marks.start(kind);
+        stage.slices.reveal();
+      },
+    }) as const),
     {
       group,
       name: "Plan a needle path: target, then entry",
@@ -452,6 +498,20 @@ function work({ session, stage, undo, exporter, theme, page }: ActionTargets): r
     }) as const),
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
+    { group, name: "Settings", keys: ["Ctrl+,"], run: () => { page.settings(); } },
+    ...settingNames.map((each) => ({
+      group,
+      name: `Settings: ${settings[each].name}`,
+      words: settings[each].words,
+      keys: [],
+      run: () => { page.settings(settings[each].name); },
+    }) as const),
+    ...groups.map(({ name, title }) => ({
+      group,
+      name: `Show the group ${title}`,
+      keys: [],
+      run: () => { page.group(name); },
+    }) as const),
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },
     { group, name: "Show the tour", keys: [], run: page.tour },
     { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },

@@ -3,7 +3,9 @@
  */
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import { AppearanceControl } from "../features/appearance/appearance_control.svelte";
+import { AreaMeasures } from "../features/marks/area_measures.svelte";
 import { MarkControl } from "../features/marks/mark_control.svelte";
+import { Pointed } from "../features/picking/pointed.svelte";
 import { Readout } from "../features/picking/readout.svelte";
 import { EditRateControl } from "../features/scan/edit_rate_control.svelte";
 import { RemovalControl } from "../features/scan/removal_control.svelte";
@@ -76,8 +78,12 @@ interface ViewControls {
   readonly editRate: EditRateControl;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
+  /** Values in the areas among them. */
+  readonly areas: AreaMeasures;
   /** What was clicked last: what it is, where, and its value. */
   readonly readout: Readout;
+  /** What the mouse stands on in the 3-D view. */
+  readonly pointed: Pointed;
 }
 
 interface TouchControls {
@@ -119,10 +125,11 @@ function undoControls({ session }: Surroundings): UndoControls {
   return { steps, engineSteps };
 }
 
-function viewControls({ session, support }: Surroundings, { steps }: UndoControls): ViewControls {
+function viewControls({ session, support, token }: Surroundings, { steps }: UndoControls): ViewControls {
   const view = new ViewControl(session);
   const slices = new SliceControl(steps, () => view.camera);
   const clips = new ClipControl(steps);
+  const marks = new MarkControl(steps);
   return {
     view,
     slices,
@@ -134,8 +141,10 @@ function viewControls({ session, support }: Surroundings, { steps }: UndoControl
     appearance: new AppearanceControl(steps),
     removal: new RemovalControl(session),
     editRate: new EditRateControl(session),
-    marks: new MarkControl(steps),
+    marks,
+    areas: new AreaMeasures(session, marks, token),
     readout: new Readout(),
+    pointed: new Pointed(),
   };
 }
 

@@ -26,12 +26,14 @@ export const gestures: Readonly<Record<Group, readonly HelpRow[]>> = {
   ],
   Slices: [
     { keys: "Click, left drag", does: "what is there; move the crosshair" },
-    { keys: "Wheel, arrows up and down", does: "from slice to slice" },
+    { keys: "Wheel, arrows up and down", does: "from slice to slice: a notch is a slice" },
+    { keys: "Bar at the right, one finger", does: "go through the slices" },
     { keys: "Right drag", does: "window (sideways) and level (up and down)" },
     { keys: "Ctrl + wheel, + \u2212", does: "nearer, farther" },
     { keys: "Middle drag, Ctrl + left drag", does: "move the slice" },
     { keys: "Ctrl + arrows", does: "move the slice that has the focus" },
-    { keys: "Double-click, Shift + move", does: "bring the probe there, move the hand in the slice" },
+    { keys: "Double-click", does: "maximise the slice, and back" },
+    { keys: "Shift + double-click, Shift + move", does: "bring the probe there, move the hand in the slice" },
     { keys: "Wire: Enter, Backspace", does: "close it, take its last point back" },
   ],
   Touch: [

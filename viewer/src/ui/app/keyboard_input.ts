@@ -31,7 +31,7 @@ const nearSpeed = 0.8;
 const shortest = 1 / 30;
 
 /** What concerns the page as a whole, also while a text is typed; so do undo and redo, where nothing is typed. */
-const ofPage: readonly string[] = ["Ctrl+S", "Ctrl+K", "Ctrl+O"];
+const ofPage: readonly string[] = ["Ctrl+S", "Ctrl+K", "Ctrl+O", "Ctrl+,"];
 const ofSteps: readonly string[] = ["Ctrl+Z", "Ctrl+Shift+Z", "Ctrl+Y"];
 
 /** What the keys lead. */
@@ -39,6 +39,7 @@ type Led = "hand" | "turn" | "picture";
 
 export class KeyboardInput {
   private readonly byKey: ReadonlyMap<string, Action>;
+  private readonly byKeyOverSlice: ReadonlyMap<string, Action>;
   private readonly held = new Set<string>();
   /** Actions that last as long as their keys are held, by their keys. */
   private readonly begun = new Map<string, Action>();
@@ -55,8 +56,17 @@ export class KeyboardInput {
     private readonly hand: HandControl,
     private readonly view: ViewControl,
     actions: readonly Action[],
+    /** Whether the mouse or the keyboard is at a slice. */
+    private readonly isOverSlice: () => boolean = () => false,
   ) {
-    this.byKey = new Map(actions.flatMap((action) => action.keys.map((key) => [key, action] as const)));
+    const table = (overSlice: boolean): ReadonlyMap<string, Action> =>
+      new Map(
+        actions
+          .filter((action) => (action.overSlice ?? false) === overSlice)
+          .flatMap((action) => action.keys.map((key) => [key, action] as const)),
+      );
+    this.byKey = table(false);
+    this.byKeyOverSlice = table(true);
   }
 
   /** Listens until the returned function is called. */
@@ -143,7 +153,10 @@ export class KeyboardInput {
 
   /** Does what a key means, once for each press but for steps; returns whether it means something. */
   private act(event: KeyboardEvent): boolean {
-    const action = this.shortcutsOf(event).flatMap((shortcut) => this.byKey.get(shortcut) ?? [])[0];
+    const overSlice = this.isOverSlice();
+    const action = this.shortcutsOf(event).flatMap(
+      (shortcut) => (overSlice ? this.byKeyOverSlice.get(shortcut) : undefined) ?? this.byKey.get(shortcut) ?? [],
+    )[0];
     if (action === undefined || action.ready?.() === false) {
       return false;
     }

@@ -22,6 +22,7 @@ import type { Session } from "../state/session.svelte";
 import { drawOn } from "./canvas_loop";
 import type { DrawnScene } from "./drawn_scene.svelte";
 import { FrameRate } from "./frame_rate.svelte";
+import { LastPicture } from "./last_picture";
 import { PictureSync, type SyncedControls } from "./picture_sync";
 
 /** What is drawn. */
@@ -42,6 +43,8 @@ export class PictureHost {
   readonly frameRate = new FrameRate();
   /** How the scan's values are filtered; null before there is a canvas. */
   filter = $state.raw<FieldFilter | null>(null);
+  /** The browser has lost its graphics, and has not given them back. */
+  lost = $state(false);
   /** Nothing is drawn; for the benchmark of edits. */
   suspended = false;
 
@@ -55,6 +58,7 @@ export class PictureHost {
   /** Why the engine's pictures did not come in the last frame. */
   private failure: string | null = null;
   private readonly sync: PictureSync;
+  private readonly last = new LastPicture();
 
   constructor(
     private readonly sources: Sources,
@@ -72,8 +76,14 @@ export class PictureHost {
     const end = drawOn(canvas, {
       resized: this.fit.bind(this),
       frame: this.drawFrame.bind(this),
-      lost: this.drop.bind(this),
-      restored: this.start.bind(this),
+      lost: () => {
+        this.drop();
+        this.lost = true;
+      },
+      restored: () => {
+        this.start();
+        this.lost = this.picture === null;
+      },
     });
     return () => {
       end();
@@ -84,6 +94,11 @@ export class PictureHost {
   /** What is drawn; null before there is a canvas and while the graphics are reset. */
   get drawn(): Picture | null {
     return this.picture;
+  }
+
+  /** Draws what was seen last into a canvas. */
+  drawLast(canvas: HTMLCanvasElement): void {
+    this.last.draw(canvas);
   }
 
   /** How fine the picture on display is; null before there is one. */
@@ -237,18 +252,20 @@ export class PictureHost {
     this.measureDrawers(picture, now);
     this.show(picture);
     picture.advance(now);
+    if (this.canvas !== null) {
+      this.last.keep(this.canvas, picture.shown.finished);
+    }
     loader.follow(picture);
     markVisibility.follow(picture.shown.finished);
   }
 
   /** Has the engine draw, or this browser. */
   private chooseDrawer(picture: Picture): void {
-    const { drawer, edits, scene, second, session, stereo } = this.sources;
+    const { drawer, edits, scene, second, session } = this.sources;
     picture.engineDraws = drawer.follow({
       // at first it is about to be
       connected: session.greetings === 0 || session.connection.kind === "open",
       failure: picture.engineFailure,
-      stereo: stereo.choice.mode,
       second: second.shown?.appearance.inView === true ? second.shown.appearance.viewFusion : null,
       deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,
       segments: scene.segments,

@@ -17,7 +17,7 @@ import type { SecondControl } from "../features/second/second_control.svelte";
 import type { SliceControl } from "../features/slices/slice_control.svelte";
 
 /** Between two drawings of slices where the CPU draws [ms]. */
-const slicePause = 60;
+const slicePause = 25;
 
 /** Controls whose state is passed on. */
 export interface SyncedControls {

@@ -6,7 +6,8 @@
  * hand in the view plane. Right drag or Shift + move always do that; meanwhile the wheel moves the hand in depth. Alt +
  * left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line,
  * until one parts it: that can be looked at from all sides. With a tool chosen, Shift + left has it work. A click says
- * what is seen there, sets a point of a mark, or grows a region; a double click brings the probe to it. Of a touch
+ * what is seen there or sets a point of a mark; where a region is to grow, the left button grows it from what is seen
+ * there, and dragging on makes it more or less; a double click brings the probe to it. Of a touch
  * screen one finger is the left button; two move the picture and zoom as they go apart, in touch mode, where one finger
  * touches, they turn it and zoom.
  */
@@ -23,7 +24,7 @@ import { TouchPointer } from "./touch_pointer";
 import { clickReach, wheelPixels } from "../widgets/mouse";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 
-type Drag = "orbit" | "pan" | "fingers" | "hand" | "touch" | "tool" | "cut" | "look";
+type Drag = "orbit" | "pan" | "fingers" | "hand" | "touch" | "tool" | "cut" | "look" | "grow";
 
 /** Turn per pixel [rad]. */
 const turnSpeed = 0.0075;
@@ -33,7 +34,7 @@ const zoomSpeed = 0.0014;
 const depthSpeed = 0.05;
 /** Where a double click puts the probe: this far before what was seen [mm]. */
 const standOff = 3;
-/** A click that is to grow a region means what lies this far behind what is seen [mm]. */
+/** A press that is to grow a region means what lies this far behind what is seen [mm]. */
 const growDepth = 3;
 
 export class PointerInput {
@@ -69,7 +70,10 @@ export class PointerInput {
     on("lostpointercapture", this.release.bind(this));
     // a page that is not looked at presses on nothing
     window.addEventListener("blur", this.leave.bind(this), { signal: aborter.signal });
-    on("pointerleave", () => (this.last = null));
+    on("pointerleave", () => {
+      this.last = null;
+      this.stage.pointed.leave();
+    });
     on("click", this.click.bind(this));
     on("dblclick", this.bringProbe.bind(this));
     on("wheel", this.wheel.bind(this));
@@ -104,6 +108,8 @@ export class PointerInput {
     } else if (event.button === 0 && paintedLine(this.stage) !== null) {
       this.drag = "cut";
       paintedLine(this.stage)?.begin(this.placeOf(event));
+    } else if (event.button === 0 && this.stage.growing.armed && this.grow(event)) {
+      this.drag = "grow";
     } else if (event.button === 0) {
       this.drag = this.leftDrag(event);
     }
@@ -122,6 +128,7 @@ export class PointerInput {
   }
 
   private move(event: PointerEvent): void {
+    this.point(event);
     const pair = this.fingers.move(event.pointerId, this.placeOf(event));
     if (this.drag === "fingers") {
       this.lead(pair);
@@ -154,6 +161,10 @@ export class PointerInput {
       this.touching.move(event);
       return;
     }
+    if (this.drag === "grow") {
+      this.stage.growing.drag(x, y);
+      return;
+    }
     const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;
     if (doing === "orbit") {
       this.stage.view.camera = orbit(camera, x * turnSpeed, y * turnSpeed);
@@ -162,6 +173,18 @@ export class PointerInput {
     } else if (doing === "hand" || doing === "tool" || event.shiftKey || this.leadsInPlane) {
       this.hand.move(x, y, 0);
     }
+  }
+
+  /** Says what a mouse without a button stands on, once it rests. */
+  private point({ buttons, offsetX, offsetY, pointerType }: PointerEvent): void {
+    if (buttons !== 0 || pointerType === "touch") {
+      this.stage.pointed.leave();
+      return;
+    }
+    this.stage.pointed.move(() => {
+      const picked = this.stage.picker.at(offsetX, offsetY);
+      return picked && this.readingOf(picked);
+    });
   }
 
   /** Two fingers zoom about the place between them, and move the picture; in touch mode they turn it. */
@@ -195,6 +218,9 @@ export class PointerInput {
 
   private release(event: PointerEvent): void {
     this.fingers.lift(event.pointerId);
+    if (this.drag === "grow" && event.type === "pointerup") {
+      this.stage.growing.release();
+    }
     this.finish(event);
     if (this.canvas.hasPointerCapture(event.pointerId)) {
       this.canvas.releasePointerCapture(event.pointerId);
@@ -215,7 +241,9 @@ export class PointerInput {
     const { stereo } = this.stage;
     const eye = stereo.at(event.offsetX, event.offsetY);
     this.leave();
-    if (this.drag === "tool") {
+    if (this.drag === "grow") {
+      this.stage.growing.leave();
+    } else if (this.drag === "tool") {
       this.tool.release();
     } else if (this.drag === "cut" && eye !== null) {
       armedLine(this.stage)?.finish(eye.camera, eye.viewport);
@@ -253,22 +281,30 @@ export class PointerInput {
     }
   }
 
-  /** Says what is seen there, sets a point of a mark on it, or grows a region from it. */
+  /** Grows a region from what is seen there; says whether something is. */
+  private grow(event: PointerEvent): boolean {
+    const picked = this.stage.picker.at(event.offsetX, event.offsetY);
+    const { camera } = this.stage.view;
+    if (picked === null || camera === null) {
+      return false;
+    }
+    this.stage.growing.press(addScaled(picked.point, camera.back, -growDepth));
+    return true;
+  }
+
+  /** Says what is seen there, or sets a point of a mark on it. */
   private click(event: MouseEvent): void {
     if (this.pressed === null || event.detail > 1) {
       return;
     }
     this.pressed = null;
-    const { growing, marks, readout } = this.stage;
-    const { camera } = this.stage.view;
+    const { marks, readout } = this.stage;
     const picked = this.stage.picker.at(event.offsetX, event.offsetY);
     this.marked = marks.placing !== null;
     if (picked === null) {
       readout.close();
     } else if (this.marked) {
       marks.put(picked.point);
-    } else if (growing.armed && camera !== null) {
-      growing.from(addScaled(picked.point, camera.back, -growDepth));
     } else {
       readout.show(this.readingOf(picked));
     }

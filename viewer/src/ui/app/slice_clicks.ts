@@ -1,5 +1,6 @@
 /**
- * Where a click in a slice goes: to a pair of points, a mark or a region that waits for it; else it says what is there.
+ * Where a click in a slice goes: to a pair of points or a mark that waits for it; else it says what is there. A press
+ * goes to a region that is to grow.
  */
 import type { SliceClicks } from "../features/slices/slice_input";
 import type { Stage } from "./stage";
@@ -9,16 +10,15 @@ export function sliceClicks({ growing, marks, picker, readout, registration }: S
     get marking() {
       return marks.placing !== null || registration.placing !== null;
     },
-    get growing() {
-      return growing.armed;
+    get area() {
+      return marks.drawsArea ? marks : null;
     },
+    growing,
     put: (point) => {
       if (registration.placing !== null) {
         registration.put(point);
       } else if (marks.placing !== null) {
         marks.put(point);
-      } else if (growing.armed) {
-        growing.from(point);
       } else {
         return false;
       }

@@ -105,7 +105,7 @@ function drawScene(
   const picker = new Picker(parts, session);
   const markVisibility = new MarkVisibility(controls.marks, picker.hides.bind(picker));
   const picture: PictureHost = new PictureHost({ ...parts, markVisibility }, support, token);
-  const images = new ImageControl({ ...controls, session, pane: () => controls.slices.panes.view, picture });
+  const images = new ImageControl({ ...controls, session, pane: () => controls.slices.savedPane, picture });
   const opener = new ScanOpener({ ...parts, picture });
   return { ...made, loader, picker, markVisibility, picture, images, opener };
 }

@@ -53,6 +53,8 @@ export interface TestHooks {
   readonly camera: Camera | null;
   /** The slices on display. */
   readonly slices: readonly ShownSlice[];
+  /** How many slices were drawn by now. */
+  readonly drawnSlices: number;
   /** The point that all of them go through [scene mm]. */
   readonly crosshair: Vec3 | null;
   readonly cross: (point: Vec3) => void;
@@ -146,6 +148,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get slices() {
       return stage.slices.shown;
     },
+    get drawnSlices() { return stage.picture.drawn?.drawnSlices ?? 0; },
     get crosshair() {
       return stage.slices.crosshair;
     },

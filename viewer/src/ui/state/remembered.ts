@@ -25,6 +25,9 @@ export function remember(name: string, value: object): void {
 /** Beside what is remembered of a scan: how the picture is divided. */
 const layout = "slices";
 
+/** Parts of it that are a person's own, whoever has saved a scene. */
+const own = ["slab", "slabMode"];
+
 /** All that is remembered of a scan's appearance, by name without the scan's. */
 export function keptOf(scanName: string): Record<string, unknown> {
   const kept: Record<string, unknown> = { [layout]: recall(layout, {}) };
@@ -48,7 +51,12 @@ export function bring(scanName: string, kept: unknown): void {
   }
   for (const [name, value] of Object.entries(kept)) {
     if (typeof value === "object" && value !== null && /^[a-z]{1,32}$/i.test(name)) {
-      remember(name === layout ? layout : `${name}.${scanName}`, value as object);
+      if (name === layout) {
+        const kept = Object.entries(value).filter(([part]) => !own.includes(part));
+        remember(layout, { ...recall(layout, {}), ...Object.fromEntries(kept) });
+      } else {
+        remember(`${name}.${scanName}`, value as object);
+      }
     }
   }
 }

@@ -18,6 +18,7 @@ import {
   type FromPage,
   type Gap,
   type Hello,
+  type Grown,
   type Islands,
   type MaterialPreset,
   type NeedleEvent,
@@ -34,6 +35,7 @@ import {
   type ToPage,
 } from "../../core/protocol";
 import { Connection, type ConnectionState } from "../../live/connection";
+import type { Silence } from "../../live/silence";
 import { recall, remember } from "./remembered";
 
 export interface ShownNotice {
@@ -63,6 +65,8 @@ const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
 
 export class Session {
   connection = $state.raw<ConnectionState>({ kind: "connecting" });
+  /** How long nothing has come from the engine. */
+  silence = $state.raw<Silence>("none");
   scan = $state.raw<Scan | null>(null);
   segments = $state.raw<readonly Segment[]>([]);
   /** Version of the segments' voxels that are no threshold. */
@@ -92,6 +96,10 @@ export class Session {
   segmentWork = $state.raw<string | null>(null);
   /** The segment of a table that was found, until a person has decided on it. */
   tableFound = $state.raw<number | null>(null);
+  /** A region that was grown, until a person keeps it or not. */
+  grown = $state.raw<Grown | null>(null);
+  /** Whether a region is looked for. */
+  growing = $state(false);
   /** Islands of a segment of which some would go, until a person has decided. */
   islands = $state.raw<Islands | null>(null);
   /** What scissors would cut out, until a person has decided. */
@@ -155,7 +163,18 @@ export class Session {
       malformed: (text) => {
         this.mismatch ??= `The engine sent something this page does not know (${text}).`;
       },
+      silence: (silence) => {
+        this.silence = silence;
+      },
+      stoodStill: (seconds) => {
+        this.notify("warning", `Palpate stood still for ${seconds} s. What you asked of it meanwhile was not done.`);
+      },
     });
+  }
+
+  /** What was told last is no longer what is: the engine is silent, or gone. */
+  get isOld(): boolean {
+    return this.live !== null && (this.connection.kind !== "open" || this.silence !== "none");
   }
 
   send(message: FromPage): void {
@@ -353,6 +372,9 @@ export class Session {
       case "table_found":
         this.tableFound = message.id;
         break;
+      case "grown":
+        this.grown = message;
+        break;
       case "islands":
         this.islands = message;
         break;
@@ -364,6 +386,7 @@ export class Session {
         break;
       case "segment_work":
         this.segmentWork = message.what;
+        this.growing = this.growing && message.what !== null;
         break;
       case "needle_events":
         this.needleEvents = message.events;
@@ -402,6 +425,8 @@ export class Session {
     this.segmentWork = null;
     this.tableFound = null;
     this.tableSuggested = false;
+    this.grown = null;
+    this.growing = false;
     this.islands = null;
     this.scissors = null;
     // what was asked before is forgotten with the connection that it was asked on

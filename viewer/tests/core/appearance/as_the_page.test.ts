@@ -5,8 +5,10 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { expect, it } from "vitest";
+import type { Appearance } from "../../../src/core/appearance/appearance";
 import { transferFunctionOfCurve } from "../../../src/core/appearance/curve";
 import { curveOfPreset, presets } from "../../../src/core/appearance/curve_presets";
+import { lookBeside } from "../../../src/core/appearance/felt_look";
 import { blends, firstChoice, opticsOf } from "../../../src/core/appearance/optics";
 import {
   defaultSoftTissueAndBone,
@@ -17,6 +19,7 @@ import type { TransferFunction } from "../../../src/core/appearance/transfer_fun
 import { extentOf, firstView, inProjection, lookFrom, type Camera } from "../../../src/core/geometry/camera";
 import type { Letter } from "../../../src/core/geometry/anatomy";
 import type { Vec3 } from "../../../src/core/geometry/vector";
+import type { Scan, Segment } from "../../../src/core/protocol";
 import { brickRanges } from "../../../src/core/scan/bricks";
 import { contentHull } from "../../../src/core/scan/content_hull";
 import { valueAbove } from "../../../src/core/scan/histogram";
@@ -52,6 +55,15 @@ function outline(): Vec3[] {
 
 const rows = ({ points }: TransferFunction): unknown => points.map((p) => [p.value, p.colour, p.extinction]);
 
+/** The function of a scan beside a threshold of bone that can be touched. */
+function besideBone(transferFunction: TransferFunction, { softTissue, bone }: Anchors): TransferFunction {
+  const optics = { blend: "shaded" };
+  const look = { optics, transferFunction } as unknown as Omit<Appearance, "ranges">;
+  const about = { bone, soft_tissue: softTissue, modality: "CT", range: limits } as unknown as Scan;
+  const segments = [{ id: 1, felt: true, range: [bone, 9999] }] as unknown as readonly Segment[];
+  return lookBeside(look, about, { segments, modes: {}, choice: { hidden: false } }).transferFunction;
+}
+
 function told(): unknown {
   const points = outline();
   const extent = extentOf(points);
@@ -73,6 +85,7 @@ function told(): unknown {
     looks: anchors.map((each) => ({
       anchors: [each.softTissue, each.bone],
       tissue: rows(transferFunctionOf(defaultSoftTissueAndBone(each))),
+      hinted: rows(besideBone(transferFunctionOf(defaultSoftTissueAndBone(each)), each)),
       presets: Object.fromEntries(
         presets.map((preset) => [
           preset.name,

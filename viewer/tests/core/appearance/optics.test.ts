@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { DrawnValues, drawnBy } from "../../../src/core/appearance/drawn_values";
 import { valueAbove } from "../../../src/core/scan/histogram";
 import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
-import { firstChoice, greyOf, opticsOf, shadedOptics, type Optics } from "../../../src/core/appearance/optics";
+import { firstChoice, greyOf, hasDepth, opticsOf, shadedOptics, type Optics } from "../../../src/core/appearance/optics";
 import { pickSurface } from "../../../src/core/picking/pick_surface";
 import { scanOf, volumeOf } from "../../support/volumes";
 
@@ -66,4 +66,11 @@ test("a MIP is picked where its value is, an iso-surface where it begins", () =>
   expect(at({ blend: "mip", window: { window: 1000, level: 500 } })).toBeCloseTo(3.5, 0);
   expect(at({ blend: "iso", isoValue: 200 })).toBeCloseTo(2, 0);
   expect(at({ blend: "mip", window: { window: 100, level: 5000 } })).toBeUndefined();
+});
+
+test("a picture can be turned by its depth but where a slab turns with the view", () => {
+  expect(hasDepth({ blend: "shaded", slab: null })).toBe(true);
+  expect(hasDepth({ blend: "absorption", slab: null })).toBe(true);
+  expect(hasDepth({ blend: "average", slab: null })).toBe(true);
+  expect(hasDepth({ blend: "average", slab: 30 })).toBe(false);
 });

@@ -5,7 +5,6 @@ import { segment } from "../../support/volumes";
 const alone: ShownThings = {
   connected: true,
   failure: null,
-  stereo: "off",
   second: null,
   deforming: false,
   segments: [],
@@ -29,7 +28,6 @@ test("the engine draws a scan, with segments and surfaces of any kind", () => {
 test.each<[string, Partial<ShownThings>]>([
   ["the engine is not connected", { connected: false }],
   ["not enough memory; the engine is tried again every 30 s", { failure: "not enough memory" }],
-  ["stereo is shown", { stereo: "anaglyph" }],
   ["two scans are shown by turns", { second: "checkerboard" }],
   ["two scans are shown by turns", { second: "flicker" }],
   [

@@ -65,9 +65,9 @@ test("the table has a line for each mark, and quotes what needs it", () => {
     { kind: "angle", name: "Angle 1", points: [[1, 0, 0], [0, 0, 0], [0, 1, 0]] },
   ]);
   const [head, point, angle, rest] = marksTable(marks, true).split("\r\n");
-  expect(head?.split(",")).toHaveLength(13);
-  expect(point).toBe('"tip, ""left""",point,,,1.00,2.00,3.00,,,,,,');
-  expect(angle).toBe("Angle 1,angle,90.00,deg,1.00,0.00,0.00,0.00,0.00,0.00,0.00,1.00,0.00");
+  expect(head?.split(",")).toHaveLength(18);
+  expect(point).toBe('"tip, ""left""",point,,,1.00,2.00,3.00,,,,,,,,,,,');
+  expect(angle).toBe("Angle 1,angle,90.00,deg,1.00,0.00,0.00,0.00,0.00,0.00,0.00,1.00,0.00,,,,,");
   expect(rest).toBe("");
   expect(head).toContain("L1 (mm),P1 (mm),S1 (mm)");
   expect(marksTable(marks, false)).toContain("x1 (mm),y1 (mm),z1 (mm)");

@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { DrawnPicture, DrawPicture, PictureLook } from "../../../src/core/protocol";
 import { EnginePictures, type EngineView } from "../../../src/gl/engine_pictures/engine_pictures";
 
-const size = [300, 200] as const;
+const frame = { size: [300, 200], asides: [0] } as const;
 const axes = { right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0] } as const;
 
 const anyLook = { type: "picture_look", segments: [] } as unknown as PictureLook;
@@ -17,7 +17,7 @@ function viewAt(distance: number): EngineView {
 function drawn(number: number, finished = false): DrawnPicture {
   const bytes = new Uint8Array();
   return {
-    type: "drawn_picture", number, size: [100, 67], part: null, over: null, state: 0,
+    type: "drawn_picture", number, size: [100, 67], eyes: 1, part: null, over: null, state: 0,
     divisor: 3, samples: 1, finished, milliseconds: 1, coding: "raw",
     colours: bytes, brightest: 2, depths: bytes, depth_every: 1, nearest: 0, farthest: 1,
   };
@@ -38,95 +38,101 @@ function started() {
 
 test("nothing is asked for before it is known how it looks", () => {
   const pictures = new EnginePictures(() => { throw new Error("asked"); });
-  pictures.ask(true, viewAt(1), size);
+  pictures.ask(true, viewAt(1), frame);
 });
 
 test("a camera that moves is asked for in haste, and finely once it rests", () => {
   const { pictures, asked, at } = started();
   const view = viewAt(500);
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   pictures.take(drawn(1));
   at(40);
-  pictures.ask(false, view, size);
+  pictures.ask(false, view, frame);
   expect(asked().map(({ moving }) => moving)).toEqual([true]);
   at(55);
-  pictures.ask(false, view, size);
+  pictures.ask(false, view, frame);
   at(200);
-  pictures.ask(false, view, size);
+  pictures.ask(false, view, frame);
   expect(asked().map(({ moving }) => moving)).toEqual([true, false]);
 });
 
 test("one picture at a time is asked for, the next one at once in the newest view", () => {
   const { pictures, asked } = started();
   for (let distance = 1; distance <= 9; distance += 1) {
-    pictures.ask(true, viewAt(distance), size);
+    pictures.ask(true, viewAt(distance), frame);
   }
-  expect(asked().map(({ camera }) => camera.distance)).toEqual([1]);
+  expect(asked().map(({ cameras: [camera] }) => camera?.distance)).toEqual([1]);
   pictures.take(drawn(1));
-  expect(asked().map(({ camera }) => camera.distance)).toEqual([1, 9]);
+  expect(asked().map(({ cameras: [camera] }) => camera?.distance)).toEqual([1, 9]);
 });
 
 test("a view that moves again does not wait for finer pictures of one that is seen", () => {
   const { pictures, asked, at } = started();
   const view = viewAt(1);
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   pictures.take(drawn(1));
   at(60);
-  pictures.ask(false, view, size);
-  pictures.ask(true, viewAt(2), size);
+  pictures.ask(false, view, frame);
+  pictures.ask(true, viewAt(2), frame);
   expect(asked().map(({ moving }) => moving)).toEqual([true, false, true]);
 });
 
 test("what changes under a camera that rests is asked for finely at once", () => {
   const { pictures, asked } = started();
   const view = viewAt(500);
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   pictures.take(drawn(1));
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   expect(asked().at(-1)?.moving).toBe(false);
 });
 
 test("a look goes out once, and again to another engine", () => {
   const { pictures, sent } = started();
-  pictures.ask(true, viewAt(1), size);
+  pictures.ask(true, viewAt(1), frame);
   pictures.take(drawn(1));
-  pictures.ask(true, viewAt(2), size);
+  pictures.ask(true, viewAt(2), frame);
   expect(sent.filter(({ type }) => type === "picture_look")).toHaveLength(1);
   pictures.forget();
-  pictures.ask(true, viewAt(3), size);
+  pictures.ask(true, viewAt(3), frame);
   expect(sent.filter(({ type }) => type === "picture_look")).toHaveLength(2);
+});
+
+test("two eyes are asked for at once, each with its own camera", () => {
+  const { pictures, asked } = started();
+  pictures.ask(true, viewAt(1), { ...frame, asides: [-0.1, 0.1] });
+  expect(asked().map(({ cameras }) => cameras.map(({ aside }) => aside))).toEqual([[-0.1, 0.1]]);
 });
 
 test("a picture is shown with the camera that it was asked with", () => {
   const { pictures } = started();
-  pictures.ask(true, viewAt(1), size);
-  pictures.ask(true, viewAt(2), size);
+  pictures.ask(true, viewAt(1), frame);
+  pictures.ask(true, viewAt(2), frame);
   pictures.take(drawn(1));
-  expect(pictures.next(size)?.view.camera.distance).toBe(1);
-  expect(pictures.next(size)).toBeNull();
+  expect(pictures.next(frame)?.view.camera.distance).toBe(1);
+  expect(pictures.next(frame)).toBeNull();
   expect(pictures.finished).toBe(false);
 });
 
 test("it is known which request the picture on display answers, also while the next is due", () => {
   const { pictures } = started();
-  pictures.ask(true, viewAt(1), size);
-  pictures.ask(true, viewAt(2), size);
+  pictures.ask(true, viewAt(1), frame);
+  pictures.ask(true, viewAt(2), frame);
   expect([pictures.requested, pictures.answered]).toEqual([1, 0]);
   pictures.take(drawn(1));
-  pictures.next(size);
+  pictures.next(frame);
   expect(pictures.answered).toBe(1);
   pictures.take(drawn(2));
-  pictures.next(size);
+  pictures.next(frame);
   expect(pictures.answered).toBe(2);
 });
 
 test("a picture that nobody asked for is left out; one of another size stands in, and is not the last", () => {
   const { pictures } = started();
   pictures.take(drawn(99));
-  expect(pictures.next(size)).toBeNull();
-  pictures.ask(true, viewAt(1), size);
+  expect(pictures.next(frame)).toBeNull();
+  pictures.ask(true, viewAt(1), frame);
   pictures.take(drawn(1, true));
-  expect(pictures.next([301, 200])?.size).toEqual(size);
+  expect(pictures.next({ ...frame, size: [301, 200] })?.frame).toEqual(frame);
   expect(pictures.finished).toBe(false);
 });
 
@@ -134,14 +140,14 @@ test("a picture differs from what is seen now by the view alone, unless anything
   const { pictures } = started();
   expect(pictures.differsByView).toBe(false);
   const view = viewAt(1);
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   pictures.take(drawn(1));
-  pictures.ask(true, viewAt(2), size);
+  pictures.ask(true, viewAt(2), frame);
   expect(pictures.differsByView).toBe(true);
   const last = viewAt(3);
-  pictures.ask(true, last, size);
+  pictures.ask(true, last, frame);
   // an edit, say
-  pictures.ask(true, last, size);
+  pictures.ask(true, last, frame);
   expect(pictures.differsByView).toBe(false);
   pictures.take(drawn(2));
   expect(pictures.differsByView).toBe(false);
@@ -154,28 +160,28 @@ test("a picture differs from what is seen now by the view alone, unless anything
 test("it is finished with the last picture of the last request", () => {
   const { pictures, at } = started();
   const view = viewAt(1);
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   pictures.take(drawn(1));
   at(100);
-  pictures.ask(false, view, size);
+  pictures.ask(false, view, frame);
   pictures.take(drawn(2, true));
-  pictures.next(size);
+  pictures.next(frame);
   expect(pictures.finished).toBe(true);
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   expect(pictures.finished).toBe(false);
 });
 
 test("where no picture comes for long, or word that none does, it has failed; the next picture mends that", () => {
   const { pictures, at } = started();
   const view = viewAt(1);
-  pictures.ask(true, view, size);
+  pictures.ask(true, view, frame);
   at(9_000);
-  pictures.ask(false, view, size);
+  pictures.ask(false, view, frame);
   expect(pictures.failure).toBeNull();
   at(10_001);
-  pictures.ask(false, view, size);
+  pictures.ask(false, view, frame);
   expect(pictures.failure).toBe("the engine sent no picture for 10 s");
-  pictures.probe(view, size);
+  pictures.probe(view, frame);
   pictures.take(drawn(2));
   expect(pictures.failure).toBeNull();
   pictures.take({ type: "picture_failed", number: 3, text: "not enough memory" });
@@ -186,7 +192,7 @@ test("it tells how long moving pictures took until they came", () => {
   const { pictures, at } = started();
   const times: number[] = [];
   pictures.onAnswer = (milliseconds) => times.push(milliseconds);
-  pictures.ask(true, viewAt(1), size);
+  pictures.ask(true, viewAt(1), frame);
   at(70);
   pictures.take(drawn(1));
   expect(times).toEqual([70]);
@@ -198,10 +204,10 @@ describe("edits under a view at rest", () => {
   /** A picture of an edit is on display, and another edit has been asked for. */
   function edited(state = 7) {
     const all = started();
-    all.pictures.ask(true, view, size);
+    all.pictures.ask(true, view, frame);
     all.pictures.take({ ...drawn(1), state });
-    all.pictures.next(size);
-    all.pictures.ask(true, view, size);
+    all.pictures.next(frame);
+    all.pictures.ask(true, view, frame);
     return all;
   }
 
@@ -209,8 +215,8 @@ describe("edits under a view at rest", () => {
     const { asked, pictures } = edited();
     expect(asked().map(({ over }) => over)).toEqual([null, { state: 7, divisor: 3 }]);
     pictures.take({ ...drawn(2), part: [8, 16], over: 7, state: 9 });
-    expect(pictures.next(size)?.picture.part).toEqual([8, 16]);
-    pictures.ask(true, view, size);
+    expect(pictures.next(frame)?.picture.part).toEqual([8, 16]);
+    pictures.ask(true, view, frame);
     expect(asked().at(-1)?.over).toEqual({ state: 9, divisor: 3 });
   });
 
@@ -222,21 +228,21 @@ describe("edits under a view at rest", () => {
   ])("tell nothing after %s", (_, change) => {
     const { asked, pictures } = edited();
     pictures.take({ ...drawn(2), state: 9 });
-    pictures.next(size);
+    pictures.next(frame);
     change(pictures);
-    pictures.ask(true, view, size);
+    pictures.ask(true, view, frame);
     expect(asked().at(-1)?.over).toBeNull();
   });
 
   test("tell nothing in another view or size", () => {
     const { asked, pictures } = edited();
     pictures.take({ ...drawn(2), state: 9 });
-    pictures.next(size);
-    pictures.ask(true, view, [301, 200]);
+    pictures.next(frame);
+    pictures.ask(true, view, { ...frame, size: [301, 200] });
     expect(asked().at(-1)?.over).toBeNull();
     pictures.take({ ...drawn(3), state: 9 });
-    pictures.next([301, 200]);
-    pictures.ask(true, viewAt(400), size);
+    pictures.next({ ...frame, size: [301, 200] });
+    pictures.ask(true, viewAt(400), frame);
     expect(asked().at(-1)?.over).toBeNull();
   });
 
@@ -246,7 +252,7 @@ describe("edits under a view at rest", () => {
   ] satisfies [string, Partial<DrawnPicture>][])("a part over %s is not shown", (_, of) => {
     const { pictures } = edited();
     pictures.take({ ...drawn(2), ...of });
-    expect(pictures.next(size)).toBeNull();
+    expect(pictures.next(frame)).toBeNull();
   });
 
   test("that a segment is edited from now on is no other look", () => {
@@ -255,11 +261,11 @@ describe("edits under a view at rest", () => {
       ({ type: "picture_look", segments: [{ id: 1, edited: isEdited }] }) as unknown as PictureLook;
     pictures.setLook(look(false));
     pictures.take({ ...drawn(2), state: 9 });
-    pictures.ask(true, view, size);
+    pictures.ask(true, view, frame);
     pictures.take({ ...drawn(3), state: 9 });
-    pictures.next(size);
+    pictures.next(frame);
     pictures.setLook(look(true));
-    pictures.ask(true, view, size);
+    pictures.ask(true, view, frame);
     expect(asked().at(-1)?.over).toEqual({ state: 9, divisor: 3 });
   });
 
@@ -267,8 +273,8 @@ describe("edits under a view at rest", () => {
     const { asked, pictures, sent } = edited();
     pictures.setLook({ ...anyLook });
     pictures.take({ ...drawn(2), state: 9 });
-    pictures.next(size);
-    pictures.ask(true, view, size);
+    pictures.next(frame);
+    pictures.ask(true, view, frame);
     expect(asked().at(-1)?.over).toEqual({ state: 9, divisor: 3 });
     expect(sent.filter(({ type }) => type === "picture_look")).toHaveLength(1);
   });

@@ -1,6 +1,7 @@
 /** The table of actions: no key means two things, and the keyboard does what the table says. */
 import { afterEach, expect, test, vi } from "vitest";
 import { actionsOf, type ActionTargets } from "../../../src/ui/app/actions";
+import { windowPresets } from "../../../src/core/appearance/window_level";
 import type { HandControl } from "../../../src/ui/features/touch/hand_control.svelte";
 import { KeyboardInput } from "../../../src/ui/app/keyboard_input";
 import type { Session } from "../../../src/ui/state/session.svelte";
@@ -13,7 +14,7 @@ afterEach(() => {
 // what actions do is their targets' business: the table only names them
 const actions = actionsOf({
   session: {},
-  stage: {},
+  stage: { slices: { presets: windowPresets } },
   hand: {},
   tool: {},
   undo: {},
@@ -24,9 +25,11 @@ const actions = actionsOf({
 
 test("no two actions have the same name or key", () => {
   const names = actions.map(({ group, name }) => `${group} ${name}`);
-  const keys = actions.flatMap((action) => action.keys);
+  const keys = actions.filter(({ overSlice }) => overSlice !== true).flatMap((action) => action.keys);
+  const inSlices = actions.filter(({ overSlice }) => overSlice === true).flatMap((action) => action.keys);
   expect(new Set(names).size).toBe(names.length);
   expect(new Set(keys).size).toBe(keys.length);
+  expect(new Set(inSlices).size).toBe(inSlices.length);
   expect(keys.length).toBeGreaterThan(30);
 });
 
@@ -44,11 +47,14 @@ function keyboard() {
     done.push(what);
   };
   let ready = false;
+  let over = false;
   const table = [
     { group: "Work", name: "save", keys: ["Ctrl+S"], run: told("save") },
     { group: "Work", name: "sound", keys: ["S"], run: told("sound") },
     { group: "Work", name: "seal", keys: ["Shift+G"], run: told("seal") },
     { group: "Work", name: "grab", keys: ["G"], run: told("grab"), end: told("let go") },
+    { group: "Look", name: "look", keys: ["1"], run: told("look") },
+    { group: "Slices", name: "window", keys: ["1"], overSlice: true, run: told("window") },
     { group: "Work", name: "cut", keys: ["Enter"], ready: () => ready, run: told("cut") },
   ] as const;
   vi.stubGlobal("requestAnimationFrame", () => 0);
@@ -58,7 +64,7 @@ function keyboard() {
     move: (...by: number[]) => done.push(`picture ${signs(by)}`),
     approach: (factor: number) => done.push(...(factor === 1 ? [] : [factor < 1 ? "nearer" : "farther"])),
   } as unknown as ViewControl;
-  const stop = new KeyboardInput({ offer: null } as Session, hand, view, table).listen();
+  const stop = new KeyboardInput({ offer: null } as Session, hand, view, table, () => over).listen();
   const send = (type: string, key: string, held: object = {}): boolean => {
     let taken = false;
     const none = { code: "", ctrlKey: false, metaKey: false, shiftKey: false, altKey: false, target: null };
@@ -66,7 +72,7 @@ function keyboard() {
     listeners[type]?.({ ...event, getModifierState: () => false, preventDefault: () => (taken = true) });
     return taken;
   };
-  return { send, done, stop, makeReady: () => (ready = true) };
+  return { send, done, stop, makeReady: () => (ready = true), goOver: (slice: boolean) => (over = slice) };
 }
 
 test("a key does its action, and is the browser's where it means nothing", () => {
@@ -80,6 +86,17 @@ test("a key does its action, and is the browser's where it means nothing", () =>
   makeReady();
   expect(send("keydown", "Enter")).toBe(true);
   expect(done).toEqual(["sound", "sound", "save", "seal", "cut"]);
+});
+
+test("a digit means a window over a slice, and a side elsewhere", () => {
+  const { send, done, goOver } = keyboard();
+  send("keydown", "1", { code: "Digit1" });
+  goOver(true);
+  send("keydown", "1", { code: "Digit1" });
+  send("keydown", "s");
+  goOver(false);
+  send("keydown", "1", { code: "Digit1" });
+  expect(done).toEqual(["look", "window", "sound", "look"]);
 });
 
 test("what lasts while a key is held ends with it, once, also where Shift comes between or the page is left", () => {

@@ -306,6 +306,11 @@ export class Library {
     await this.attempt((signal) => this.exchange({ path, series, frame, raw, voxel_size }, signal));
   }
 
+  /** Opens the built-in phantom. */
+  async openDemo(): Promise<void> {
+    await this.attempt((signal) => this.exchange({ demo: true }, signal));
+  }
+
   /** Opens the scan of a damaged scene as the last autosave has it. */
   async openAutosave(find: number): Promise<void> {
     await this.attempt((signal) => this.exchange({ find }, signal));

@@ -3,8 +3,9 @@
  * All of them go through one point, the crosshair.
  */
 import { transformPoint } from "../../../core/geometry/affine";
-import type { Camera } from "../../../core/geometry/camera";
-import { layouts, panesOf, type Layout, type Panes } from "../../../core/view/picture_layout";
+import type { Camera, Viewport } from "../../../core/geometry/camera";
+import type { PaneName } from "../../../core/view/pane";
+import { panesOf, type Layout, type Panes } from "../../../core/view/picture_layout";
 import type { Scan } from "../../../core/protocol";
 import { frameOf, type ScanFrame } from "../../../core/scan/scan_volume";
 import {
@@ -19,8 +20,16 @@ import {
   type SlicePlane,
   type SliceView,
 } from "../../../core/slices/slice_plane";
-import { addScaled, distance, type Vec3 } from "../../../core/geometry/vector";
-import { draggedWindow, firstWindow, type WindowLevel } from "../../../core/appearance/window_level";
+import { sliceNumber, slicesBehind, stepSlices, type SliceNumber } from "../../../core/slices/slice_stack";
+import { distance, type Vec3 } from "../../../core/geometry/vector";
+import {
+  draggedWindow,
+  firstWindow,
+  windowPresets,
+  windowsFor,
+  type WindowLevel,
+  type WindowPreset,
+} from "../../../core/appearance/window_level";
 import type { ShownSlice, SliceAppearance } from "../../../gl/picture/slices";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
@@ -33,9 +42,14 @@ interface Habits {
   readonly single: SliceName;
   /** Slices go where the probe goes. */
   readonly follows: boolean;
+  /** The pane that has the whole picture until it goes back; null where all of the layout are seen. */
+  readonly alone: PaneName | null;
 }
 
-const firstHabits: Habits = { layout: "view", single: "axial", follows: true };
+const firstHabits: Habits = { layout: "view", single: "axial", follows: true, alone: null };
+
+/** Layouts that one key goes through. */
+const cycled: readonly Layout[] = ["view", "slice", "four"];
 
 /** Slabs and segments on slices, remembered with the habits. */
 type Drawing = Pick<SliceAppearance, "slab" | "slabMode" | "fill" | "outline">;
@@ -57,6 +71,11 @@ export class SliceControl {
   habits = $state.raw<Habits>(recalledHabits(firstHabits));
   /** Through which all slices go [scene mm]; null before there is a scan. */
   crosshair = $state.raw<Vec3 | null>(null);
+  /** The slice that the mouse is over, and the one that the keyboard has gone to. */
+  pointed = $state.raw<SliceName | null>(null);
+  focused = $state.raw<SliceName | null>(null);
+  /** Windows by their names, in the order of their keys. */
+  presets = $state.raw<readonly WindowPreset[]>(windowPresets);
   /** Size of the whole picture [CSS pixels]. */
   size = $state.raw({ width: 1, height: 1 });
 
@@ -78,7 +97,19 @@ export class SliceControl {
     });
   }
 
-  readonly panes = $derived.by((): Panes => panesOf(this.habits.layout, this.size, this.habits.single));
+  readonly panes = $derived.by((): Panes =>
+    panesOf(this.habits.layout, this.size, this.habits.single, this.habits.alone),
+  );
+
+  /** The slice that keys are meant for; null where none is. */
+  get underKeys(): SliceName | null {
+    return this.pointed ?? this.focused;
+  }
+
+  /** The place that a saved picture of the 3-D view has the size of: all, where it is not seen. */
+  get savedPane(): Viewport {
+    return this.panes.viewShown ? this.panes.view : this.size;
+  }
 
   /** The slices as they are seen now; one that has not changed is the same object as before. */
   readonly shown = $derived.by((): readonly ShownSlice[] =>
@@ -105,24 +136,33 @@ export class SliceControl {
   open(scan: Scan): void {
     this.frame = frameOf(scan);
     this.scanName = scan.name;
+    this.presets = windowsFor(scan);
     this.habits = recalledHabits(this.habits);
     this.views = {};
     this.followed = null;
-    const middle = scan.dimensions.map((n) => n / 2) as unknown as Vec3;
+    // of a voxel, so that slices show its values
+    const middle = scan.dimensions.map((n) => Math.floor(n / 2) + 0.5) as unknown as Vec3;
     this.crosshair = transformPoint(this.frame.sceneFromGrid, middle);
     this.state.open({ ...recall(`window.${scan.name}`, firstWindow(scan)), ...recalledDrawing() });
   }
 
+  /** Another layout has all of its panes seen. */
   change(part: Partial<Habits>): void {
-    this.habits = { ...this.habits, ...part };
+    const alone = part.layout === undefined ? this.habits.alone : null;
+    this.habits = { ...this.habits, alone, ...part };
     this.keep();
   }
 
   /** Shows slices where the 3-D view stands alone. */
   reveal(): void {
-    if (this.habits.layout === "view") {
-      this.change({ layout: "four" });
+    if (this.panes.slices.length === 0) {
+      this.change({ layout: this.habits.layout === "view" ? "four" : this.habits.layout });
     }
+  }
+
+  /** Gives a pane the whole picture, or all panes their places again. */
+  toggleAlone(pane: PaneName): void {
+    this.change({ alone: this.habits.alone === null ? pane : null });
   }
 
   /** Slabs and segments; what is chosen of a list is a step of its own. */
@@ -131,12 +171,20 @@ export class SliceControl {
   }
 
   nextLayout(): void {
-    const next = (layouts.indexOf(this.habits.layout) + 1) % layouts.length;
-    this.change({ layout: layouts[next] ?? "view" });
+    const next = (cycled.indexOf(this.habits.layout) + 1) % cycled.length;
+    this.change({ layout: cycled[next] ?? "view" });
   }
 
   setWindow({ window, level }: WindowLevel): void {
     this.state.change("window and level of slices", { ...this.appearance, window, level }, true);
+  }
+
+  /** Takes a window by its place in the list; nothing where there is none. */
+  usePreset(place: number): void {
+    const preset = this.presets[place];
+    if (preset !== undefined) {
+      this.setWindow(preset);
+    }
   }
 
   dragWindow(right: number, down: number): void {
@@ -171,8 +219,35 @@ export class SliceControl {
   scroll(name: SliceName, slices: number): void {
     const axes = this.axesOf(name);
     if (axes !== null && this.frame !== null && this.crosshair !== null) {
-      this.goTo(addScaled(this.crosshair, axes.toward, slices * sliceStep(axes, this.frame)));
+      this.goTo(stepSlices(this.crosshair, axes, this.frame, slices));
     }
+  }
+
+  /** Goes to a slice by how many lie behind it, away from the person. */
+  goBehind(name: SliceName, behind: number): void {
+    const now = this.behind(name);
+    if (now !== null) {
+      this.scroll(name, behind - now.number);
+    }
+  }
+
+  /** How many slices lie behind the one that is seen, of all but one; null where slices are not numbered. */
+  behind(name: SliceName): SliceNumber | null {
+    const axes = this.axesOf(name);
+    return axes && this.frame && this.crosshair && slicesBehind(this.crosshair, axes, this.frame);
+  }
+
+  /** Which slice is seen, of how many; null where slices are not numbered. */
+  numberOf(name: SliceName): SliceNumber | null {
+    const axes = this.axesOf(name);
+    return axes && this.frame && this.crosshair && sliceNumber(this.crosshair, axes, this.frame);
+  }
+
+  /** How thick a slice is, or the slab that it shows [mm]; 0 before there is a scan. */
+  thicknessOf(name: SliceName): number {
+    const axes = this.axesOf(name);
+    const { slab } = this.appearance;
+    return slab > 0 ? slab : axes === null || this.frame === null ? 0 : sliceStep(axes, this.frame);
   }
 
   pan(name: SliceName, x: number, y: number): void {
@@ -225,8 +300,8 @@ export class SliceControl {
 }
 
 function recalledHabits(fallback: Habits): Habits {
-  const { layout, single, follows } = recall("slices", fallback);
-  return { layout, single, follows };
+  const { layout, single, follows, alone } = recall("slices", fallback);
+  return { layout, single, follows, alone };
 }
 
 function recalledDrawing(): Drawing {

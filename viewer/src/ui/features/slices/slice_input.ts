@@ -1,25 +1,29 @@
 /**
  * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius; with the
  * live wire a click sets a point, a double click or Enter closes it, Backspace takes a point back; a level is painted
- * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or
- * grows a region, right drag sets window and level, middle or
- * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
- * or any move where touch mode leads it so, leads the hand in the plane; a double click brings the probe there.
+ * by a click. Where a region is to grow, the left button grows it from there, and dragging on makes it more or less.
+ * Else left drag moves the crosshair, a click says what is there or sets a point of a mark or of a pair, right drag
+ * sets window and level, middle or Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with
+ * Ctrl. Shift + move, or any move where touch mode leads it so, leads the hand in the plane; with Shift a double click
+ * brings the probe there, without it gives the slice the whole picture, or takes it back.
  * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
  */
 import type { Rect } from "../../../core/view/picture_layout";
 import { pointOnSlice, type SliceName, type SlicePlane } from "../../../core/slices/slice_plane";
 import { addScaled, type Vec3 } from "../../../core/geometry/vector";
 import type { HandControl } from "../touch/hand_control.svelte";
-import { clickReach, wheelPixels } from "../../widgets/mouse";
+import { clickReach, wheelNotches, wheelPixels } from "../../widgets/mouse";
 import type { BrushControl } from "../segments/brush_control.svelte";
+import type { GrowControl } from "../segments/grow_control.svelte";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
-type Drag = "crosshair" | "window" | "pan" | "paint";
+type Drag = "crosshair" | "window" | "pan" | "paint" | "area" | "grow";
 
-/** Pixels of the wheel for a slice. */
-const pixelsPerSlice = 60;
+/** Pixels of the wheel that move the hand by a pixel of the slice. */
+const pixelsPerDepth = 20;
+/** Parts of notches add up with rounding. */
+const rounding = 1e-6;
 const zoomSpeed = 0.0014;
 /** Zoom by a press of a key. */
 const zoomStep = 1.15;
@@ -36,8 +40,13 @@ const panKeys: Readonly<Record<string, readonly [number, number]>> = {
 export interface SliceClicks {
   /** Whether a mark or a pair of points waits for its next point. */
   readonly marking: boolean;
-  /** Whether a region waits for the point that it grows from. */
-  readonly growing: boolean;
+  /** Takes corners of an area that is being set; null where none is. */
+  readonly area: {
+    readonly putCorner: (point: Vec3, axes: SlicePlane) => void;
+    readonly showCorner: (point: Vec3) => void;
+  } | null;
+  /** A region that may wait for the point that it grows from. */
+  readonly growing: Pick<GrowControl, "armed" | "press" | "drag" | "release" | "leave">;
   /** Gives a point to what waits for it; false where nothing does. */
   readonly put: (point: Vec3) => boolean;
   /** Says what is at a point of a slice. */
@@ -46,29 +55,35 @@ export interface SliceClicks {
   readonly close: () => void;
 }
 
+/** A place in a pane, from its upper left corner [CSS pixels]. */
+export type Place = Pick<Rect, "x" | "y">;
+
 /** What the mouse over a slice works on. */
 export interface SliceTargets {
   readonly slices: SliceControl;
   readonly brush: BrushControl;
   readonly hand: HandControl;
   readonly clicks: SliceClicks;
-  /** Told what the mouse points at; null once it points at nothing. */
-  readonly pointed: (point: Vec3 | null) => void;
+  /** Told where in the pane the mouse is [CSS pixels]; null once it has left. */
+  readonly pointed: (place: Place | null) => void;
 }
 
 export class SliceInput {
   private drag: Drag | null = null;
   private last: readonly [number, number] | null = null;
+  /** Parts of notches of the wheel that make no slice yet. */
   private turned = 0;
   /** Where the left button went down, as long as that may be a click. */
   private pressed: readonly [number, number] | null = null;
+  /** Where an area was begun. */
+  private began: readonly [number, number] = [0, 0];
   /** The last click has set a point of a mark: a second one makes no double click of it. */
   private marked = false;
   private readonly slices: SliceControl;
   private readonly brush: BrushControl;
   private readonly hand: HandControl;
   private readonly clicks: SliceClicks;
-  private readonly pointed: (point: Vec3 | null) => void;
+  private readonly pointed: SliceTargets["pointed"];
 
   constructor(
     private readonly pane: HTMLElement,
@@ -92,6 +107,7 @@ export class SliceInput {
       this.release(event);
     });
     on("pointerenter", () => {
+      this.slices.pointed = this.name;
       // so that its keys are those of the brush
       if (this.brushes && document.activeElement === document.body) {
         this.pane.focus({ preventScroll: true });
@@ -100,16 +116,15 @@ export class SliceInput {
     on("pointerleave", () => {
       this.last = null;
       this.pointed(null);
+      this.slices.pointed = null;
       this.outline?.leave();
     });
     on("click", this.click.bind(this));
-    on("dblclick", (event) => {
-      const point = this.pointAt(event);
-      if (this.outline?.close() !== true && point !== null && !this.marked && !this.brushes) {
-        this.clicks.close();
-        this.hand.place(point);
-      }
+    on("dblclick", this.doubleClick.bind(this));
+    on("focus", () => {
+      this.slices.focused = this.pane.matches(":focus-visible") ? this.name : null;
     });
+    on("blur", () => (this.slices.focused = null));
     on("wheel", this.wheel.bind(this));
     on("keydown", this.key.bind(this));
     on("contextmenu", (event) => {
@@ -117,6 +132,9 @@ export class SliceInput {
     });
     return () => {
       aborter.abort();
+      // a pane that goes tells nothing more
+      this.slices.pointed = this.slices.pointed === this.name ? null : this.slices.pointed;
+      this.slices.focused = this.slices.focused === this.name ? null : this.slices.focused;
     };
   }
 
@@ -131,12 +149,15 @@ export class SliceInput {
     return plane === null ? null : pointOnSlice(plane, x, y, { width, height });
   }
 
-  private placeOf(event: MouseEvent): Pick<Rect, "x" | "y"> {
+  private placeOf(event: MouseEvent): Place {
     const { left, top } = this.pane.getBoundingClientRect();
     return { x: event.clientX - left, y: event.clientY - top };
   }
 
   private press(event: PointerEvent): void {
+    if (isForControl(event)) {
+      return;
+    }
     this.pane.focus({ preventScroll: true });
     this.pane.setPointerCapture(event.pointerId);
     if (event.button === 2) {
@@ -144,6 +165,16 @@ export class SliceInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
+    } else if (event.button === 0 && this.clicks.area !== null) {
+      this.setCorner(event);
+      this.drag = "area";
+      this.began = [event.clientX, event.clientY];
+    } else if (event.button === 0 && this.clicks.growing.armed && !this.clicks.marking) {
+      const point = this.pointAt(event);
+      if (point !== null) {
+        this.drag = "grow";
+        this.clicks.growing.press(point);
+      }
     } else if (event.button === 0 && this.brushes && this.outline === null) {
       const { plane } = this;
       const point = this.pointAt(event);
@@ -157,7 +188,9 @@ export class SliceInput {
     }
     this.last = [event.clientX, event.clientY];
     this.pressed =
-      event.button === 0 && (this.drag === "crosshair" || this.clicks.marking || this.outlines(event))
+      event.button === 0 &&
+      this.drag !== "area" &&
+      (this.drag === "crosshair" || this.clicks.marking || this.outlines(event))
         ? this.last
         : null;
   }
@@ -166,7 +199,7 @@ export class SliceInput {
     const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
     const [x, y] = [event.clientX - lastX, event.clientY - lastY];
     this.last = [event.clientX, event.clientY];
-    this.pointed(this.pointAt(event));
+    this.pointed(this.placeOf(event));
     if (
       this.pressed !== null &&
       Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach
@@ -176,7 +209,12 @@ export class SliceInput {
     if (x === 0 && y === 0) {
       return;
     }
-    if (this.drag === "paint") {
+    const corner = this.clicks.area === null ? null : this.pointAt(event);
+    if (this.drag === "grow") {
+      this.clicks.growing.drag(x, y);
+    } else if (corner !== null) {
+      this.clicks.area?.showCorner(corner);
+    } else if (this.drag === "paint") {
       const point = this.pointAt(event);
       if (point !== null) this.brush.move(point);
     } else if (this.drag === "crosshair") {
@@ -203,6 +241,11 @@ export class SliceInput {
   private release(event: PointerEvent): void {
     if (this.drag === "paint") {
       this.brush.end();
+    } else if (this.drag === "area" && this.movedFar(event)) {
+      this.setCorner(event);
+    } else if (this.drag === "grow") {
+      if (event.type === "pointerup") this.clicks.growing.release();
+      else this.clicks.growing.leave();
     }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
@@ -210,7 +253,23 @@ export class SliceInput {
     }
   }
 
-  /** Says what is there, sets a point of a mark, or grows a region. */
+  /** Sets a corner of an area: the first where the button goes down, the other there or where it is let go. */
+  private setCorner(event: PointerEvent): void {
+    const { plane } = this;
+    const point = this.pointAt(event);
+    if (plane !== null && point !== null) {
+      this.clicks.area?.putCorner(point, plane);
+      // a second click makes no double click of it
+      this.marked = true;
+    }
+  }
+
+  /** Whether a press was a drag by now. */
+  private movedFar({ clientX, clientY }: PointerEvent): boolean {
+    return Math.hypot(clientX - this.began[0], clientY - this.began[1]) >= clickReach;
+  }
+
+  /** Says what is there, or sets a point of a mark. */
   private click(event: MouseEvent): void {
     const point = this.pointAt(event);
     if (this.pressed === null || point === null || event.detail > 1) {
@@ -228,9 +287,23 @@ export class SliceInput {
     }
   }
 
+  /** Closes an outline, brings the probe there or gives the slice the whole picture. */
+  private doubleClick(event: MouseEvent): void {
+    const point = this.pointAt(event);
+    if (isForControl(event) || this.outline?.close() === true || point === null || this.marked || this.brushes) {
+      return;
+    }
+    this.clicks.close();
+    if (this.leads(event)) {
+      this.hand.place(point);
+    } else {
+      this.slices.toggleAlone(this.name);
+    }
+  }
+
   /** Whether the left button paints: what waits for a click comes first. */
   private get brushes(): boolean {
-    return this.brush.ready && !this.clicks.marking && !this.clicks.growing;
+    return this.brush.ready && !this.clicks.marking && !this.clicks.growing.armed;
   }
 
   /** What draws outlines by clicks; null where the left button does something else. */
@@ -276,16 +349,27 @@ export class SliceInput {
     } else if (event.shiftKey && this.brushes) {
       this.brush.resize(-Math.sign(turned));
     } else if (this.leads(event) && plane !== null) {
-      this.hand.moveBy(addScaled([0, 0, 0], plane.toward, (turned / pixelsPerSlice) * plane.pixel * 3));
+      this.hand.moveBy(addScaled([0, 0, 0], plane.toward, (turned / pixelsPerDepth) * plane.pixel));
     } else {
-      this.turned += turned / pixelsPerSlice;
-      const whole = Math.trunc(this.turned);
-      this.turned -= whole;
+      this.page(wheelNotches(event));
+    }
+  }
+
+  /** Goes on by a slice for each notch; parts of notches add up until the wheel turns back. */
+  private page(notches: number): void {
+    const before = Math.sign(notches) === -Math.sign(this.turned) ? 0 : this.turned;
+    const turned = before + notches;
+    const whole = Math.trunc(turned + Math.sign(turned) * rounding);
+    this.turned = turned - whole;
+    if (whole !== 0) {
       this.slices.scroll(this.name, -whole);
     }
   }
 
   private key(event: KeyboardEvent): void {
+    if (isForControl(event)) {
+      return;
+    }
     const { width, height } = this.pane.getBoundingClientRect();
     const slices = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
     const size = this.brushes ? { "[": -1, "]": 1 }[event.key] : undefined;
@@ -320,4 +404,9 @@ export class SliceInput {
       this.slices.zoom(this.name, factor, width / 2, height / 2);
     }
   }
+}
+
+/** Whether an event belongs to a control that stands over the slice. */
+function isForControl({ target }: Event): boolean {
+  return target instanceof Element && target.closest("[data-controls]") !== null;
 }

@@ -26,6 +26,8 @@ export class ToolHand {
   private told = "";
   /** What is to be done once there is a segment to paint with. */
   private waiting: "tool" | "stroke" | null = null;
+  /** No stroke begins. */
+  private held = false;
   /** Until the engine has told its first state to this page. */
   private isNew = true;
   /** The probe's radius before it took that of the burr [mm], also for the next visit; null where it has its own. */
@@ -86,12 +88,20 @@ export class ToolHand {
     this.tell();
   }
 
+  /** Holds the tool, so that no stroke begins, or lets it work again. */
+  hold(on: boolean): void {
+    this.held = on;
+    if (on) {
+      this.release();
+    }
+  }
+
   /** Begins a stroke; false where there is no tool to begin it with. */
   press(): boolean {
     if (this.kind === "none") {
       return false;
     }
-    if (!this.pressed && this.isPrepared("stroke") && this.tell()) {
+    if (!this.held && !this.pressed && this.isPrepared("stroke") && this.tell()) {
       this.pressed = true;
       if (this.kind === "painter") {
         this.paint.makeTouchable();

@@ -50,8 +50,7 @@ export class AnimationRecorder {
   /** Adds a frame. */
   async add(picture: HTMLCanvasElement): Promise<void> {
     this.recorder.resume();
-    const [track] = this.stream.getVideoTracks();
-    (track as CanvasCaptureMediaStreamTrack | undefined)?.requestFrame();
+    frameSource(this.stream)?.requestFrame();
     this.context.drawImage(picture, 0, 0);
     await new Promise((resolve) => setTimeout(resolve, 1000 / this.framesPerSecond));
     this.recorder.pause();
@@ -78,4 +77,10 @@ export class AnimationRecorder {
       track.stop();
     }
   }
+}
+
+/** What is asked for frames: the track, in Firefox the stream. */
+function frameSource(stream: MediaStream): { requestFrame(): void } | undefined {
+  const [track] = stream.getVideoTracks();
+  return [track, stream].find((each): each is CanvasCaptureMediaStreamTrack => each !== undefined && "requestFrame" in each);
 }

@@ -1,0 +1,69 @@
+/** Values in the ellipses and rectangles among the marks, measured by the engine whenever these or voxels change. */
+import { isArea } from "../../../core/marks/area";
+import type { AreaValues } from "../../../core/marks/area_values";
+import type { Mark } from "../../../core/marks/measure";
+import { apiAddress } from "../../../live/connection";
+import type { Session } from "../../state/session.svelte";
+
+/** So long nothing changes before they are measured [ms]. */
+const rest = 120;
+
+export class AreaMeasures {
+  /** What was measured, by what it was measured of. */
+  private measured = $state.raw<Readonly<Record<string, AreaValues>>>({});
+  /** Why they could not be measured; null where they could. */
+  failed = $state.raw<string | null>(null);
+  private readonly areas = $derived.by(() => this.marks.all.filter(({ kind }) => isArea(kind)));
+  /** What the values depend on: they are the same where this is. */
+  readonly version = $derived.by(() => JSON.stringify([this.session.live?.edit, this.areas.map(keyOf)]));
+
+  constructor(
+    private readonly session: Session,
+    private readonly marks: { readonly all: readonly Mark[] },
+    private readonly token: string,
+  ) {}
+
+  /** Values in an area; null until they are measured where it stands now. */
+  of(mark: Mark): AreaValues | null {
+    return this.measured[keyOf(mark)] ?? null;
+  }
+
+  /** Measures once nothing changes any more; returns what cancels it, as effects do. */
+  follow(): () => void {
+    const cancelled = new AbortController();
+    const begun = setTimeout(() => void this.measure(cancelled.signal), rest);
+    return () => {
+      clearTimeout(begun);
+      cancelled.abort();
+    };
+  }
+
+  private async measure(signal: AbortSignal): Promise<void> {
+    const { areas } = this;
+    if (areas.length === 0) {
+      return;
+    }
+    try {
+      const body = JSON.stringify({ areas: areas.map(({ kind, points }) => ({ kind, points })) });
+      const answer = await fetch(apiAddress("/api/areas", this.token), { method: "POST", body, signal });
+      if (!answer.ok) {
+        throw new Error(await answer.text());
+      }
+      const values = (await answer.json()) as readonly AreaValues[];
+      const known = areas.flatMap((mark, i) => {
+        const found = values[i];
+        return found === undefined ? [] : [[keyOf(mark), found] as const];
+      });
+      this.measured = Object.fromEntries(known);
+      this.failed = null;
+    } catch (error) {
+      if (!signal.aborted) {
+        this.failed = error instanceof Error ? error.message : String(error);
+      }
+    }
+  }
+}
+
+function keyOf({ kind, points }: Mark): string {
+  return JSON.stringify([kind, points]);
+}
