@@ -138,7 +138,7 @@ def test_constants_and_regions_are_chosen_and_taken_back(page: Browser) -> None:
     page.shows("matter-1", "text.includes('1.2 g/cm³, never tears')")
     # what cannot be is refused beside its field, and the engine is not asked
     page.do("fill", testid="poisson-1", text="0.5")
-    assert "0.5 given; allowed: -0.99 to 0.499" in page.text("refused-1")
+    assert "it cannot be 0.5. Enter -0.99 to 0.499." in page.text("refused-1")
     page.do("screenshot", path=str(OUTPUT / "matter_constants.png"))
     for _ in range(2):
         page.do("press", key="Control+z")

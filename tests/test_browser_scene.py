@@ -50,6 +50,7 @@ def test_a_saved_scene_looks_the_same_when_it_is_opened(data_folder: Path, tmp_p
         assert len(slices) > 0
         before = page.picture(OUTPUT / "scene_saved.png")
         page.do("download", testid="save-scene", path=str(linked))
+        page.wait("document.querySelector('.notices').textContent.includes('Saved as ')")
         page.do("click", testid="scene-with-scan")
         page.do("download", testid="save-scene", path=str(whole))
         check_export(page, tmp_path / "head.seg.nrrd", scan)

@@ -146,6 +146,13 @@ def test_a_pressed_region_is_shown_narrowed_and_kept_as_one_step(page: Browser) 
     place = page.read(PLACE_OF_BALL)
     page.do("clickAt", testid="slice-axial", x=place[0], y=place[1])
     page.wait(REGION_IS_LISTED)
+    # it is open and in sight; once it is taken back, the one before is open again
+    page.wait("document.querySelector('[data-testid=segment-2]').classList.contains('open')")
+    page.wait(
+        "(({ top, bottom }, { height }) => top > 0 && bottom < height)("
+        "document.querySelector('[data-testid=segment-2] .row').getBoundingClientRect(),"
+        " { height: innerHeight })"
+    )
     page.finish()
     page.do("screenshot", path=str(OUTPUT / "segment_grown.png"))
 
@@ -174,6 +181,7 @@ def test_a_pressed_region_is_shown_narrowed_and_kept_as_one_step(page: Browser) 
     page.finish()
     page.do("press", key="Control+z")
     page.wait(f"!{REGION_IS_LISTED}")
+    page.wait("document.querySelector('[data-testid=segment-1]').classList.contains('open')")
 
 
 def test_classes_of_values_become_segments(page: Browser) -> None:

@@ -377,6 +377,14 @@ def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) 
     assert "inside of anything solid" in page.text("guarantees")
     page.do("press", key="Escape")
     assert not page.read(opened)
+    # by a click it opens beside the light that was clicked
+    page.do("click", testid="light")
+    page.wait(opened)
+    assert page.read(
+        "(({ right }) => right > innerWidth / 2)"
+        "(document.querySelector('[data-testid=guarantees]').getBoundingClientRect())"
+    )
+    page.do("press", key="Escape")
 
 
 # --- heard and felt ---------------------------------------------------------------------

@@ -4,7 +4,7 @@
  */
 import { afterNumber, capitalised } from "../base/format";
 import { described, writtenConstants } from "./tissue_constants";
-import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, SegmentMaterial } from "../protocol";
+import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, Segment, SegmentMaterial } from "../protocol";
 
 /** What the slider offers. */
 export const offeredTissue = { young: { min: 500, max: 1e8 } } as const;
@@ -99,6 +99,11 @@ export function suggestedPreset(name: string, presets: readonly MaterialPreset[]
 /** Materials that a scan with values of this unit can have. */
 export function presetsFor(presets: readonly MaterialPreset[], unit: string): readonly MaterialPreset[] {
   return presets.filter(({ needs_hounsfield }) => unit === "HU" || !needs_hounsfield);
+}
+
+/** What is soft by its material, and hard because it does not stand where the scan has it. */
+export function movedTissue<Known extends Pick<Segment, "material" | "pose">>(segments: readonly Known[]): Known[] {
+  return segments.filter(({ material, pose }) => material !== null && pose !== null);
 }
 
 /** The box that a model has: as chosen, or as many nodes or cells as usual; null where it has none. */

@@ -1,15 +1,28 @@
 /** Files that are kept by the browser: of the engine on request, or made by the page. */
 import { apiAddress } from "../../live/connection";
 
-/** Asks for a file and has the browser keep it; returns the answer's headers. Throws the reason. */
-export async function fetchFile(path: string, token: string, wanted: object, name: string): Promise<Headers> {
+/** A file that the browser keeps: its name, and what the engine notes of it, a line each. */
+export interface KeptFile {
+  readonly name: string;
+  readonly notes: readonly string[];
+}
+
+/** Asks for a file and has the browser keep it. Throws the reason. */
+export async function fetchFile(path: string, token: string, wanted: object, otherwise: string): Promise<KeptFile> {
   const answer = await fetch(apiAddress(path, token), { method: "POST", body: JSON.stringify(wanted) });
   if (!answer.ok) {
     throw new Error(await answer.text());
   }
   const told = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1];
-  keep(await answer.blob(), told ?? name);
-  return answer.headers;
+  const name = told ?? otherwise;
+  keep(await answer.blob(), name);
+  const notes = decodeURIComponent(answer.headers.get("x-palpate-notes") ?? "");
+  return { name, notes: notes.split("\n").filter((line) => line !== "") };
+}
+
+/** What a person is told of a file that the browser keeps. */
+export function savedAs(name: string): string {
+  return `Saved as ${name}, with the downloads of this browser.`;
 }
 
 /** Has the browser keep a file. */

@@ -6,13 +6,21 @@ import {
   describeMaterial,
   edgeOf,
   formatModulus,
+  movedTissue,
   oddEdge,
   presetsFor,
   presetTitle,
   suggestedPreset,
 } from "../../../src/core/tissue/tissue";
 import { decodeParticles } from "../../../src/core/tissue/particles";
-import type { Constants, DeformationModel, Displaced, MaterialPreset, MatterParts } from "../../../src/core/protocol";
+import type {
+  Constants,
+  DeformationModel,
+  Displaced,
+  MaterialPreset,
+  MatterParts,
+  Segment,
+} from "../../../src/core/protocol";
 
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
 const yields = { least: 0.005, most: 0.5 };
@@ -118,4 +126,11 @@ test("parts are read where each has a place", () => {
   const parts: MatterParts = { type: "matter_parts", origin: [0, 0, 0], size: [1, 1, 1], apart: 1, ...bytes };
   expect([...(decodeParticles(parts)?.strains ?? [])]).toEqual([127, -127]);
   expect(decodeParticles({ ...parts, places: new Uint8Array(11) })).toBeNull();
+});
+
+test("soft tissue that was moved is told apart from what is hard anyway", () => {
+  const material = presets[0];
+  const pose = [0, 0, 0];
+  const segments = [{ material, pose }, { material, pose: null }, { material: null, pose }];
+  expect(movedTissue(segments as unknown as Segment[])).toEqual([segments[0]]);
 });

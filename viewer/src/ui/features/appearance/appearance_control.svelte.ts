@@ -235,11 +235,11 @@ export class AppearanceControl {
     }
   }
 
-  /** Back to what fits the scan; the mode stays. */
+  /** Back to what fits the scan, and to the first mode. */
   reset(): void {
     this.set("reset of the look", {
       appearance: defaultSoftTissueAndBone(this.anchors),
-      optics: { ...firstChoice(this.anchors, this.brightest), blend: this.choice?.blend ?? "shaded" },
+      optics: firstChoice(this.anchors, this.brightest),
       curve: firstCurve,
       lighting: firstLighting,
       unfelt: firstUnfelt,

@@ -1,5 +1,5 @@
 /** Has the engine write segments or scan for other programs, and the browser keep the file. */
-import { fetchFile } from "../../state/download";
+import { fetchFile, savedAs } from "../../state/download";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
@@ -67,9 +67,9 @@ export class Exporter {
     this.busy = true;
     const { kind, label } = this.format;
     try {
-      const headers = await fetchFile("/api/export", this.token, { kind }, "export");
-      const notes = decodeURIComponent(headers.get("x-palpate-notes") ?? "");
-      for (const note of notes.split("\n").filter((line) => line !== "")) {
+      const { name, notes } = await fetchFile("/api/export", this.token, { kind }, "export");
+      this.session.notify("info", savedAs(name));
+      for (const note of notes) {
         this.session.notify("warning", `${label}: ${note}.`);
       }
     } catch (error) {

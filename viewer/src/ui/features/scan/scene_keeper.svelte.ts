@@ -5,7 +5,7 @@ import { saneCamera, type Camera } from "../../../core/geometry/camera";
 import type { Scan } from "../../../core/protocol";
 import { isPoint, type Vec3 } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
-import { fetchFile } from "../../state/download";
+import { fetchFile, savedAs } from "../../state/download";
 import { handOver, takeHandover } from "../../state/page_handover";
 import { bring, keptOf, recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
@@ -52,7 +52,8 @@ export class SceneKeeper {
     this.saving = true;
     try {
       const view = this.viewOf(scan);
-      await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
+      const { name } = await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
+      this.session.notify("info", savedAs(name));
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
       this.session.notify("error", `The scene was not saved: ${reason}`);

@@ -14,7 +14,7 @@ import type {
 import { apart, leastPairs, mostPairs, pairsOfDistances, sanePairs, seenAt } from "../../../core/second/registration";
 import { placeOf } from "../../../core/second/second_scan";
 import type { Vec3 } from "../../../core/geometry/vector";
-import { fetchFile } from "../../state/download";
+import { fetchFile, savedAs } from "../../state/download";
 import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
 import { recall, remember } from "../../state/remembered";
 import type { SecondControl } from "./second_control.svelte";
@@ -202,10 +202,10 @@ export class RegistrationControl implements StepOwner<Asked> {
     this.saving = true;
     try {
       const wanted = { what, ending: this.habits.ending };
-      const headers = await fetchFile("/api/registration", this.outside.token, wanted, what);
-      const note = decodeURIComponent(headers.get("x-palpate-notes") ?? "");
-      if (note !== "") {
-        this.session.notify("warning", `${note.charAt(0).toUpperCase()}${note.slice(1)}.`);
+      const { name, notes } = await fetchFile("/api/registration", this.outside.token, wanted, what);
+      this.session.notify("info", savedAs(name));
+      for (const note of notes) {
+        this.session.notify("warning", `${note}.`);
       }
     } catch (error) {
       this.session.notify("error", `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`);

@@ -1,6 +1,6 @@
 /** Has the engine write the surface of a segment as a mesh, and says what it keeps of the voxels. */
 import type { Segment } from "../../../core/protocol";
-import { fetchFile } from "../../state/download";
+import { fetchFile, savedAs } from "../../state/download";
 import type { Session } from "../../state/session.svelte";
 
 export class SurfaceExport {
@@ -25,9 +25,9 @@ export class SurfaceExport {
     }
     this.busy = id;
     try {
-      const headers = await fetchFile("/api/surface", this.token, { segment: id }, `${name}.stl`);
-      const notes = decodeURIComponent(headers.get("x-palpate-notes") ?? "");
-      const [written = "", ...warnings] = notes.split("\n");
+      const file = await fetchFile("/api/surface", this.token, { segment: id }, `${name}.stl`);
+      const [written = "", ...warnings] = file.notes;
+      this.session.notify("info", savedAs(file.name));
       this.told = { ...this.told, [id]: written };
       for (const warning of warnings) {
         this.session.notify("warning", `${warning}.`);

@@ -28,14 +28,17 @@ export class ToolHand {
   private waiting: "tool" | "stroke" | null = null;
   /** No stroke begins. */
   private held = false;
-  /** The probe's radius before it took that of the burr [mm]; null where it has its own. */
-  private ownRadius: number | null = null;
+  /** Until the engine has told its first state to this page. */
+  private isNew = true;
+  /** The probe's radius before it took that of the burr [mm], also for the next visit; null where it has its own. */
+  private ownRadius = recall<{ ownRadius: number | null }>("probe", { ownRadius: null }).ownRadius;
 
   constructor(
     private readonly session: Session,
     readonly paint: TouchPaint,
   ) {
     session.onState((state) => {
+      this.takeUp(state);
       this.follow(state);
     });
     paint.onChange(() => {
@@ -168,15 +171,32 @@ export class ToolHand {
     if (this.kind !== "drill") {
       if (this.ownRadius !== null) {
         this.session.changeSettings({ probe_radius: this.ownRadius });
-        this.ownRadius = null;
+        this.keepOwnRadius(null);
       }
       return;
     }
     if (this.ownRadius === null) {
-      this.ownRadius = settings.probe_radius;
+      this.keepOwnRadius(settings.probe_radius);
       this.session.notify("info", `The probe is as large as the burr now: ${formatFixed(this.radius, 1, "mm")}.`);
     }
     this.session.changeSettings({ probe_radius: this.radius });
+  }
+
+  private keepOwnRadius(radius: number | null): void {
+    this.ownRadius = radius;
+    remember("probe", { ownRadius: radius });
+  }
+
+  /** Takes the tool that the engine has, as after this page was loaded anew, and the probe's radius without it. */
+  private takeUp(state: State): void {
+    if (!this.isNew) {
+      return;
+    }
+    this.isNew = false;
+    if (this.kind === "none") {
+      this.kind = state.tool.kind;
+      this.fitProbe();
+    }
   }
 
   private follow(state: State): void {

@@ -5,7 +5,7 @@ import type { Camera, Viewport } from "../../../core/geometry/camera";
 import { evenSize, fitsIntoCanvas, imageSize } from "../../../core/view/image_size";
 import { turntable } from "../../../core/view/turntable";
 import type { SnapshotWish } from "../../../gl/picture/snapshot";
-import { keep } from "../../state/download";
+import { keep, savedAs } from "../../state/download";
 import { AnimationRecorder, animationType } from "./animation";
 import { overlayOf } from "./overlay_text";
 import { recall, remember } from "../../state/remembered";
@@ -91,7 +91,7 @@ export class ImageControl {
           `${String(size.width)} × ${String(size.height)} pixels are too many for this browser; choose fewer`,
         );
       }
-      keep(blob, `${this.fileName}.png`);
+      this.keep(blob, "png");
     });
   }
 
@@ -110,15 +110,18 @@ export class ImageControl {
           await animation.add(context.canvas);
           this.report((i + 1) / cameras.length);
         });
-        keep(await animation.end(), `${this.fileName}.webm`);
+        this.keep(await animation.end(), "webm");
       } finally {
         animation.dispose();
       }
     });
   }
 
-  private get fileName(): string {
-    return (this.source.session.scan?.name ?? "").replace(/[^\w.-]+/g, "_") || "palpate";
+  private keep(content: Blob, ending: "png" | "webm"): void {
+    const { session } = this.source;
+    const name = `${(session.scan?.name ?? "").replace(/[^\w.-]+/g, "_") || "palpate"}.${ending}`;
+    keep(content, name);
+    session.notify("info", savedAs(name));
   }
 
   private report(share: number): void {

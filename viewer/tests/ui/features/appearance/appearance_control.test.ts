@@ -92,3 +92,11 @@ test("how the picture is divided is no step", () => {
   expect(steps.canUndo).toBe(false);
   expect(opened().slices.habits.layout).toBe("four");
 });
+
+test("the look is reset with its mode", () => {
+  const { appearance } = opened();
+  const first = appearance.choice;
+  appearance.choose("blend", "composite");
+  appearance.reset();
+  expect(appearance.choice).toEqual(first);
+});

@@ -41,7 +41,7 @@ function page(segments: readonly Segment[]) {
     // what a derived value stands for is asked anew by another choice
     const newest = now.at(-1);
     if (newest !== undefined) brush.choose(newest.id);
-    told({ touched: 0 } as State);
+    told({ touched: 0, tool: { kind: "none" } } as State);
   };
   return { brush, tool, arrive };
 }
