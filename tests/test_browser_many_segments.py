@@ -48,25 +48,25 @@ def test_all_are_hidden_shown_and_brought_back_at_once(page: Browser) -> None:
     before = page.do("requests", about="/api/labels")["value"]
     page.do("click", testid="all-visible")
     page.all_done()
-    assert page.read(SEEN) == 0
-    assert page.read(FELT) == 0, "what is hidden is not felt"
-    assert page.read(LABEL) == 0
+    page.wait(f"{SEEN} === 0")
+    page.wait(f"{FELT} === 0")
+    page.wait(f"{LABEL} === 0")
     assert page.do("requests", about="/api/labels")["value"] == before, "nothing is to be fetched"
 
     page.do("click", testid="all-visible")
     page.all_done()
-    assert page.read(SEEN) == COUNT
-    assert page.read(FELT) == COUNT
+    page.wait(f"{SEEN} === {COUNT}")
+    page.wait(f"{FELT} === {COUNT}")
     page.wait(f"{LABEL} === 1")
     assert page.do("requests", about="/api/labels")["value"] == before + 1, "one map for all"
 
     # each was one step
     page.do("press", key="Control+z")
     page.all_done()
-    assert page.read(SEEN) == 0
+    page.wait(f"{SEEN} === 0")
     page.do("press", key="Control+z")
     page.all_done()
-    assert page.read(SEEN) == COUNT
+    page.wait(f"{SEEN} === {COUNT}")
     assert page.read("document.querySelector('[aria-label=Undo]').disabled")
     page.wait(f"{LABEL} === 1")
     assert page.do("requests", about="/api/labels")["value"] == before + 2

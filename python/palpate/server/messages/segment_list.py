@@ -106,7 +106,11 @@ class SegmentList:
                 looks[segment_id] = replace(look, **given)
         self._session.show_segments({each: look.visible for each, look in looks.items()})
         for segment_id, look in looks.items():
-            self._set_appearance(segment_id, look)
+            self._show(segment_id, look)
+        with self._lock:
+            # no list tells of some of them only: pages would fetch labels for it
+            self._appearances.update(looks)
+            self._appearances_version += 1
         self.keep()
 
     def threshold(self, wanted: protocol.Threshold, *, progress: Progress = silent) -> ShapeChange:
