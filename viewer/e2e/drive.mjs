@@ -37,7 +37,7 @@
  *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
  *   {"do": "key", "key": "я", "code": "KeyZ", "alt": true}    as on a keyboard of another layout; "repeats": so often
  *   {"do": "requests", "about": "/api/labels"}                → {"value": how many were made so far, by workers too}
- *   {"do": "beforeOpen", "script": …}                         runs in every page that is opened from now on, before its own
+ *   {"do": "beforeOpen", "script": …}                         runs in every page opened from now on, before its own
  *   {"do": "media", "forcedColors": "active", "media": "print"}  as the system has it; null: as it is
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *

@@ -13,7 +13,7 @@ def two_balls(neck: float) -> NDArray[np.bool_]:
     z, y, x = np.indices((25, 25, 55)).astype(float)
     off = np.minimum(abs(x - 13.0), abs(x - 41.0)) ** 2 + (y - 12.0) ** 2 + (z - 12.0) ** 2
     tube = ((y - 12.0) ** 2 + (z - 12.0) ** 2 <= neck**2) & (abs(x - 27.0) < 14.0)
-    return (off <= 100.0) | tube
+    return np.asarray((off <= 100.0) | tube)
 
 
 def test_a_narrow_neck_parts_two_balls_and_a_wide_one_does_not() -> None:

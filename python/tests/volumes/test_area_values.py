@@ -29,11 +29,20 @@ def scan(direction: NDArray[np.float64], values: Any = None) -> Volume:
     return Volume(made, spacing=SPACING, origin=(-30.0, 12.0, 400.0), direction=direction)
 
 
+def area(
+    kind: Literal["ellipse", "rectangle"],
+    middle: NDArray[np.float64],
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
+) -> Area:
+    return Area(kind, middle.tolist(), first.tolist(), second.tolist())
+
+
 def at(
     kind: Literal["ellipse", "rectangle"], middle: NDArray[np.float64], half: tuple[float, float]
 ) -> Area:
     """Returns an axial area by its half axes along the body [mm]."""
-    return Area(
+    return area(
         kind, middle, middle + np.array([half[0], 0, 0]), middle + np.array([0, half[1], 0])
     )
 
@@ -59,7 +68,7 @@ def test_values_are_those_of_the_voxels_whose_centres_lie_inside(
     matrix = volume.patient_from_grid
     middle = matrix[:3, :3] @ [24.3, 19.1, 5.4] + matrix[:3, 3]
     half = (9.0, 5.5)
-    found = values_in_area(volume, Area(kind, middle, middle + half[0] * u, middle + half[1] * v))
+    found = values_in_area(volume, area(kind, middle, middle + half[0] * u, middle + half[1] * v))
 
     offset = centres(volume) - middle
     a, b = offset @ u / half[0], offset @ v / half[1]
@@ -88,7 +97,7 @@ def test_in_an_oblique_plane_values_are_interpolated() -> None:
     u = direction @ [0.6, 0.64, 0.48]
     v = np.cross(u, direction @ [0.0, 0.6, -0.8])
     v /= np.linalg.norm(v)
-    found = values_in_area(volume, Area("ellipse", middle, middle + 8 * u, middle + 6 * v))
+    found = values_in_area(volume, area("ellipse", middle, middle + 8 * u, middle + 6 * v))
     # of numbers of 32 bits
     assert found.mean == pytest.approx(middle @ slope, abs=0.05)
     # samples stand for even parts: as many as the area has squares of the smallest edge

@@ -35,8 +35,8 @@ export function isLit(blend: Blend): boolean {
 }
 
 /**
- * Whether what a pixel shows has a depth by which the picture can be turned to a view nearby. In a slab it has none: the
- * slab turns with the view, and other tissue comes into it.
+ * Whether what a pixel shows has a depth by which the picture can be turned to a view nearby. In a slab it has none:
+ * the slab turns with the view, and other tissue comes into it.
  */
 export function hasDepth({ blend, slab }: Pick<Optics, "blend" | "slab">): boolean {
   return drawsSolids(blend) || slab === null;

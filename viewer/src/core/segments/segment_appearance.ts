@@ -43,7 +43,8 @@ export function askedFor(segments: readonly Segment[], parts: AppearanceParts): 
     const part = parts[segment.id];
     return part === undefined ? [] : [{ segment, part }];
   });
-  const isTogether = changed.length > 1 && changed.every(({ part }) => keysOf(part).every((k) => changedTogether.has(k)));
+  const isTogether =
+    changed.length > 1 && changed.every(({ part }) => keysOf(part).every((k) => changedTogether.has(k)));
   return isTogether
     ? [{ type: "show_segments", changes: alike(changed.map(({ segment: { id }, part }) => ({ id, part }))) }]
     : changed.map(({ segment, part }) => changedProperties(segment, part));

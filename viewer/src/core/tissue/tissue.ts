@@ -4,7 +4,9 @@
  */
 import { afterNumber, capitalised } from "../base/format";
 import { described, writtenConstants } from "./tissue_constants";
-import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, Segment, SegmentMaterial } from "../protocol";
+import type {
+  Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, Segment, SegmentMaterial,
+} from "../protocol";
 
 /** What the slider offers. */
 export const offeredTissue = { young: { min: 500, max: 1e8 } } as const;

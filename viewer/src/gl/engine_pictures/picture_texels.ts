@@ -12,7 +12,8 @@ export interface PictureTexels {
 }
 
 /** Columns, and rows of all eyes. */
-export function texelSize({ size: [columns, rows], eyes }: Pick<DrawnPicture, "size" | "eyes">): readonly [number, number] {
+export function texelSize(picture: Pick<DrawnPicture, "size" | "eyes">): readonly [number, number] {
+  const { size: [columns, rows], eyes } = picture;
   return [columns, rows * eyes];
 }
 

@@ -22,7 +22,7 @@ const mostSteps = 64;
 /** How steep surfaces may be that are followed from pixel to pixel: pixels of depth for each. */
 const steepest = 8;
 
-/** What is turned: a picture in a target, its view and how much wider than high, and its least and largest depth [mm]. */
+/** What is turned: a picture in a target, its view and how much wider than high, its least and largest depth [mm]. */
 export interface TakenPicture {
   readonly target: PictureTarget;
   readonly view: EngineView;

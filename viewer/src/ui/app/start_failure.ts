@@ -15,7 +15,6 @@ export function showFailure(host: HTMLElement, error: unknown): void {
     // the first one is the cause
     return;
   }
-  console.error(error);
   const page = document.createElement("div");
   page.className = "failure";
   page.setAttribute("role", "alert");
@@ -31,6 +30,8 @@ export function showFailure(host: HTMLElement, error: unknown): void {
     reload,
   );
   host.replaceChildren(page);
+  // for the console; what listens here finds it shown
+  reportError(error);
 }
 
 function made<K extends keyof HTMLElementTagNameMap>(tag: K, text: string): HTMLElementTagNameMap[K] {

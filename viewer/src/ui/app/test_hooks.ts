@@ -146,15 +146,9 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get sound() {
       return { running: audio.running, level: audio.level };
     },
-    get played() {
-      return stage.player.shown;
-    },
-    get camera() {
-      return stage.view.camera;
-    },
-    get slices() {
-      return stage.slices.shown;
-    },
+    get played() { return stage.player.shown; },
+    get camera() { return stage.view.camera; },
+    get slices() { return stage.slices.shown; },
     get drawnSlices() { return stage.picture.drawn?.drawnSlices ?? 0; },
     get crosshair() {
       return stage.slices.crosshair;

@@ -2,7 +2,9 @@ import { expect, test } from "vitest";
 import { DrawnValues, drawnBy } from "../../../src/core/appearance/drawn_values";
 import { valueAbove } from "../../../src/core/scan/histogram";
 import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
-import { firstChoice, greyOf, hasDepth, opticsOf, shadedOptics, type Optics } from "../../../src/core/appearance/optics";
+import {
+  firstChoice, greyOf, hasDepth, opticsOf, shadedOptics, type Optics,
+} from "../../../src/core/appearance/optics";
 import { pickSurface } from "../../../src/core/picking/pick_surface";
 import { scanOf, volumeOf } from "../../support/volumes";
 

@@ -34,7 +34,10 @@ test.each([
   ["young", "0", "Modulus E: it cannot be 0. Enter 0.001 to 2\u2009000\u2009000\u2009000\u202fkPa."],
   ["poisson", "0.5", "Poisson's ν: it cannot be 0.5. Enter −0.99 to 0.499."],
   ["density", "", "Density ρ: no number was entered. Enter 0.0001 to 23\u202fg/cm³."],
-  ["fracture_energy", "-3", "Fracture energy: it cannot be -3. Enter 0.01 to 1\u2009000\u2009000\u202fJ/m², or nothing for never."],
+  [
+    ...(["fracture_energy", "-3"] as const),
+    "Fracture energy: it cannot be -3. Enter 0.01 to 1\u2009000\u2009000\u202fJ/m², or nothing for never.",
+  ],
   ["friction", "soft", "Friction: it cannot be soft. Enter 0 to 1\u2009000\u202f%."],
 ] as const)("%s of %o is refused with what is allowed", (key, text, refused) => {
   expect(typed(of(key), text, liver)).toEqual({ refused });

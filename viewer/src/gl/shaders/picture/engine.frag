@@ -2,8 +2,8 @@
 
 layout(location = 0) out vec4 picture;
 
-// linear; or, where brightest is not 0, of twice as many rows: sRGB of shares of it, and below that opacity. Of two eyes
-// one picture below the other
+// linear; or, where brightest is not 0, of twice as many rows: sRGB of shares of it, and below that opacity. Of two
+// eyes one picture below the other
 uniform sampler2D engineColour;
 uniform float brightest;
 // of the picture [pixels], and where what of it has come begins, from its upper left corner, and its size

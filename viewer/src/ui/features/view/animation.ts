@@ -82,5 +82,7 @@ export class AnimationRecorder {
 /** What is asked for frames: the track, in Firefox the stream. */
 function frameSource(stream: MediaStream): { requestFrame(): void } | undefined {
   const [track] = stream.getVideoTracks();
-  return [track, stream].find((each): each is CanvasCaptureMediaStreamTrack => each !== undefined && "requestFrame" in each);
+  return [track, stream].find(
+    (each): each is CanvasCaptureMediaStreamTrack => each !== undefined && "requestFrame" in each,
+  );
 }
