@@ -288,6 +288,9 @@ class Session:
     def set_touchable(self, segment_id: int, touchable: bool) -> None:
         """Makes a segment an obstacle or none; this is not undone."""
 
+    def set_all_touchable(self, wanted: list[tuple[int, bool]]) -> None:
+        """Makes segments obstacles or none, all at once; this is not undone."""
+
     def set_locked(self, segment_id: int, locked: bool) -> None:
         """Locks the voxels of a segment or lets them be changed; this is not undone."""
 

@@ -221,6 +221,15 @@ impl PySession {
         Ok(py.detach(|| self.session.set_touchable(SegmentId(segment_id), touchable))?)
     }
 
+    /// Makes segments obstacles, or no obstacles, all at once.
+    fn set_all_touchable(&self, py: Python<'_>, wanted: Vec<(u8, bool)>) -> Result<(), CoreError> {
+        let wanted = wanted
+            .into_iter()
+            .map(|(id, touchable)| (SegmentId(id), touchable))
+            .collect();
+        Ok(py.detach(|| self.session.set_all_touchable(wanted))?)
+    }
+
     fn set_locked(&self, py: Python<'_>, segment_id: u8, locked: bool) -> Result<(), CoreError> {
         Ok(py.detach(|| self.session.set_locked(SegmentId(segment_id), locked))?)
     }

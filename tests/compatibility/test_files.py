@@ -30,6 +30,21 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return place
 
 
+def without_breaking(segments: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Returns segments without the fourth constant of what they are made of.
+
+    It was the strain at which bonds break, and is the energy that a tear takes.
+    """
+    told = []
+    for segment in segments:
+        material = segment["material"]
+        if material is not None:
+            ends = {end: [*material[end][:3], *material[end][4:]] for end in ("low", "high")}
+            material = {**material, **ends}
+        told.append({**segment, "material": material})
+    return told
+
+
 def compare(found: dict[str, Any], expected: dict[str, Any]) -> None:
     """Compares item by item, so that a failure names the first one."""
     assert sorted(found) == sorted(expected)
@@ -83,8 +98,11 @@ def test_a_scene_brings_everything_back(folder: Path, name: str) -> None:
     if name == "whole":
         for scan in folder.glob("*.nrrd"):
             scan.unlink()
-    found = kept.told_of_scene(folder / f"{name}.palpate")
-    compare(found, EXPECTED["scene"][name])
+    found, expected = kept.told_of_scene(folder / f"{name}.palpate"), EXPECTED["scene"][name]
+    found, expected = (
+        {**told, "segments": without_breaking(told["segments"])} for told in (found, expected)
+    )
+    compare(found, expected)
     assert len(found["segments"]) == 4
     assert found["segments"][1]["locked"]
     assert found["model"]["model"] == "lattice"

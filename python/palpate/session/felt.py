@@ -94,17 +94,18 @@ class FeltSegments:
             OptionError: There is no such segment; then none is changed.
         """
         with self._lock:
-            felt = {state["id"]: state["touchable"] for state in self._engine.segments_state()}
-            unknown = sorted(visible.keys() - felt.keys())
-            if unknown:
-                allowed = ", ".join(map(str, felt)) or "none: there are no segments"
-                raise OptionError(f"segment {unknown[0]} given; allowed: {allowed}")
+            before = self._wishes.copy()
             for segment_id, shown in visible.items():
                 self._wishes[segment_id] = replace(self.of(segment_id), visible=shown)
-            for segment_id in visible:
-                # the engine builds its scene of touch anew for each
-                if self.of(segment_id).is_felt != felt[segment_id]:
-                    self._engine.set_touchable(segment_id, self.of(segment_id).is_felt)
+            try:
+                with option_errors():
+                    # the engine builds its scene of touch anew once for all
+                    self._engine.set_all_touchable(
+                        [(each, self.of(each).is_felt) for each in visible]
+                    )
+            except OptionError:
+                self._wishes = before
+                raise
 
     def begin(self, segment_id: int, wish: TouchWish) -> int:
         """Takes what is wanted of a new segment; returns its number."""
@@ -125,7 +126,9 @@ class FeltSegments:
     def hold(self) -> None:
         """Has the engine follow what is wanted where undo, redo or a cut brought something else."""
         with self._lock:
+            wanted = []
             for state in self._engine.segments_state():
                 wish = self._wishes.get(state["id"])
                 if wish is not None and wish.is_felt != state["touchable"]:
-                    self._engine.set_touchable(state["id"], wish.is_felt)
+                    wanted.append((state["id"], wish.is_felt))
+            self._engine.set_all_touchable(wanted)

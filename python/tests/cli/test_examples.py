@@ -64,12 +64,12 @@ SHOWN = sorted(
 """Commands of the documents."""
 
 
-def body(shift: int = 0) -> NDArray[np.int16]:
-    """A trunk in air with liver, bone and a gradient, in HU."""
+def body(shift: int = 0, *, liver: float = 4.0) -> NDArray[np.int16]:
+    """A trunk in air with liver [voxels], bone and a gradient, in HU."""
     z, y, x = np.indices(SHAPE)
     off = np.sqrt((x - 16) ** 2 + 1.3 * (y - 15) ** 2 + 0.8 * (z - 14) ** 2)
     values = np.where(off < 11.0, 40.0 + 0.5 * x - 0.4 * z, -1000.0)
-    values[np.sqrt((x - 16) ** 2 + (y - 15) ** 2 + (z - 14) ** 2) < 4.0] = 110.0
+    values[np.sqrt((x - 16) ** 2 + (y - 15) ** 2 + (z - 14) ** 2) < liver] = 110.0
     values[6:22, 21:24, 14:19] = 900.0
     return np.roll(np.rint(values).astype(np.int16), shift, axis=2)
 
@@ -86,8 +86,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All files that examples name."""
     place = tmp_path_factory.mktemp("examples")
     still, moved = body(), body(shift=1)
-    for name in ("scan.nii.gz", "ct.nii.gz", "ct.mha", "before.mha", "a.mha"):
+    for name in ("scan.nii.gz", "ct.nii.gz", "before.mha", "a.mha"):
         write(place / name, still)
+    # a liver that is large enough to be grown from a click
+    large, large_moved = body(liver=6.0), body(shift=1, liver=6.0)
+    write(place / "ct.mha", large)
     for name in ("mr.nii.gz", "after.mha", "b.mha"):
         write(place / name, moved)
     parts = np.where(still > 500, 2, np.where(still > 100, 1, 0)).astype(np.uint8)
@@ -96,7 +99,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write(place / name, parts)
     write(place / "teeth.seg.nrrd", (still > 500).astype(np.uint8) * (np.indices(SHAPE)[0] > 18))
     write(place / "body.nii.gz", (still > -500).astype(np.uint8))
-    write_dicom(place, still, moved)
+    write_dicom(place, large, large_moved)
     given = ["--threshold", "250", "--keep-identity", "-o", str(place / "seg.dcm")]
     assert run(["export", str(place / "ct"), *given]) == 0
     (place / "raw").mkdir()

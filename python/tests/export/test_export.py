@@ -336,15 +336,15 @@ def test_a_page_gets_a_surface_and_what_it_keeps(shared_server: Any, tmp_path: P
     assert "in 1 body (voxels: " in told
     assert told.endswith(" in 1 body), LPS")
     refused = asked(shared_server, "surface", segment=9)
-    assert (refused.status_code, refused.text) == (400, "segment 9 given; allowed: 1")
+    assert (refused.status_code, refused.text) == (400, "segment 9 cannot be used. Use 1")
 
 
 @pytest.mark.parametrize(
     ("wanted", "said"),
     [
-        ({"kind": "dicom"}, "comes from no file; allowed: .seg.nrrd"),
+        ({"kind": "dicom"}, "comes from no file. Use .seg.nrrd"),
         ({"kind": "stl"}, "this is no export"),
-        ({"kind": "x" * 5000}, "allowed: 4096"),
+        ({"kind": "x" * 5000}, "at most 4096"),
     ],
 )
 def test_a_page_is_told_why_not(shared_server: Any, wanted: dict[str, str], said: str) -> None:

@@ -137,7 +137,7 @@ def test_a_page_lays_the_second_scan_elsewhere_and_takes_it_away(
     moved = "/api/second/transform?name=turn.tfm"
     with server.page() as page:
         refused = server.ask("PUT", moved, transform_file(rigid, tmp_path))
-        assert (refused.status_code, refused.text[:24]) == (400, "there is no second scan;")
+        assert (refused.status_code, refused.text[:24]) == (400, "there is no second scan.")
         second = slopes()
         server.live.show_second(SecondScan(second))
         told = page.receive("second_scan")
@@ -160,7 +160,7 @@ def test_a_page_lays_the_second_scan_elsewhere_and_takes_it_away(
 
         for name, content, reason in (
             ("turn.tfm", b"nothing", "turn.tfm cannot be read as a transform"),
-            ("turn.png", b"", "'turn.png' given; allowed: .tfm"),
+            ("turn.png", b"", "'turn.png' cannot be used. Use .tfm"),
         ):
             refused = server.ask("PUT", f"/api/second/transform?name={name}", content)
             assert refused.status_code == 400

@@ -58,6 +58,14 @@ impl Session {
         self.ask(move |simulation| simulation.set_touchable(id, touchable))?
     }
 
+    /// Makes segments obstacles, or no obstacles, all at once.
+    ///
+    /// # Errors
+    /// Where there is no such segment, and then none is changed; or the session has ended.
+    pub fn set_all_touchable(&self, wanted: Vec<(SegmentId, bool)>) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_all_touchable(&wanted))?
+    }
+
     /// Moves a segment to a pose [mm, from the scan to the scene]; touch goes there smoothly, and
     /// stops where the probe is pinched.
     ///

@@ -5,6 +5,7 @@ use palpate_tools::journal::Action;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::VoxelsError;
 
 use glam::DAffine3;
 
@@ -95,12 +96,34 @@ impl Simulation {
     /// # Errors
     /// Where there is no such segment.
     pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
-        if self.scene.set_touchable(id, touchable)? {
-            let change = TouchChange::All(vec![id]);
-            self.send_change(&change);
-            self.write_facts(id);
-            self.publish();
+        self.set_all_touchable(&[(id, touchable)])
+    }
+
+    /// Makes segments obstacles, or no obstacles, all in one change of touch: one alone takes as
+    /// long as many.
+    ///
+    /// # Errors
+    /// Where there is no such segment: then none is changed.
+    pub fn set_all_touchable(&mut self, wanted: &[(SegmentId, bool)]) -> Result<(), SessionError> {
+        for &(id, _) in wanted {
+            if self.voxels().segment(id).is_none() {
+                return Err(VoxelsError::UnknownSegment(id.0).into());
+            }
         }
+        let mut changed = Vec::new();
+        for &(id, touchable) in wanted {
+            if self.scene.set_touchable(id, touchable)? {
+                changed.push(id);
+            }
+        }
+        if changed.is_empty() {
+            return Ok(());
+        }
+        self.send_change(&TouchChange::All(changed.clone()));
+        for id in changed {
+            self.write_facts(id);
+        }
+        self.publish();
         Ok(())
     }
 

@@ -19,6 +19,8 @@ use crate::common::{OBSTACLE, Rig, box_segment};
 
 /// Upper end of the bone in the soft block [mm].
 const BONE_TOP: f64 = 10.0;
+/// Of the ball that a point is in soft tissue [mm].
+const RADIUS: f64 = 3.0;
 /// Of the model's floor [N/mm].
 const STIFFNESS: f64 = 0.25;
 
@@ -34,7 +36,7 @@ impl DeformationModel for Floor {
         let ToolShape::Ball(radius) = tool.shape else {
             panic!("the probe is a ball");
         };
-        let depth = TOP - tool.position.z;
+        let depth = TOP + radius - tool.position.z;
         let law = LocalContact {
             position: tool.position,
             force: DVec3::Z * STIFFNESS * depth,
@@ -44,7 +46,7 @@ impl DeformationModel for Floor {
         let all = input.voxels.grid().bounds();
         let is_in_tool = |voxel: IVec3| {
             let centre = voxel.as_dvec3() + 0.5;
-            centre.distance(tool.position) <= radius + 0.5
+            centre.distance(tool.position) <= radius + 1.5
         };
         let edit = input
             .voxels
@@ -84,7 +86,7 @@ fn dent() -> DisplacementField {
 
 /// A soft block with bone in it, and the device above.
 fn rig() -> Rig {
-    let mut rig = Rig::new(SIZE, DVec3::new(20.0, 20.0, 30.0));
+    let mut rig = Rig::new(SIZE, DVec3::new(20.0, 20.0, 30.0 + RADIUS));
     let soft = box_segment(SIZE, IVec3::ZERO, IVec3::new(40, 40, TOP as i32));
     let bone = box_segment(SIZE, IVec3::ZERO, IVec3::new(40, 40, BONE_TOP as i32));
     for segment in [soft, bone] {
@@ -97,24 +99,29 @@ fn rig() -> Rig {
     rig
 }
 
+/// Goes on for so many ms with the ball's lowest point on a line; gives the last tick.
+fn press(rig: &mut Rig, from: f64, to: f64, ticks: u32) -> TickRecord {
+    go(rig, from + RADIUS, to + RADIUS, ticks)
+}
+
 #[test]
 fn soft_matter_pushes_as_its_model_says_and_moves_out_of_the_way() {
     let mut rig = rig();
     let all = soft_voxels(&rig);
-    go(&mut rig, 30.0, 20.5, 500);
-    go(&mut rig, 20.5, 17.0, 1000);
-    let rest = go(&mut rig, 17.0, 17.0, 1000);
+    press(&mut rig, 30.0, 20.5, 500);
+    press(&mut rig, 20.5, 17.0, 1000);
+    let rest = press(&mut rig, 17.0, 17.0, 1000);
 
     // two springs in a row, the coupling of 1 N/mm and the floor's
     let expected = 3.0 * STIFFNESS / (1.0 + STIFFNESS);
     assert!((rest.force.z - expected).abs() < 1e-6, "{}", rest.force);
     assert!(soft_voxels(&rig) < all);
     // the proxy came after, and is in no voxel
-    assert!(rest.proxy.z < TOP - 1.0, "{}", rest.proxy);
+    assert!(rest.proxy.z < TOP + RADIUS - 1.0, "{}", rest.proxy);
     assert_eq!(rig.violations(), 0);
 
     // all of it is one step, and bone stays as it is
-    go(&mut rig, 17.0, 30.0, 500);
+    press(&mut rig, 17.0, 30.0, 500);
     assert!(rig.simulation.undo().unwrap());
     assert_eq!(soft_voxels(&rig), all);
     let now = rig.simulation.deformation();
@@ -127,23 +134,23 @@ fn the_voxels_alone_can_be_felt_until_matter_has_moved_them() {
     let mut rig = rig();
     rig.simulation.set_force_source(ForceSource::Voxels);
     let all = soft_voxels(&rig);
-    go(&mut rig, 30.0, 20.5, 500);
+    press(&mut rig, 30.0, 20.5, 500);
     let mut felt = 0;
     for step in 0..100 {
         let from = 20.5 - 0.035 * f64::from(step);
-        let now = go(&mut rig, from, from - 0.035, 10);
+        let now = press(&mut rig, from, from - 0.035, 10);
         // nothing but the coupling to where voxels hold the probe
         assert!((now.force.length() - now.depth).abs() < 1e-6);
         felt += u32::from(now.force != DVec3::ZERO);
     }
-    let rest = go(&mut rig, 17.0, 17.0, 1000);
+    let rest = press(&mut rig, 17.0, 17.0, 1000);
     assert!(felt > 5, "{felt} forces");
     assert_eq!(rest.force, DVec3::ZERO);
     assert!(soft_voxels(&rig) < all);
     assert_eq!(rig.violations(), 0);
     // the tissue itself is felt as soon as it is chosen
     rig.simulation.set_force_source(ForceSource::Matter);
-    let soft = go(&mut rig, 17.0, 17.0, 1000);
+    let soft = press(&mut rig, 17.0, 17.0, 1000);
     let expected = 3.0 * STIFFNESS / (1.0 + STIFFNESS);
     assert!((soft.force.z - expected).abs() < 1e-6, "{}", soft.force);
     assert_eq!(rig.simulation.deformation().source, ForceSource::Matter);
@@ -152,11 +159,11 @@ fn the_voxels_alone_can_be_felt_until_matter_has_moved_them() {
 #[test]
 fn bone_under_soft_matter_is_as_hard_as_ever() {
     let mut rig = rig();
-    go(&mut rig, 30.0, 8.0, 4000);
-    let rest = go(&mut rig, 8.0, 8.0, 1000);
+    press(&mut rig, 30.0, 8.0, 4000);
+    let rest = press(&mut rig, 8.0, 8.0, 1000);
     // the coupling of 1 N/mm over the 2 mm below the bone, less what smoothing rounds
     assert!((rest.force.z - 2.0).abs() < 0.3, "{}", rest.force);
-    assert!(rest.proxy.z >= BONE_TOP);
+    assert!(rest.proxy.z >= BONE_TOP + RADIUS);
     let bone = rig.simulation.voxels().segment(SegmentId(2)).unwrap();
     assert_eq!(bone.count(), 40 * 40 * BONE_TOP as u64);
     assert_eq!(rig.violations(), 0);
@@ -165,13 +172,13 @@ fn bone_under_soft_matter_is_as_hard_as_ever() {
 #[test]
 fn without_answers_soft_matter_becomes_as_hard_as_its_voxels() {
     let mut rig = rig();
-    go(&mut rig, 30.0, 17.0, 2000);
-    let soft = go(&mut rig, 17.0, 17.0, 500).force.z;
+    press(&mut rig, 30.0, 17.0, 2000);
+    let soft = press(&mut rig, 17.0, 17.0, 500).force.z;
     // the model hangs: nobody steps it
     let mut last = TickRecord::default();
     for tick in 0..2000 {
         let before = last.force;
-        last = rig.tick_at(DVec3::new(20.2, 20.3, 17.0));
+        last = rig.tick_at(DVec3::new(20.2, 20.3, 17.0 + RADIUS));
         let grown = last.force.length() - before.length();
         assert!(grown < 0.1 || tick == 0, "{grown}");
     }
@@ -185,7 +192,7 @@ fn without_answers_soft_matter_becomes_as_hard_as_its_voxels() {
 #[test]
 fn what_others_change_while_the_model_thinks_is_kept() {
     let mut rig = rig();
-    go(&mut rig, 30.0, 19.0, 2000);
+    press(&mut rig, 30.0, 19.0, 2000);
     let low = IVec3::new(2, 2, 12);
     let hole = VoxelBox::new(low, low + 4);
     for step in 0..50 {
@@ -194,7 +201,7 @@ fn what_others_change_while_the_model_thinks_is_kept() {
         rig.simulation.step();
         rig.simulation.fill_box(SOFT, &hole, solid).unwrap();
         rig.deformation.step();
-        go(&mut rig, 19.0, 19.0, 10);
+        press(&mut rig, 19.0, 19.0, 10);
         let segment = rig.simulation.voxels().segment(SOFT).unwrap();
         assert_eq!(segment.contains(low), solid, "step {step}");
     }
@@ -203,8 +210,8 @@ fn what_others_change_while_the_model_thinks_is_kept() {
 #[test]
 fn a_probe_that_is_placed_elsewhere_leaves_the_force_behind() {
     let mut rig = rig();
-    go(&mut rig, 30.0, 17.0, 2000);
-    let above = DVec3::new(20.2, 20.3, 30.0);
+    press(&mut rig, 30.0, 17.0, 2000);
+    let above = DVec3::new(20.2, 20.3, 30.0 + RADIUS);
     rig.simulation.place(above, 1, false).unwrap();
     for _ in 0..3 {
         let tick = rig.tick_at(above);
@@ -220,16 +227,16 @@ fn nothing_is_asked_before_the_servo_has_told_where_the_tool_is() {
         rig.deformation.step();
     }
     assert_eq!(rig.simulation.deformation().answers, 0);
-    assert_eq!(go(&mut rig, 30.0, 30.0, 100).force, DVec3::ZERO);
+    assert_eq!(press(&mut rig, 30.0, 30.0, 100).force, DVec3::ZERO);
     assert!(rig.simulation.deformation().answers > 0);
 }
 
 #[test]
 fn another_model_or_none_takes_the_place_at_once() {
     let mut rig = rig();
-    go(&mut rig, 30.0, 18.0, 2000);
+    press(&mut rig, 30.0, 18.0, 2000);
     rig.simulation.set_deformation_model(None);
-    let rest = go(&mut rig, 18.0, 18.0, 1000);
+    let rest = press(&mut rig, 18.0, 18.0, 1000);
     assert_eq!(rig.simulation.deformation().model, None);
     // hard again: the coupling over the whole depth
     assert!((rest.force.length() - rest.depth).abs() < 1e-9);
@@ -243,11 +250,11 @@ fn another_model_or_none_takes_the_place_at_once() {
 #[test]
 fn nothing_stands_beside_its_voxels_once_the_model_is_gone() {
     let mut rig = rig();
-    go(&mut rig, 30.0, 18.0, 2000);
+    press(&mut rig, 30.0, 18.0, 2000);
     assert_eq!(last_told(&rig).map(|told| told.is_some()), Some(true));
     // its answer is on the way
     rig.simulation.set_deformation_model(None);
-    go(&mut rig, 18.0, 18.0, 100);
+    press(&mut rig, 18.0, 18.0, 100);
     assert_eq!(last_told(&rig), Some(None));
 }
 
@@ -279,11 +286,11 @@ fn a_material_goes_and_comes_back_with_its_segment() {
 fn a_model_is_told_of_other_obstacles_and_other_materials() {
     let mut rig = rig();
     let seen = |rig: &mut Rig| {
-        go(rig, 18.0, 18.0, 50);
+        press(rig, 18.0, 18.0, 50);
         let report = rig.simulation.deformation().report;
         (report.nodes, report.iterations)
     };
-    go(&mut rig, 30.0, 18.0, 2000);
+    press(&mut rig, 30.0, 18.0, 2000);
     let (segments, resets) = seen(&mut rig);
     assert_eq!(segments, 2);
     rig.simulation.set_touchable(SegmentId(2), false).unwrap();

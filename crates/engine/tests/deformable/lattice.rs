@@ -8,7 +8,7 @@ use palpate_deform::registry::ModelOptions;
 use palpate_engine::deformable::WakeUp;
 use palpate_engine::touch::Settings;
 
-use super::soft_block::{SOFT, TOP, go, lattice_rig, soft_voxels};
+use super::soft_block::{RADIUS, SOFT, TOP, go, lattice_rig, soft_voxels};
 use crate::common::Rig;
 
 #[test]
@@ -17,17 +17,17 @@ fn what_the_lattice_dents_comes_back_and_leaves_no_step_of_undo() {
     let all = soft_voxels(&rig);
     assert!(rig.simulation.undo().unwrap(), "adding the segment");
     assert!(rig.simulation.redo().unwrap());
-    // the ball reaches 2 mm below its middle
-    go(&mut rig, 30.0, 22.5, 200);
-    go(&mut rig, 22.5, 19.0, 900);
-    let rest = go(&mut rig, 19.0, 19.0, 300);
+    // the ball reaches 3 mm below its middle
+    go(&mut rig, 30.0, 23.5, 200);
+    go(&mut rig, 23.5, 20.0, 900);
+    let rest = go(&mut rig, 20.0, 20.0, 300);
     let moved = rig.simulation.deformation().report.moved_voxels;
     assert!(moved > 10 && soft_voxels(&rig) < all, "{moved} voxels");
     // the proxy came after the tool into the dent, and is in no voxel
-    assert!(rest.proxy.z < TOP + 2.0 - 0.9, "{}", rest.proxy);
+    assert!(rest.proxy.z < TOP + RADIUS - 0.9, "{}", rest.proxy);
     assert!(rest.force.z > 0.0);
 
-    go(&mut rig, 19.0, 30.0, 600);
+    go(&mut rig, 20.0, 30.0, 600);
     go(&mut rig, 30.0, 30.0, 200);
     assert_eq!(rig.simulation.deformation().report.moved_voxels, 0);
     assert_eq!(soft_voxels(&rig), all);
@@ -114,8 +114,7 @@ fn pressing_slowly_makes_no_step_in_the_force_with_any_model() {
         rig.simulation
             .set_deformation(Some(name), &ModelOptions::default(), false)
             .unwrap();
-        // the ball reaches 2 mm below its middle
-        let above = TOP + 2.1;
+        let above = TOP + RADIUS + 0.1;
         go(&mut rig, 30.0, above, 200);
         let mut forces = Vec::new();
         for tick in 1..=1500 {
@@ -204,14 +203,14 @@ fn a_model_that_undo_brings_back_presses_as_before() {
     rig.simulation
         .set_deformation(None, &ModelOptions::default(), true)
         .unwrap();
-    go(&mut rig, 30.0, 19.0, 900);
-    let hard = go(&mut rig, 19.0, 19.0, 300).force.z;
+    go(&mut rig, 30.0, 20.0, 900);
+    let hard = go(&mut rig, 20.0, 20.0, 300).force.z;
     assert_eq!(soft_voxels(&rig), all);
     assert!(rig.simulation.undo().unwrap());
-    let soft = go(&mut rig, 19.0, 19.0, 500).force.z;
+    let soft = go(&mut rig, 20.0, 20.0, 500).force.z;
     assert!(soft > 0.0 && soft < 0.8 * hard, "{soft} {hard}");
     assert!(rig.simulation.deformation().report.moved_voxels > 0);
-    go(&mut rig, 19.0, 30.0, 500);
+    go(&mut rig, 20.0, 30.0, 500);
     go(&mut rig, 30.0, 30.0, 300);
     assert_eq!(soft_voxels(&rig), all);
 }

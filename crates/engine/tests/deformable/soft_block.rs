@@ -12,6 +12,8 @@ use crate::common::{OBSTACLE, Rig, box_segment};
 pub const SIZE: UVec3 = UVec3::new(40, 40, 40);
 /// Upper end of the soft block [mm].
 pub const TOP: f64 = 20.0;
+/// Of the ball that presses it [mm]: no smaller one does.
+pub const RADIUS: f64 = 3.0;
 pub const SOFT: SegmentId = SegmentId(1);
 
 /// A soft block pressed by the default model.
@@ -32,7 +34,7 @@ pub fn lattice_rig() -> Rig {
         .set_deformation(Some("lattice"), &ModelOptions::default(), false)
         .unwrap();
     let ball = Settings {
-        probe_radius: 2.0,
+        probe_radius: RADIUS,
         ..rig.simulation.settings()
     };
     rig.simulation.set_settings(ball).unwrap();

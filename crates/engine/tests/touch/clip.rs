@@ -200,12 +200,12 @@ fn tools_leave_what_is_cut_away_as_it_is() {
 fn soft_tissue_gives_way_at_the_cut_and_not_before() {
     let mut rig = lattice_rig();
     rig.simulation.set_clip(below(14.0));
-    // the ball has 2 mm, and the block had its top at 20 mm
-    let before = go(&mut rig, 30.0, 16.6, 2000);
+    // the ball has 3 mm, and the block had its top at 20 mm
+    let before = go(&mut rig, 30.0, 17.6, 2000);
     assert_eq!(before.force, DVec3::ZERO);
     assert_eq!(rig.simulation.deformation().force, DVec3::ZERO);
-    go(&mut rig, 16.6, 15.0, 500);
-    let pressed = go(&mut rig, 15.0, 15.0, 300);
+    go(&mut rig, 17.6, 16.0, 500);
+    let pressed = go(&mut rig, 16.0, 16.0, 300);
     assert!(rig.simulation.deformation().force.z > 0.01 && pressed.force.z > 0.01);
     assert_eq!(rig.violations(), 0);
 }
