@@ -161,8 +161,8 @@ fn bone_under_soft_matter_is_as_hard_as_ever() {
     let mut rig = rig();
     press(&mut rig, 30.0, 8.0, 4000);
     let rest = press(&mut rig, 8.0, 8.0, 1000);
-    // the coupling of 1 N/mm over the 2 mm below the bone, less what smoothing rounds
-    assert!((rest.force.z - 2.0).abs() < 0.3, "{}", rest.force);
+    // the coupling of 1 N/mm over the 2 mm below the bone, and what the cells of a ball are too wide
+    assert!((rest.force.z - 2.0).abs() < 0.5, "{}", rest.force);
     assert!(rest.proxy.z >= BONE_TOP + RADIUS);
     let bone = rig.simulation.voxels().segment(SegmentId(2)).unwrap();
     assert_eq!(bone.count(), 40 * 40 * BONE_TOP as u64);
