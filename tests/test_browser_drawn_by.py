@@ -164,7 +164,8 @@ def test_a_view_that_turns_is_followed_before_the_engine_has_drawn_it(
     page.draw_by("browser")
     page.draw_by("engine")
     again = page.picture(OUTPUT / "drawn-by-engine-turned-again.png")
-    assert np.abs(again - true).mean() < 0.5 / 255
+    # the first one came over a line that had stood still, and may be packed
+    assert np.abs(again - true).mean() < 1 / 255
     page.read("window.palpate.bench.turn(-0.1)")
     page.finish()
 

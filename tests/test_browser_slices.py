@@ -349,6 +349,8 @@ def test_layouts_have_names_and_are_remembered(opened: Opened) -> None:
     page.do("choose", testid="layout-names", value="big")
     page.wait("window.palpate.slices.length === 3")
     assert page.read(seen) == "visible"
+    # all of them are drawn in their new places
+    page.wait("window.palpate.slices.length === 3 && window.palpate.slices[0].rect.width > 500")
     large, *small = (opened.plane(name) for name in ("axial", "coronal", "sagittal"))
     sizes = [pane["width"] * pane["height"] for pane in small]
     assert large["width"] * large["height"] > 3 * max(sizes)

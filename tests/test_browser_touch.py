@@ -121,12 +121,6 @@ def held(page: Browser, name: str) -> Any:
     return page.read(f"window.palpate.settings.{name}")
 
 
-def fold(page: Browser, title: str) -> None:
-    """Opens what is folded away under a title, or closes it."""
-    folds = "[...document.querySelectorAll('button[aria-expanded]')]"
-    page.read(f"{folds}.find((each) => each.textContent.trim() === '{title}').click()")
-
-
 # --- settings while touching ------------------------------------------------------------
 
 
@@ -147,7 +141,6 @@ def test_stiffness_changes_the_force_while_touching(page: Browser) -> None:
 
 def test_damping_is_moved_while_touching_and_held_by_the_engine(page: Browser) -> None:
     press(page)
-    fold(page, "Damping and limit")
     before = held(page, "damping")
     page.do("slide", testid="damping", value=0.012)
     # a step of the slider, whose thumb can be set to a pixel
@@ -157,7 +150,6 @@ def test_damping_is_moved_while_touching_and_held_by_the_engine(page: Browser) -
     damped = page.settled()
     assert damped["contact"]
     assert damped["safety"]["violations"] == 0
-    fold(page, "Damping and limit")
 
 
 def test_a_ball_stands_its_radius_before_the_surface(page: Browser) -> None:
@@ -348,6 +340,9 @@ def test_the_way_of_the_probe_is_drawn_and_can_be_hidden(block: Path) -> None:
             if places[times > times[-1] - 3.5].min() < MIDDLE + 0.5:
                 break
             command.process.send_signal(signal.SIGCONT)
+        # that nothing answers stands over the picture
+        hidden = "<style>[data-testid=message] { display: none; }</style>"
+        page.read(f"document.head.insertAdjacentHTML('beforeend', {hidden!r})")
         shown = page.picture(OUTPUT / "way_shown.png")
         page.do("press", key="p")
         without = page.picture(OUTPUT / "way_hidden.png")

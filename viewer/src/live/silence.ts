@@ -8,7 +8,7 @@ export type Silence = "none" | "short" | "long";
 
 /** From when on a silence counts [ms]. */
 const shortest = 300;
-const long = 2000;
+const long = 4000;
 /** How often it is looked [ms]. */
 export const lookEvery = 100;
 

@@ -17,12 +17,12 @@ test("a silence is told when it begins, when it is long, and when it ends", () =
   const watch = new SilenceWatch();
   watch.look(1000);
   expect(watch.heard(1000)).toBeNull();
-  expect(told(watch, 1100, 4000)).toEqual([
+  expect(told(watch, 1100, 6000)).toEqual([
     [1400, "short"],
-    [3100, "long"],
+    [5100, "long"],
   ]);
-  expect(watch.heard(4010)).toBe("none");
-  expect(watch.heard(4020)).toBeNull();
+  expect(watch.heard(6010)).toBe("none");
+  expect(watch.heard(6020)).toBeNull();
 });
 
 test("who looks late may not have read yet what has come", () => {

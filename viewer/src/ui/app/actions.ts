@@ -382,18 +382,12 @@ function tools({ stage, tool }: ActionTargets): readonly Action[] {
     },
     {
       group,
-      name: "Keep the region that was found",
+      name: "Keep the region that was found, or cut along the painted line",
       keys: ["Enter"],
-      ready: () => stage.growing.shown !== null,
-      run: () => { stage.growing.end(true); },
-    },
-    {
-      group,
-      name: "Cut along the line that was painted",
-      keys: ["Enter"],
-      ready: () => stage.cutting.ready || stage.scissors.ready,
+      ready: () => stage.growing.shown !== null || stage.cutting.ready || stage.scissors.ready,
       run: () => {
-        if (stage.cutting.ready) stage.cutting.cut();
+        if (stage.growing.shown !== null) stage.growing.end(true);
+        else if (stage.cutting.ready) stage.cutting.cut();
         else stage.scissors.remove();
       },
     },
