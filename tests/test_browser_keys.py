@@ -89,6 +89,7 @@ def test_a_key_that_is_held_acts_once(page: Browser) -> None:
 
 
 def test_the_keys_of_the_page_work_in_a_field_and_what_was_typed_there_holds(page: Browser) -> None:
+    page.do("click", testid="threshold")
     page.read("document.querySelector('[data-testid=threshold]').select()")
     page.do("type", text="700")
     page.do("press", key="Control+k")

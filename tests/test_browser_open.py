@@ -97,7 +97,7 @@ def segments_from_a_file(page: Browser, path: Path) -> None:
     page.shows("open-failure", "text.includes('holds no masks')")
     page.do("fill", testid="open-path", text=str(path))
     page.do("click", testid="open-look")
-    page.wait(f"{count} === {before + 1} && document.querySelector('dialog') === null")
+    page.wait(f"{count} === {before + 1} && document.querySelector('dialog[open]') === null")
     page.do("press", key="Control+z")
     page.wait(f"{count} === {before}")
 
@@ -111,7 +111,7 @@ def segments_dropped_as_a_scan(page: Browser, path: Path) -> None:
     page.do("screenshot", path=str(OUTPUT / "open-labels.png"))
     assert page.do("axe")["value"] == []
     page.do("click", testid="labels-add")
-    page.wait(f"{count} === {before + 1} && document.querySelector('dialog') === null")
+    page.wait(f"{count} === {before + 1} && document.querySelector('dialog[open]') === null")
     page.do("press", key="Control+z")
     page.wait(f"{count} === {before}")
 

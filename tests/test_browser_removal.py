@@ -15,7 +15,8 @@ pytestmark = pytest.mark.browser
 OUTPUT = ROOT / "tests" / "output"
 COUNT = "document.querySelectorAll('[data-testid^=\"visible-\"]').length"
 BONE = (
-    "Number(/([0-9\\s\u2009\u202f]+) voxels/.exec(document.body.innerText)[1].replace(/\\D/g, ''))"
+    "Number(/([0-9\\s\u2009\u202f]+) voxels/.exec("
+    "document.querySelector('[data-testid=segment-1] .size').textContent)[1].replace(/\\D/g, ''))"
 )
 """Voxels of the first segment, as its card tells them."""
 OPTIONS = ("--threshold", "300", "--unit", "HU", "--port", "0")

@@ -302,7 +302,7 @@ def test_segments_of_the_second_scan_come_to_the_first(
     mask = data_folder / "elastix_lung_pair" / "3DCT_lung_followup_mask.mha"
     # where the second scan was laid beside the first, nothing of them meets it
     lungs.do("give", testid="second-segments-file", path=str(mask))
-    lungs.wait("document.body.textContent.includes('none of 1 segments reaches')")
+    lungs.wait("/none of 1 segments reaches/i.test(document.body.textContent)")
     assert lungs.read("document.querySelector('[data-testid=segment-2]')") is None
 
     transform = tmp_path / "turn.tfm"

@@ -350,7 +350,13 @@ def test_layouts_have_names_and_are_remembered(opened: Opened) -> None:
     page.wait("window.palpate.slices.length === 3")
     assert page.read(seen) == "visible"
     # all of them are drawn in their new places
-    page.wait("window.palpate.slices.length === 3 && window.palpate.slices[0].rect.width > 500")
+    page.wait(
+        "(() => { const area = (wanted) => { const { width = 0, height = 0 } ="
+        " window.palpate.slices.find(({ name }) => name === wanted)?.rect ?? {};"
+        " return width * height; };"
+        " const small = [area('coronal'), area('sagittal')];"
+        " return Math.min(...small) > 0 && area('axial') > 3 * Math.max(...small); })()"
+    )
     large, *small = (opened.plane(name) for name in ("axial", "coronal", "sagittal"))
     sizes = [pane["width"] * pane["height"] for pane in small]
     assert large["width"] * large["height"] > 3 * max(sizes)

@@ -341,8 +341,9 @@ def test_the_way_of_the_probe_is_drawn_and_can_be_hidden(block: Path) -> None:
                 break
             command.process.send_signal(signal.SIGCONT)
         # that nothing answers stands over the picture
-        hidden = "<style>[data-testid=message] { display: none; }</style>"
-        page.read(f"document.head.insertAdjacentHTML('beforeend', {hidden!r})")
+        message = "document.querySelector('[data-testid=message]')"
+        page.wait(f"{message} !== null")
+        page.read(f"{message}.style.display = 'none'")
         shown = page.picture(OUTPUT / "way_shown.png")
         page.do("press", key="p")
         without = page.picture(OUTPUT / "way_hidden.png")
