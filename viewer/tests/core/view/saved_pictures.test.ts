@@ -8,6 +8,7 @@ function packed(number: number, width: number): Uint8Array {
     type: "drawn_picture",
     number,
     size: [width, 2],
+    eyes: 1,
     part: null,
     over: null,
     state: 0,

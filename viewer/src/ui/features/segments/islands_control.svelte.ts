@@ -32,6 +32,11 @@ export class IslandsControl {
     this.session.segments.find(({ id }) => id === this.shown?.id) ?? null,
   );
 
+  /** Whether a person has asked which islands of a segment would go, and has not decided yet. */
+  areAskedFor(id: number): boolean {
+    return this.session.islands?.id === id;
+  }
+
   /** Shows which islands would go. */
   show(id: number, { most, leastMl }: IslandRule): void {
     this.session.send({ type: "show_islands", id, most, least_ml: leastMl });

@@ -1,6 +1,6 @@
 /** Looks of segments, which the engine holds for all pages: steps take back what nobody has changed since. */
 import { beforeEach, expect, test } from "vitest";
-import type { FromPage, Segment, SegmentProperties } from "../../../../src/core/protocol";
+import type { FromPage, Segment, SegmentProperties, ShowSegments } from "../../../../src/core/protocol";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 import { SegmentAppearanceControl } from "../../../../src/ui/features/segments/segment_appearance_control";
 import type { Session } from "../../../../src/ui/state/session.svelte";
@@ -42,8 +42,12 @@ beforeEach(() => {
 
 /** The engine does what it was asked for, and tells of it. */
 function answer(): void {
-  for (const asked of sent.splice(0) as SegmentProperties[]) {
-    segments = segments.map((segment) => (segment.id === asked.id ? { ...segment, ...asked } : segment));
+  for (const asked of sent.splice(0) as (SegmentProperties | ShowSegments)[]) {
+    const changes = asked.type === "show_segments" ? asked.changes : [{ ...asked, ids: [asked.id] }];
+    for (const { ids, ...part } of changes) {
+      const given = Object.fromEntries(Object.entries(part).filter(([, value]) => value !== null));
+      segments = segments.map((segment) => (ids.includes(segment.id) ? { ...segment, ...given } : segment));
+    }
   }
   for (const told of waiters.splice(0)) told();
 }
