@@ -331,7 +331,6 @@ def test_a_double_click_gives_a_slice_the_whole_picture_and_another_takes_it_bac
 def test_layouts_have_names_and_are_remembered(opened: Opened) -> None:
     page = opened.page
     seen = "getComputedStyle(document.querySelector('[data-testid=canvas]')).visibility"
-    camera = page.read("window.palpate.camera")
     page.do("choose", testid="layout-names", value="slices")
     page.wait("window.palpate.slices.length === 3")
     assert page.read(seen) == "hidden"
@@ -346,6 +345,7 @@ def test_layouts_have_names_and_are_remembered(opened: Opened) -> None:
     page.do("open", url=url, width=1280, height=860)
     page.wait("window.palpate.slices.length === 3")
     assert page.read(seen) == "hidden"
+    camera = page.read("window.palpate.camera")
     page.do("choose", testid="layout-names", value="big")
     page.wait("window.palpate.slices.length === 3")
     assert page.read(seen) == "visible"
