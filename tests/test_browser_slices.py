@@ -465,7 +465,7 @@ def test_layout_and_window_are_remembered(opened: Opened) -> None:
 
 
 OVERLAPS = """(() => {
-  const parts = ['.views', '.edge', '.scale', '.read > *', '.name', '.info > *',
+  const parts = ['.views', '.edge', '.scale', '.read > *', '.name', '.info:not(.notice) > *',
     '[data-testid^=bar-]',
     'svg[aria-label*=Views]']
   const boxes = parts.flatMap((part) => [...document.querySelectorAll(`.picture ${part}`)].map(
