@@ -256,6 +256,9 @@ def test_statistics_stand_in_the_panel_and_follow_edits(page: Browser) -> None:
     page.wait(f"{NUMBERS}.length > 5")
     before = page.read(NUMBERS)
     page.do("screenshot", path=str(OUTPUT / "segment_statistics.png"))
+    # a newer segment is open
+    page.read("document.querySelector('[data-testid=segment-1]:not(.open) .name')?.click()")
+    page.frames()
     if page.read("document.querySelector('[data-testid=shape-kind]') === null"):
         page.do("clickText", text="Change shape")
     page.do("choose", testid="shape-kind", value="grow")

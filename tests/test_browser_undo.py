@@ -128,6 +128,9 @@ def test_all_that_was_changed_comes_back_in_turn_and_again(page: Browser) -> Non
 
 def test_a_name_that_was_typed_comes_back_where_it_holds(page: Browser) -> None:
     text = "document.querySelector('[data-testid=segment-1] input[type=text]')"
+    # a newer segment is open
+    page.read("document.querySelector('[data-testid=segment-1]:not(.open) .name')?.click()")
+    page.frames()
     page.read(f"{text}.focus()")
     page.do("press", key="Control+a")
     page.do("type", text="Skull")
