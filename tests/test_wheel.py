@@ -116,7 +116,9 @@ def test_it_shows_the_phantom_on_a_page(address: str) -> None:
     base, _, query = address.partition("/?")
     script = re.search(r'src="\.?/?(assets/[^"]+\.js)"', page)
     assert script is not None, page
-    assert len(fetch(f"{base}/{script.group(1)}?{query}")) > 10_000
+    first = fetch(f"{base}/{script.group(1)}?{query}").decode()
+    parts = set(re.findall(r"assets/[\w-]+\.js", first)) - {script.group(1)}
+    assert sum(len(fetch(f"{base}/{part}?{query}")) for part in parts) > 100_000
     assert len(fetch(f"{base}/api/volume?step=4&{query}")) > 10_000
 
     with pytest.raises(urllib.error.HTTPError, match="403") as refused:
