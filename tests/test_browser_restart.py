@@ -1,4 +1,5 @@
-"""A page whose server was killed goes on by itself once that is started again."""
+"""A page whose server was killed goes on by itself once that is started again, and says of one that
+was stopped on purpose that the session has ended."""
 
 from __future__ import annotations
 
@@ -58,3 +59,20 @@ def test_a_page_goes_on_after_its_server_was_killed_and_started_again(
             # touch goes on
             page.read("window.palpate.place([127, 1, 150])")
             page.all_done()
+            # stopped on purpose: the page says so, and goes on saying it
+            again.process.send_signal(signal.SIGINT)
+            page.wait(f"{MESSAGE}?.textContent.includes('The session has ended')")
+            assert again.process.wait(60) == 0
+        page.read("new Promise((resolve) => setTimeout(resolve, 5000))")
+        words = page.text("message")
+        assert "The session has ended" in words
+        assert "start Palpate" in words
+        assert "same scan" in words
+        for theme in ("dark", "light"):
+            page.read(f"document.documentElement.dataset.theme = '{theme}'")
+            page.do("screenshot", path=str(OUTPUT / f"restart-ended-{theme}.png"))
+        with palpate(*wanted, state=tmp_path):
+            page.wait(
+                f"window.palpate?.ready === true && {MESSAGE} === null && {ROWS} === 3",
+                seconds=120.0,
+            )

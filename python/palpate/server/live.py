@@ -18,6 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
+from palpate.server.closing import ENDED, EXCHANGED, STOOD_STILL, close_all, end_all
 from palpate.server.messages.engine_pictures import EnginePictures
 from palpate.server.messages.outbox import Missed, Outbox
 from palpate.server.messages.painting import Outlines, Painter
@@ -42,19 +43,15 @@ from palpate.server.standstill import Standstill
 from palpate.session.session import Session
 from palpate.volumes.second_scan import SecondScan
 
-__all__ = ["EXCHANGED", "Live"]
+__all__ = ["Live"]
 
 STATES_HZ = 60.0
 """States a second while pages look."""
 PATIENCE = 0.1
-"""Seconds that a thread waits for changes: so long may it outlive the server."""
+"""Seconds that a thread waits for changes: so long may it outlive the server. Also how long pages
+have to take what was told before the end of the session."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
-EXCHANGED = 4001
-"""Code with which pages of a scan are sent away that makes room for another."""
-STOOD_STILL = 4002
-"""Code with which pages are sent away, to come again at once, whose messages are too old to be
-done; the reason is how many seconds the process stood still."""
 
 
 class Live:
@@ -130,25 +127,34 @@ class Live:
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
-        worker = asyncio.create_task(self._thresholds.run())
-        segment_worker = asyncio.create_task(self._segment_work.run())
-        gaps = asyncio.create_task(self._gaps.run(lambda: self._scene_of_now))
-        changes = asyncio.create_task(self._follow_changes())
+        beside = [
+            asyncio.create_task(self._thresholds.run(), name="making thresholds"),
+            asyncio.create_task(self._segment_work.run(), name="working on segments"),
+            asyncio.create_task(
+                self._gaps.run(lambda: self._scene_of_now), name="measuring the gap"
+            ),
+            asyncio.create_task(self._follow_changes(), name="following changes"),
+        ]
+        for task in beside:
+            task.add_done_callback(self._tell_failure)
         try:
             while self._publish_state():
                 self._beat()
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
+            # what was told last, which may say why, goes out first
+            await asyncio.sleep(PATIENCE)
+            await close_all(self._forget_pages(), ENDED, "the session has ended")
         finally:
-            worker.cancel()
             self._segment_work.stop()
             self.registration.stop()
-            segment_worker.cancel()
-            gaps.cancel()
-            changes.cancel()
+            await end_all(beside)
 
     async def serve(self, websocket: WebSocket) -> None:
         """Serves one page until it leaves."""
         await websocket.accept()
+        if not self.session.is_running:
+            await websocket.close(ENDED, "the session has ended")
+            return
         # it knows no surface yet; the voxels it asks for
         is_near = websocket.client is not None and websocket.client.host in {"127.0.0.1", "::1"}
         outbox = Outbox(missed=Missed(), is_near=is_near)
@@ -216,9 +222,19 @@ class Live:
 
     async def send_away(self) -> None:
         """Has all pages load themselves anew: another scan takes the place of this one."""
-        for websocket in list(self._sockets):
-            with suppress(RuntimeError):
-                await websocket.close(EXCHANGED, "another scan")
+        await close_all(self._forget_pages(), EXCHANGED, "another scan")
+
+    def _forget_pages(self) -> set[WebSocket]:
+        """Listens to no page any more; returns their connections."""
+        sockets, self._sockets = self._sockets, set()
+        self._outboxes.clear()
+        return sockets
+
+    def _tell_failure(self, task: asyncio.Task[None]) -> None:
+        """Tells pages that what is done beside the event loop is done no more."""
+        if not task.cancelled() and (error := task.exception()) is not None:
+            text = f"{task.get_name()} has failed ({error}). Restart Palpate"
+            self._publish(protocol.Notice(level="error", text=text[:1].upper() + text[1:]))
 
     def _beat(self) -> None:
         """Sends all pages away to be greeted anew, where this process stood still.
@@ -227,9 +243,9 @@ class Live:
         """
         seconds = self._standstill.beat()
         if seconds > 0.0:
-            sockets, self._sockets = self._sockets, set()
-            self._outboxes.clear()
-            self._greeting_pages_anew = asyncio.create_task(_close_all(sockets, seconds))
+            self._greeting_pages_anew = asyncio.create_task(
+                close_all(self._forget_pages(), STOOD_STILL, f"{seconds:.0f}")
+            )
 
     # --- to pages -------------------------------------------------------------------------
 
@@ -248,9 +264,6 @@ class Live:
             self._publish(protocol.Notice(level=level, text=text))
         self._publish_from_threads()
         if not self.session.is_running:
-            self._publish(
-                protocol.Notice(level="error", text="the session has ended: start it again")
-            )
             return False
         self._scene_of_now = (frame["edit"], frame["poses"])
         versions, voxels = frame["segments_version"], frame["voxels_version"]
@@ -335,13 +348,6 @@ class Live:
             self.segments.threshold(wanted)
         except (PalpateError, RuntimeError) as error:
             self._from_threads.put(protocol.Notice(level="error", text=page_words(str(error))))
-
-
-async def _close_all(sockets: set[WebSocket], seconds: float) -> None:
-    """Closes the connections of pages after so long a standstill."""
-    for websocket in sockets:
-        with suppress(RuntimeError):
-            await websocket.close(STOOD_STILL, f"{seconds:.0f}")
 
 
 async def _receive(websocket: WebSocket) -> bytes:

@@ -150,9 +150,11 @@ class OpenScan:
 
     async def stop(self, *, exchanged: bool = False) -> None:
         """Ends the force and publishing; pages load anew where the scan is ``exchanged``."""
+        if self._pump is not None:
+            # before it sees that the session has ended, which it would tell pages
+            self._pump.cancel()
         await run_in_threadpool(self.session.stop)
         if self._pump is not None:
-            self._pump.cancel()
             with suppress(asyncio.CancelledError):
                 await self._pump
         if exchanged:

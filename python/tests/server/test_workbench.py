@@ -13,7 +13,7 @@ import pytest
 from made_scans import make_ball
 from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
-from palpate.server.live import EXCHANGED
+from palpate.server.closing import EXCHANGED
 from palpate.server.open_scan import OpenScan
 from palpate.server.security import Access
 from palpate.server.workbench import Workbench

@@ -16,6 +16,8 @@ export type ConnectionState =
   | { readonly kind: "refused" }
   /** The engine was started anew and has let this page in again: the page is to be loaded anew. */
   | { readonly kind: "restarted" }
+  /** Palpate was stopped, or its session has ended; attempts follow by themselves until it is started again. */
+  | { readonly kind: "ended" }
   /** Another scan has taken the place of this one: the page is to be loaded anew. */
   | { readonly kind: "exchanged" };
 
@@ -33,6 +35,10 @@ export interface ConnectionEvents {
 const exchanged = 4001;
 /** Code with which an engine that stood still forgets what it was asked meanwhile; the reason is how long [s]. */
 const stoodStill = 4002;
+/** Code with which it closes where its session has ended. */
+const sessionEnded = 4003;
+/** Code with which a server closes that is being stopped (RFC 6455, registry of close codes: service restart). */
+const serverStops = 1012;
 const firstRetry = 400;
 const slowestRetry = 4000;
 
@@ -40,6 +46,8 @@ export class Connection {
   private readonly worker = takeWorker("connection");
   private readonly resumption: Resumption;
   private retry = firstRetry;
+  /** It said that it ends; that holds until something comes again. */
+  private ended = false;
 
   constructor(
     private readonly token: string,
@@ -63,11 +71,15 @@ export class Connection {
   private receive(message: FromConnection): void {
     switch (message.kind) {
       case "opened":
-        this.retry = firstRetry;
         void this.resumption.learn();
-        this.events.state({ kind: "open" });
+        this.tellState({ kind: "open" });
         break;
       case "batch":
+        this.retry = firstRetry;
+        if (this.ended) {
+          this.ended = false;
+          this.tellState({ kind: "open" });
+        }
         for (const letter of message.letters) {
           // worker and page count time from different beginnings
           this.events.message(letter.message, letter.arrived - performance.timeOrigin);
@@ -92,6 +104,10 @@ export class Connection {
           this.events.stoodStill(message.reason);
           this.open();
         } else {
+          if (message.code === sessionEnded || message.code === serverStops) {
+            this.tellState({ kind: "ended" });
+            this.ended = true;
+          }
           void this.reopen(message.reason);
         }
         break;
@@ -99,7 +115,7 @@ export class Connection {
   }
 
   private open(): void {
-    this.events.state({ kind: "connecting" });
+    this.tellState({ kind: "connecting" });
     this.tell({ kind: "open", url: liveAddress(this.token) });
   }
 
@@ -111,11 +127,18 @@ export class Connection {
       this.events.state({ kind });
       return;
     }
-    this.events.state({ kind: "lost", reason });
+    this.tellState({ kind: "lost", reason });
     setTimeout(() => {
       this.open();
     }, this.retry);
     this.retry = Math.min(slowestRetry, this.retry * 1.6);
+  }
+
+  /** Attempts after an end are no news. */
+  private tellState(state: ConnectionState): void {
+    if (!this.ended) {
+      this.events.state(state);
+    }
   }
 
   private tell(message: ToConnection): void {
