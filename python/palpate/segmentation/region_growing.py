@@ -159,7 +159,7 @@ def _levels(
         return grown_by_choice(
             volume, places, most_ml=how.most_ml, fill=how.fill, progress=progress
         )
-    box, region = _by_hand(volume, places, how=how, progress=progress)
+    box, region = _by_hand(volume, seeds, places, how=how, progress=progress)
     return alone(box, region, [tuple(map(int, place - _start(box))) for place in places])
 
 
@@ -168,7 +168,12 @@ def _start(box: Box) -> NDArray[np.int64]:
 
 
 def _by_hand(
-    volume: Volume, places: list[NDArray[np.int64]], *, how: Growing, progress: Progress
+    volume: Volume,
+    seeds: Sequence[Sequence[float]],
+    places: list[NDArray[np.int64]],
+    *,
+    how: Growing,
+    progress: Progress,
 ) -> tuple[Box, Mask]:
     """Returns the region of the range, spread or passage that a person gives, in a box."""
     spread = SPREAD if how.spread is None else how.spread
@@ -178,8 +183,12 @@ def _by_hand(
     progress("smoothing values", None)
     raw, values = _values(volume, box)
     low, high = how.range or _range(values, inside, spacing=volume.spacing, spread=spread)
-    in_range = filled((values >= low) & (values <= high))
-    region = _follow(in_range, inside, volume=volume, how=how, progress=progress)
+    in_range = (values >= low) & (values <= high)
+    for seed, place in zip(seeds, inside, strict=True):
+        if not in_range[_near(place, volume.spacing)].any():
+            told = f"values around seed {_mm(seed)} are about {values[place]:.3g}"
+            raise EmptySegmentError(f"{told}{_needed(low, high, volume, how=how)}")
+    region = _follow(filled(in_range), inside, volume=volume, how=how, progress=progress)
     progress("finding the border", None)
     ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=spread)
     region = _to_border(region, volume.between(*ends, box), volume.spacing, fill=how.fill)
@@ -190,6 +199,17 @@ def _by_hand(
             "tissue, or a larger spread"
         )
     return box, region
+
+
+def _mm(seed: Sequence[float]) -> str:
+    return f"{', '.join(f'{c:g}' for c in seed)} mm"
+
+
+def _needed(low: float, high: float, volume: Volume, *, how: Growing) -> str:
+    """Says in which unit values are, and which ones seeds may have."""
+    unit = f" {volume.unit}" if volume.unit else ""
+    other = "another spread, or seeds in the same tissue" if how.range is None else "another range"
+    return f"{unit}; allowed: values of {low:.4g} to {high:.4g}{unit}, or {other}"
 
 
 def _extent(volume: Volume) -> str:
@@ -209,9 +229,8 @@ def _places(volume: Volume, seeds: Sequence[Sequence[float]]) -> list[NDArray[np
     for seed in seeds:
         grid = grid_from_patient[:3, :3] @ np.asarray(seed, np.float64) + grid_from_patient[:3, 3]
         if not ((grid >= 0.0) & (grid < volume.dimensions)).all():
-            told = ", ".join(f"{c:g}" for c in seed)
             raise OptionError(
-                f"seed {told} mm lies outside of {volume.name}; allowed: points in it, "
+                f"seed {_mm(seed)} lies outside of {volume.name}; allowed: points in it, "
                 f"{_extent(volume)}"
             )
         places.append(np.floor(grid[::-1]).astype(np.int64))
@@ -329,15 +348,20 @@ def _to_border(region: Mask, in_range: Mask, spacing: Sequence[float], *, fill: 
 def _deepest(
     room: NDArray[np.float32], seed: tuple[int, ...], spacing: Sequence[float]
 ) -> tuple[int, ...]:
-    """Returns the voxel near a seed that is deepest in range: a seed may lie at a border."""
-    sides = [whole_voxels(0.5 * NEIGHBOURHOOD, edge) for edge in reversed(spacing)]
-    low = [max(0, place - side) for place, side in zip(seed, sides, strict=True)]
-    box = tuple(
-        slice(begin, place + side + 1) for begin, place, side in zip(low, seed, sides, strict=True)
-    )
+    """Returns the voxel near a seed that is deepest in range."""
+    box = _near(seed, spacing)
     part = room[box]
     found = np.unravel_index(int(part.argmax()), part.shape)
-    return tuple(int(begin + place) for begin, place in zip(low, found, strict=True))
+    return tuple(int(side.start + place) for side, place in zip(box, found, strict=True))
+
+
+def _near(seed: tuple[int, ...], spacing: Sequence[float]) -> tuple[slice, ...]:
+    """Returns the voxels that count as those of a seed, which may lie at a border."""
+    sides = [whole_voxels(0.5 * NEIGHBOURHOOD, edge) for edge in reversed(spacing)]
+    return tuple(
+        slice(max(0, place - side), place + side + 1)
+        for place, side in zip(seed, sides, strict=True)
+    )
 
 
 def _connected(room: NDArray[np.float32], starts: list[tuple[int, ...]], radius: float) -> Mask:

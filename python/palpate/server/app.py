@@ -6,8 +6,9 @@ that costs more time than it saves on one machine.
 
 from __future__ import annotations
 
+import asyncio
 import socket
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from threading import Timer
@@ -88,7 +89,7 @@ def make_app(workbench: Workbench, *, access: Access, page: Path = PAGE) -> Star
     async def index(_: Request) -> Response:
         return FileResponse(page / "index.html")
 
-    return Starlette(
+    app = Starlette(
         routes=[
             Route("/", index),
             *Resuming(access).routes,
@@ -100,14 +101,23 @@ def make_app(workbench: Workbench, *, access: Access, page: Path = PAGE) -> Star
         middleware=[Middleware(AccessMiddleware, access=access)],
         lifespan=lifespan,
     )
+    app.state.ending = workbench.stop
+    return app
 
 
 class _Server(uvicorn.Server):
-    """Calls ``ready`` once it answers."""
+    """Calls ``ready`` once it answers, and ``ending`` before it closes the connections of pages."""
 
-    def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        *,
+        ready: Callable[[], None],
+        ending: Callable[[], Awaitable[None]],
+    ) -> None:
         super().__init__(config)
         self._ready = ready
+        self._ending = ending
 
     def end(self) -> None:
         """Asks it to end, from any thread."""
@@ -116,6 +126,13 @@ class _Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         self._ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        ending = asyncio.ensure_future(self._ending())
+        # who asks once more does not wait
+        while not ending.done() and not self.force_exit:
+            await asyncio.wait([ending], timeout=0.1)
+        await super().shutdown(sockets)
 
 
 def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> _Server:
@@ -131,7 +148,7 @@ def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> 
         "timeout_graceful_shutdown": 1,
         "ws_ping_timeout": PAGE_PATIENCE,
     }
-    return _Server(uvicorn.Config(app, **options), ready)
+    return _Server(uvicorn.Config(app, **options), ready=ready, ending=app.state.ending)
 
 
 def serve(

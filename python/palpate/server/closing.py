@@ -19,7 +19,7 @@ STOOD_STILL = 4002
 """Code with which pages are sent away, to come again at once, whose messages are too old to be
 done; the reason is how many seconds the process stood still."""
 ENDED = 4003
-"""Code with which pages are sent away whose session has ended while the server goes on."""
+"""Code with which pages are sent away whose session has ended, or whose server is being stopped."""
 
 _log = logging.getLogger(__name__)
 

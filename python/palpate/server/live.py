@@ -18,7 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
-from palpate.server.closing import ENDED, EXCHANGED, STOOD_STILL, close_all, end_all
+from palpate.server.closing import ENDED, STOOD_STILL, close_all, end_all
 from palpate.server.messages.engine_pictures import EnginePictures
 from palpate.server.messages.outbox import Missed, Outbox
 from palpate.server.messages.painting import Outlines, Painter
@@ -50,6 +50,8 @@ STATES_HZ = 60.0
 PATIENCE = 0.1
 """Seconds that a thread waits for changes: so long may it outlive the server. Also how long pages
 have to take what was told before the end of the session."""
+GOODBYE = 1.0
+"""Seconds that pages have at most to take leave."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
 
@@ -87,6 +89,7 @@ class Live:
         self._needle = PublishedNeedle(session)
         self._outboxes: set[Outbox] = set()
         self._sockets: set[WebSocket] = set()
+        self._serving: set[asyncio.Task[None]] = set()
         self._standstill = Standstill()
         self._greeting_pages_anew: asyncio.Task[None] | None = None
         self._scene_of_now: object = None
@@ -143,7 +146,7 @@ class Live:
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
             # what was told last, which may say why, goes out first
             await asyncio.sleep(PATIENCE)
-            await close_all(self._forget_pages(), ENDED, "the session has ended")
+            await self.send_away(ENDED, "the session has ended")
         finally:
             self._segment_work.stop()
             self.registration.stop()
@@ -151,6 +154,12 @@ class Live:
 
     async def serve(self, websocket: WebSocket) -> None:
         """Serves one page until it leaves."""
+        serving = asyncio.ensure_future(self._serve(websocket))
+        self._serving.add(serving)
+        serving.add_done_callback(self._serving.discard)
+        await serving
+
+    async def _serve(self, websocket: WebSocket) -> None:
         await websocket.accept()
         if not self.session.is_running:
             await websocket.close(ENDED, "the session has ended")
@@ -171,7 +180,7 @@ class Live:
         if self._second.scan is not None:
             outbox.put(self._second)
             outbox.put(self.registration.message)
-        for message in self._recovery.messages():
+        for message in (*self._recovery.messages(), *self._segment_work.previews()):
             outbox.put(message)
         self._outboxes.add(outbox)
         self._sockets.add(websocket)
@@ -220,9 +229,14 @@ class Live:
         self._from_threads.put(self._second)
         self.registration.follow(second)
 
-    async def send_away(self) -> None:
-        """Has all pages load themselves anew: another scan takes the place of this one."""
-        await close_all(self._forget_pages(), EXCHANGED, "another scan")
+    async def send_away(self, code: int, reason: str) -> None:
+        """Closes the connections of all pages, and waits a moment until they have heard why.
+
+        A server that ends sooner takes the reason with it.
+        """
+        await close_all(self._forget_pages(), code, reason)
+        if self._serving:
+            await asyncio.wait(self._serving, timeout=GOODBYE)
 
     def _forget_pages(self) -> set[WebSocket]:
         """Listens to no page any more; returns their connections."""

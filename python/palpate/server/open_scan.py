@@ -28,6 +28,7 @@ from palpate.saved.scene_file import SavedScene
 from palpate.server.added_labels import add_labels
 from palpate.server.answers import errors_as_text, json_body, json_response
 from palpate.server.area_values import AreaRequest, measured_areas
+from palpate.server.closing import ENDED, EXCHANGED
 from palpate.server.export import export_response
 from palpate.server.job import Job
 from palpate.server.live import Live
@@ -149,7 +150,8 @@ class OpenScan:
         self._pump = asyncio.create_task(self.live.run())
 
     async def stop(self, *, exchanged: bool = False) -> None:
-        """Ends the force and publishing; pages load anew where the scan is ``exchanged``."""
+        """Ends the force and publishing; pages load anew where the scan is ``exchanged``, and say
+        that the session has ended where it is not."""
         if self._pump is not None:
             # before it sees that the session has ended, which it would tell pages
             self._pump.cancel()
@@ -158,7 +160,9 @@ class OpenScan:
             with suppress(asyncio.CancelledError):
                 await self._pump
         if exchanged:
-            await self.live.send_away()
+            await self.live.send_away(EXCHANGED, "another scan")
+        else:
+            await self.live.send_away(ENDED, "the session has ended")
 
     def end(self) -> None:
         """Keeps a recording that still runs, stops the session and closes what was kept of it."""

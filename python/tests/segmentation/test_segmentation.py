@@ -242,8 +242,22 @@ def test_what_cannot_grow_is_refused() -> None:
         grown(scan(), [])
     with pytest.raises(OptionError, match=r"spread 0 given; allowed: 0\.1 to 20"):
         grown(scan(), [(25.0, 38.0, 40.0)], growing=Growing(spread=0.0))
-    with pytest.raises(EmptySegmentError, match="nothing of 900 to 1000 HU is at the seed"):
-        grown(scan(), [(25.0, 38.0, 40.0)], growing=Growing(range=(900.0, 1000.0)))
+
+
+def test_a_seed_outside_of_the_range_is_told_with_its_value_and_the_range() -> None:
+    inside, beside = (25.0, 38.0, 40.0), (4.0, 4.0, 4.0)
+    value = scan().values()[4, 4, 4]
+    wide = r"values around seed 25, 38, 40 mm are about \d+ HU; allowed: values of "
+    with pytest.raises(EmptySegmentError, match=wide + "900 to 1000 HU, or another range"):
+        grown(scan(), [inside], growing=Growing(range=(900.0, 1000.0)))
+    # also where what is in range encloses the seed
+    around = (value - 60.0, value + 10.0)
+    with pytest.raises(EmptySegmentError, match=wide):
+        grown(scan(), [inside], growing=Growing(range=around))
+    # and beside one that is inside
+    near = scan().values()[40, 38, 25]
+    with pytest.raises(EmptySegmentError, match=r"values around seed 4, 4, 4 mm"):
+        grown(scan(), [inside, beside], growing=Growing(range=(near - 40.0, near + 40.0)))
 
 
 def test_work_can_be_stopped_between_its_steps() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -103,3 +104,14 @@ def test_pages_are_told_where_what_is_done_beside_them_fails(
         told = page.receive("notice", until=lambda m: "lost its way" in m["text"])
         assert told["text"] == "Working on segments has failed (lost its way). Restart Palpate"
         assert told["level"] == "error"
+
+
+def test_pages_are_told_where_the_server_is_stopped(tmp_path: Path) -> None:
+    with ExitStack() as looking:
+        with running(make_ball(), write_page(tmp_path / "page")) as server:
+            page = looking.enter_context(server.page())
+            page.receive("state")
+        with pytest.raises(ConnectionClosed) as closed:
+            page.receive("never")
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == ENDED

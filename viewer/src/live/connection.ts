@@ -35,10 +35,8 @@ export interface ConnectionEvents {
 const exchanged = 4001;
 /** Code with which an engine that stood still forgets what it was asked meanwhile; the reason is how long [s]. */
 const stoodStill = 4002;
-/** Code with which it closes where its session has ended. */
+/** Code with which it closes where its session has ended, or Palpate is being stopped. */
 const sessionEnded = 4003;
-/** Code with which a server closes that is being stopped (RFC 6455, registry of close codes: service restart). */
-const serverStops = 1012;
 const firstRetry = 400;
 const slowestRetry = 4000;
 
@@ -104,7 +102,7 @@ export class Connection {
           this.events.stoodStill(message.reason);
           this.open();
         } else {
-          if (message.code === sessionEnded || message.code === serverStops) {
+          if (message.code === sessionEnded) {
             this.tellState({ kind: "ended" });
             this.ended = true;
           }

@@ -1,4 +1,4 @@
-"""A part that is to go: a segment of its own shows it until a person decides.
+"""A part that is to go: a preview shows it until a person decides.
 
 Nothing else changes before that, and then in one step of undo: the steps that showed the part are
 taken back first.
@@ -7,14 +7,14 @@ taken back first.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.segmentation.segment_steps import ShapeStep
 from palpate.server.messages.segment_list import SegmentList
-from palpate.session.appearance import UNMOVED
+from palpate.server.messages.shown_preview import ShownPreview
 from palpate.session.session import Session
 from palpate.volumes.appearance import Colour
 from palpate.volumes.segment import Segment
@@ -25,16 +25,6 @@ GOING: Colour = (0.95, 0.36, 0.3)
 """Of what would go."""
 
 
-@dataclass(frozen=True)
-class Shown:
-    """A part that is shown."""
-
-    preview: int
-    steps: int
-    """Of undo, which have made the preview."""
-    remove: Callable[[], None]
-
-
 class GoingPart:
     """What would go, at most one part at a time."""
 
@@ -42,7 +32,10 @@ class GoingPart:
         """Takes the session and what pages are told of its segments."""
         self.session = session
         self.segments = segments
-        self._shown: Shown | None = None
+        self._preview = ShownPreview(session, segments, colour=GOING)
+        self._remove: Callable[[], None] | None = None
+        self.told: protocol.Islands | protocol.Scissors | None = None
+        """What pages were told of the part that is shown; None where none is."""
 
     def show(
         self, part: Segment, remove: Callable[[], None], *, pose: list[float] | None = None
@@ -55,12 +48,8 @@ class GoingPart:
             pose: Where the segment stands that the part belongs to, by rows; None is as scanned.
         """
         self.hide()
-        preview, steps = self.segments.add_preview(part, colour=GOING), 1
-        if pose is not None and pose != UNMOVED:
-            self.session.move_segment(preview, np.reshape(pose, (4, 4)))
-            steps = 2
-        self._shown = Shown(preview, steps, remove)
-        return preview
+        self._remove = remove
+        return self._preview.show(part, pose=pose)
 
     def end(self, *, removes: bool) -> None:
         """Hides what is shown, and removes it where that is wanted.
@@ -68,10 +57,10 @@ class GoingPart:
         Raises:
             OptionError: It cannot be removed.
         """
-        shown = self._shown
+        remove = self._remove
         self.hide()
-        if shown is not None and removes:
-            shown.remove()
+        if remove is not None and removes:
+            remove()
 
     def change_shape(self, segment_id: int, step: ShapeStep, *, before: Segment) -> None:
         """Changes a segment that is still as it was, as one more step of its list.
@@ -85,16 +74,6 @@ class GoingPart:
         self.segments.steps_changed()
 
     def hide(self) -> None:
-        """Takes the segment that shows it away, by undo where nothing was done since."""
-        shown, self._shown = self._shown, None
-        if shown is None or not self._is_there(shown.preview):
-            return
-        for _ in range(shown.steps):
-            self.session.undo()
-        if self._is_there(shown.preview):
-            for _ in range(shown.steps):
-                self.session.redo()
-            self.session.remove_segment(shown.preview)
-
-    def _is_there(self, segment_id: int) -> bool:
-        return any(each["id"] == segment_id for each in self.session.segments())
+        """Takes the segment that shows it away."""
+        self._remove = self.told = None
+        self._preview.hide()

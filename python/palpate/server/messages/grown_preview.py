@@ -1,7 +1,6 @@
 """A region that was grown, until a person keeps it: narrower and wider ones can be chosen.
 
-A segment of its own shows it, which is not touched. Where it is kept, the steps that showed it are
-taken back first, so that it is one step of undo.
+Where it is kept, the steps that showed it are taken back first, so that it is one step of undo.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from palpate import protocol
 from palpate.segmentation.growing_levels import USUAL
 from palpate.segmentation.operations import Levels
 from palpate.server.messages.segment_list import SegmentList
+from palpate.server.messages.shown_preview import ShownPreview
 from palpate.session.session import Session
 from palpate.volumes.appearance import Colour
 from palpate.volumes.segment import Segment
@@ -29,55 +29,41 @@ class GrownPreview:
         """Takes the session and what pages are told of its segments."""
         self._session = session
         self._segments = segments
+        self._preview = ShownPreview(session, segments, colour=GROWN)
         self._levels: Levels | None = None
         self._part: Segment | None = None
-        self._preview = 0
-        self._counts: list[int] = []
-        """Voxels of the preview after each step of undo that has made it."""
+        self.told: protocol.Grown | None = None
+        """What pages were told of the region that is shown; None where none is."""
 
     def show(self, levels: Levels, *, name: str) -> protocol.Grown:
         """Shows a region in the place of what was shown before."""
-        self.drop()
         part = self._part_of(levels, USUAL, name=name)
-        self._preview = self._segments.add_preview(part, colour=GROWN)
-        self._levels, self._part, self._counts = levels, part, [part.voxel_count]
-        return self._told(levels, part, USUAL)
+        self._levels, self._part = levels, part
+        number = self._preview.show(part)
+        return self._tell(levels, part, USUAL, number=number)
 
     def change(self, level: int) -> protocol.Grown | None:
         """Shows the region of another level; None where none is shown."""
-        if self._levels is None or self._part is None or self._count() is None:
+        if self._levels is None or self._part is None or not self._preview.is_there:
             return None
         least, most = self._levels.ends
         held = min(max(level, least), most)
-        part = self._part_of(self._levels, held, name=self._part.name)
-        if part.voxel_count != self._counts[-1]:  # wider ones hold narrower ones
-            self._session.replace_segment(self._preview, part)
-            self._counts.append(part.voxel_count)
-            self._part = part
-        return self._told(self._levels, part, held)
+        # wider ones hold narrower ones
+        self._part = self._part_of(self._levels, held, name=self._part.name)
+        number = self._preview.change(self._part)
+        return self._tell(self._levels, self._part, held, number=number)
 
     def keep(self) -> None:
         """Makes the region that is shown a segment."""
-        part = self._part
-        is_there = self._count() is not None
+        part, is_there = self._part, self._preview.is_there
         self.drop()
         if part is not None and is_there:
             self._segments.add(part)
 
     def drop(self) -> None:
-        """Takes the segment that shows it away, by undo where nothing was done since."""
-        counts, self._counts, self._levels, self._part = self._counts, [], None, None
-        befores = [*reversed(counts[:-1]), None] if counts else []
-        for before in befores:
-            if self._count() is None:
-                return
-            self._session.undo()
-            if self._count() != before:
-                # that was the step of something else
-                self._session.redo()
-                break
-        if befores and self._count() is not None:
-            self._session.remove_segment(self._preview)
+        """Takes the segment that shows it away."""
+        self._levels = self._part = self.told = None
+        self._preview.hide()
 
     def _part_of(self, levels: Levels, level: int, *, name: str) -> Segment:
         volume = self._session.scene.volume
@@ -85,18 +71,14 @@ class GrownPreview:
         mask[levels.box] = levels.mask(level)
         return volume.segment(mask, name=name)
 
-    def _told(self, levels: Levels, part: Segment, level: int) -> protocol.Grown:
+    def _tell(self, levels: Levels, part: Segment, level: int, *, number: int) -> protocol.Grown:
         least, most = levels.ends
-        return protocol.Grown(
-            id=self._preview,
+        self.told = protocol.Grown(
+            id=number,
             level=level,
             usual=USUAL,
             least=least,
             most=most,
             volume_ml=part.voxel_count * part.volume.voxel_volume / 1000.0,
         )
-
-    def _count(self) -> int | None:
-        """Returns how many voxels the preview has; None where there is none."""
-        states = self._session.segments()
-        return next((each["voxels"] for each in states if each["id"] == self._preview), None)
+        return self.told

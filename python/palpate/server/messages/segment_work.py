@@ -64,6 +64,9 @@ Wanted = (
     | protocol.CropScan
 )
 
+DECISIONS = (protocol.EndGrown, protocol.EndGoing)
+"""On what is shown: a person has made them, so nothing stops them."""
+
 Told = Callable[[str, float | None], None]
 """Takes what is done, and its share if that is known."""
 
@@ -194,9 +197,13 @@ class SegmentWork:
         """Whether something is done or waits."""
         return self._busy or bool(self._waiting)
 
+    def previews(self) -> list[protocol.ToPage]:
+        """Returns what a page that comes is to be told of what waits for a decision."""
+        return [told for told in (self._grown.told, self._going.told) if told is not None]
+
     def stop(self) -> None:
-        """Stops what is done as soon as it can be, and forgets what waits."""
-        self._waiting.clear()
+        """Stops what is done as soon as it can be, and forgets what waits, but for decisions."""
+        self._waiting = deque(other for other in self._waiting if isinstance(other, DECISIONS))
         self._stops += 1
 
     async def run(self) -> None:
@@ -225,7 +232,7 @@ class SegmentWork:
         """Does a piece of work, unless there are more ``stops`` meanwhile."""
 
         def progress(what: str, share: float | None) -> None:
-            if self._stops != stops:
+            if self._stops != stops and not isinstance(wanted, DECISIONS):
                 raise StoppedError
             text = what if share is None else f"{what}, {share:.0%}"
             self._publish(protocol.SegmentWork(text[:1].upper() + text[1:]))
@@ -357,12 +364,14 @@ class SegmentWork:
 
     def _show_islands(self, wanted: protocol.ShowIslands, progress: Told) -> None:
         progress(f"looking for islands of {self._segments.name_of(wanted.id)}", None)
-        told = show_islands(wanted, self._going, progress)
-        self._publish(told)
+        self._tell_going(show_islands(wanted, self._going, progress))
 
     def _show_scissors(self, wanted: protocol.ShowScissors, progress: Told) -> None:
         progress("looking at what is cut out", None)
-        told = show_scissors(wanted, self._going, progress)
+        self._tell_going(show_scissors(wanted, self._going, progress))
+
+    def _tell_going(self, told: protocol.Islands | protocol.Scissors) -> None:
+        self._going.told = told
         self._publish(told)
 
     def _end_going(self, wanted: protocol.EndGoing, progress: Told) -> None:

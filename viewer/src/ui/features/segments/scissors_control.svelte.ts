@@ -43,12 +43,12 @@ export class ScissorsControl extends PaintedLine {
   get shown(): Scissors | null {
     const { scissors, segments } = this.session;
     const isThere = scissors?.preview === null || segments.some(({ id }) => id === scissors?.preview);
-    return this.line !== null && isThere ? scissors : null;
+    return isThere ? scissors : null;
   }
 
-  /** Whether there is something to be removed. */
+  /** Whether there is something to be removed, also where it was cut before this page was loaded. */
   get ready(): boolean {
-    return this.on && this.shown !== null && this.shown.preview !== null;
+    return this.shown !== null && this.shown.preview !== null;
   }
 
   /** Waits for a loop. */
