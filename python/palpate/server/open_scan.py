@@ -150,8 +150,7 @@ class OpenScan:
         self._pump = asyncio.create_task(self.live.run())
 
     async def stop(self, *, exchanged: bool = False) -> None:
-        """Ends the force and publishing; pages load anew where the scan is ``exchanged``, and say
-        that the session has ended where it is not."""
+        """Ends the force and publishing; pages load anew, or say that the session has ended."""
         if self._pump is not None:
             # before it sees that the session has ended, which it would tell pages
             self._pump.cancel()
