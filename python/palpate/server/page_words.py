@@ -8,6 +8,8 @@ from tempfile import gettempdir
 __all__ = ["page_words"]
 
 OPTIONS = (
+    # "; allowed: with `voxel_size=X,Y,Z` [mm], such as 1,1,2": nothing else would help
+    (r"; allowed: with `[a-z_]+=[^`]*`( \[mm\])?, such as [^;]*$", ""),
     # "; give `unit=HU` if it is HU", "; give it, such as `orientation=LPS`": not on the page
     (r"; give [^;]*`[a-z_]+=[^;]*", ""),
     # more voxels may be taken with an option only
@@ -29,15 +31,25 @@ DROPPED = re.escape(gettempdir()) + r"[\\/]palpate-\w{8}[\\/]"
 
 ADVICE = (
     # "to try again", "to unlock it"
-    (r"to (?=\w)", ""),
+    (r"to (?=[a-z])", ""),
     (r"choosing ", "choose "),
-    (r"(add|choose|give|look|open|set|stop|try|unlock) ", r"\1 "),
+    (r"(add|choose|end|give|look|open|picture|put|set|stop|try|unlock) ", r"\1 "),
     (r"(?=once more)", "try "),
-    (r"(?=after |none\b)", "possible: "),
+    (
+        r"(?=(after|for|in|of|once|only|together|with|within|without|none|each once)\b)",
+        "possible: ",
+    ),
+    # "above 0 to 20 mm", "finite, slope not 0"
+    (r"finite(, | and )", r"use a finite value\1"),
+    (r"(both )?(?=above |below )", "use a value "),
+    (r"odd, ", "use an odd number, "),
     # whatever else is allowed is a thing, a number or a range
     (r"", "use "),
 )
 """How what is allowed begins, and how the advice begins that stands for it: the first that fits."""
+
+ASIDE = r"\(([^()]*); allowed: [^()]*\)"
+"""What another message says in brackets: its advice is not that of the whole."""
 
 
 def page_words(sentence: str) -> str:
@@ -48,16 +60,24 @@ def page_words(sentence: str) -> str:
     sentence = re.sub(DROPPED, "", sentence)
     for named, instead in OPTIONS:
         sentence = re.sub(named, instead, sentence)
-    happened, is_told, allowed = sentence.partition("; allowed: ")
-    return f"{_what_happened(happened)}. {_advice(allowed)}" if is_told else sentence
+    sentence = re.sub(ASIDE, lambda found: f"({_what_happened(found[1])})", sentence)
+    # where a message holds another one, the inner advice is the nearer one
+    happened, *advices = sentence.split("; allowed: ")
+    return f"{_what_happened(happened)}. {_advice(advices[0])}" if advices else sentence
 
 
 def _what_happened(given: str) -> str:
-    instead = " was given" if re.search(r"(^|[\s:])no [^:]*$", given) else " cannot be used"
+    none = re.search(r"(^|[\s:])no ([a-z]+)[^:]*$", given)
+    if none is None:
+        instead = " cannot be used"
+    else:
+        instead = " were given" if re.search(r"[^s]s$", none[2]) else " was given"
     return re.sub(r" given$", instead, given)
 
 
 def _advice(allowed: str) -> str:
     begins, instead = next(each for each in ADVICE if re.match(each[0], allowed))
     advice = re.sub(begins, instead, allowed, count=1)
+    # what comes second is told as what comes first
+    advice = re.sub(r"(, or) to (?=[a-z])", r"\1 ", advice)
     return advice[:1].upper() + advice[1:]

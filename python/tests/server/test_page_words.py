@@ -12,7 +12,7 @@ import numpy as np
 import palpate
 import pytest
 from palpate.server.messages.hello import scan_of
-from palpate.server.page_words import page_words
+from palpate.server.page_words import ADVICE, ASIDE, OPTIONS, page_words
 from running_server import LibraryClient
 
 PACKAGE = Path(palpate.__file__).parent
@@ -48,50 +48,156 @@ def test_no_sentence_of_reading_names_an_option_on_the_page() -> None:
     assert [page_words(each) for each in given if re.search(r"`[a-z_]+=", page_words(each))] == []
 
 
-@pytest.mark.parametrize(
-    ("given", "told"),
-    [
-        (
-            "the unit of the values is unknown; give `unit=HU` if it is HU",
-            "the unit of the values is unknown",
-        ),
-        (
-            "a holds 2 series; choose one with `series=NUMBER` or its UID: [1] x",
-            "a holds 2 series; choose one: [1] x",
-        ),
-        (
-            "a is a 4-D image of 6 volumes; allowed: one of them, with `frame=NUMBER` from 1 to 6",
-            "a is a 4-D image of 6 volumes. Use one of them",
-        ),
-        ("allowed: at most 8, or more with `max_voxels=COUNT`", "allowed: at most 8"),
-        (
-            "allowed: the scan's voxels, or others with `resample=True`",
-            "allowed: the scan's voxels",
-        ),
-        ("radius 30 mm given; allowed: 0 to 20 mm", "radius 30 mm cannot be used. Use 0 to 20 mm"),
-        ("no seed given; allowed: one or more", "no seed was given. Use one or more"),
-        (
-            "skin is locked; allowed: to unlock it, or hide it",
-            "skin is locked. Unlock it, or hide it",
-        ),
-        (
-            "a stroke without a tool given; allowed: choosing a tool first",
-            "a stroke without a tool cannot be used. Choose a tool first",
-        ),
-        ("no scan is open; allowed: open one first", "no scan is open. Open one first"),
-        (
-            "segments came or went meanwhile; allowed: once more",
-            "segments came or went meanwhile. Try once more",
-        ),
-        (
-            "it is deformed; allowed: after it is laid as it was",
-            "it is deformed. Possible: after it is laid as it was",
-        ),
-        ("a -- b, -1 to --1; slices are missing", "a -- b, -1 to --1; slices are missing"),
-    ],
-)
-def test_the_rest_of_a_sentence_stays(given: str, told: str) -> None:
+EXACT: list[tuple[str, str]] = [
+    (
+        "the unit of the values is unknown; give `unit=HU` if it is HU",
+        "the unit of the values is unknown",
+    ),
+    (
+        "a holds 2 series; choose one with `series=NUMBER` or its UID: [1] x",
+        "a holds 2 series; choose one: [1] x",
+    ),
+    (
+        "a is a 4-D image of 6 volumes; allowed: one of them, with `frame=NUMBER` from 1 to 6",
+        "a is a 4-D image of 6 volumes. Use one of them",
+    ),
+    ("allowed: at most 8, or more with `max_voxels=COUNT`", "allowed: at most 8"),
+    (
+        "allowed: the scan's voxels, or others with `resample=True`",
+        "allowed: the scan's voxels",
+    ),
+    ("radius 30 mm given; allowed: 0 to 20 mm", "radius 30 mm cannot be used. Use 0 to 20 mm"),
+    ("no seed given; allowed: one or more", "no seed was given. Use one or more"),
+    (
+        "skin is locked; allowed: to unlock it, or hide it",
+        "skin is locked. Unlock it, or hide it",
+    ),
+    (
+        "a stroke without a tool given; allowed: choosing a tool first",
+        "a stroke without a tool cannot be used. Choose a tool first",
+    ),
+    ("no scan is open; allowed: open one first", "no scan is open. Open one first"),
+    (
+        "segments came or went meanwhile; allowed: once more",
+        "segments came or went meanwhile. Try once more",
+    ),
+    (
+        "it is deformed; allowed: after it is laid as it was",
+        "it is deformed. Possible: after it is laid as it was",
+    ),
+    ("a -- b, -1 to --1; slices are missing", "a -- b, -1 to --1; slices are missing"),
+    # no advice but an option
+    (
+        "its voxels may have any size; allowed: with `voxel_size=X,Y,Z` [mm], such as 1,1,2",
+        "its voxels may have any size",
+    ),
+    (
+        "a has 3 holes; allowed: a closed mesh, `close=True` to close them, or `fill=1,2` for one",
+        "a has 3 holes. Use a closed mesh, close to close them, or fill 1,2 for one",
+    ),
+    # more than one of what is not there
+    (
+        "scripted path: no samples given; allowed: at least one",
+        "scripted path: no samples were given. Use at least one",
+    ),
+    ("no address given; allowed: one", "no address was given. Use one"),
+    # verbs
+    (
+        "skin is locked; allowed: to unlock it, or to hide it meanwhile",
+        "skin is locked. Unlock it, or hide it meanwhile",
+    ),
+    (
+        "nothing would be left of skin; allowed: a smaller deviation, or to hide it meanwhile",
+        "nothing would be left of skin. Use a smaller deviation, or hide it meanwhile",
+    ),
+    ("a.nii is not there; allowed: put it back", "a.nii is not there. Put it back"),
+    # where and when
+    (
+        "offset 1,2 given, and a.xml places its middle; allowed: without an offset",
+        "offset 1,2 given, and a.xml places its middle. Possible: without an offset",
+    ),
+    ("a tells b twice; allowed: once", "a tells b twice. Possible: once"),
+    # values by what they are like
+    (
+        "stiffness is -1 N/mm; allowed: finite, 0 to 4",
+        "stiffness is -1 N/mm. Use a finite value, 0 to 4",
+    ),
+    (
+        "direction 0, 0, 0 given; allowed: finite and not zero",
+        "direction 0, 0, 0 cannot be used. Use a finite value and not zero",
+    ),
+    (
+        "radius 0 mm given; allowed: above 0 to 20 mm",
+        "radius 0 mm cannot be used. Use a value above 0 to 20 mm",
+    ),
+    ("0 and 1 given; allowed: both above 0", "0 and 1 cannot be used. Use a value above 0"),
+    (
+        "a box of 4 given; allowed: odd, 3 to 9",
+        "a box of 4 cannot be used. Use an odd number, 3 to 9",
+    ),
+    # a message in another one
+    (
+        "a.h5 cannot be read (radius 5 given; allowed: 0 to 3); allowed: whole files",
+        "a.h5 cannot be read (radius 5 cannot be used). Use whole files",
+    ),
+    (
+        "step 2: radius 5 mm given; allowed: 0 to 3 mm; allowed: other steps",
+        "step 2: radius 5 mm cannot be used. Use 0 to 3 mm",
+    ),
+]
+
+
+@pytest.mark.parametrize(("given", "told"), EXACT)
+def test_a_sentence_becomes_exactly_this_one(given: str, told: str) -> None:
     assert page_words(given) == told
+    # also where it was told before
+    assert page_words(told) == told
+
+
+def test_every_pattern_has_an_example() -> None:
+    given = [each for each, _ in EXACT]
+    advices = [each.partition("; allowed: ")[2] for each in given if "; allowed: " in each]
+    begins = [next(begin for begin, _ in ADVICE if re.match(begin, advice)) for advice in advices]
+    assert {begin for begin, _ in ADVICE} - set(begins) == set()
+    for named, _ in OPTIONS:
+        assert any(re.search(named, each) for each in given), named
+    assert any(re.search(ASIDE, each) for each in given)
+
+
+CLUMSY = (
+    r"allowed: ",
+    r"\. Use (with|without|above|below|finite,|in|of|to|or|odd)\b",
+    r"or to [a-z]",
+    r"\bno [a-z]+[^s]s was given",
+    r"[.:;,] *[.;,)]",
+    r"  ",
+)
+"""What no sentence has that a person would write."""
+
+
+def test_no_message_of_the_package_becomes_clumsy_or_changes_twice() -> None:
+    told = {page_words(each) for each in messages()}
+    assert len(told) > 300
+    assert [each for each in told if any(re.search(clumsy, each) for clumsy in CLUMSY)] == []
+    assert [each for each in told if page_words(each) != each] == []
+
+
+def messages() -> list[str]:
+    """Returns all messages with an advice that work for a page may meet."""
+    found = []
+    for file in sorted(PACKAGE.rglob("*.py")):
+        if file.relative_to(PACKAGE).parts[0] in {"bench", "cli", "_core.pyi"}:
+            continue
+        tree = ast.parse(file.read_text())
+        parts = {
+            id(part)
+            for text in ast.walk(tree)
+            if isinstance(text, ast.JoinedStr)
+            for part in text.values
+        }
+        texts = (_text(node) for node in ast.walk(tree) if id(node) not in parts)
+        found += [each for each in texts if re.search(r"^[^\n]*\w; allowed: \w[^\n]*$", each)]
+    return found
 
 
 def test_warnings_and_failures_on_the_page_name_no_option(
