@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
+from palpate.volumes.scan_slice import ScanSlice, axis_along, index_of
 from palpate.volumes.volume import Volume
 
 __all__ = ["Area", "AreaValues", "values_in_area"]
@@ -23,10 +24,10 @@ __all__ = ["Area", "AreaValues", "values_in_area"]
 Vectors = NDArray[np.float64]
 """Shape [count, 3]."""
 
-LEAST_COSINE = 0.999
-"""Least cosine between the normal of a plane and an axis of the scan whose slice it is."""
 MOST_SAMPLES = 1 << 24
 """In an oblique plane."""
+BLOCK = 1 << 16
+"""Of them that are worked out at once: each takes some hundred bytes meanwhile, and 8 at last."""
 
 
 @dataclass(frozen=True)
@@ -106,13 +107,9 @@ def values_in_area(
         OptionError: The area is none, or takes too many samples.
     """
     u, v = area.half_axes
-    normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
-    cosines = np.abs(volume.direction.T @ normal)
-    axis = int(np.argmax(cosines))
+    axis = axis_along(volume, np.cross(u, v))
     values = (
-        _voxels(volume, area, stored, axis=axis)
-        if cosines[axis] >= LEAST_COSINE
-        else _samples(volume, area, stored)
+        _samples(volume, area, stored) if axis is None else _voxels(volume, area, stored, axis=axis)
     )
     values = values[~np.isnan(values)]
     known = len(values) > 0
@@ -131,30 +128,46 @@ def _voxels(
     volume: Volume, area: Area, stored: NDArray[np.int16] | None, *, axis: int
 ) -> NDArray[np.float64]:
     """Returns the values of the slice's voxels whose centres lie inside."""
-    low, high = _bounds(volume, area)
-    ends = np.array(volume.dimensions)
+    # the voxels that the plane goes through; a normal that is a little off stays in this slice
+    number = int(np.floor(index_of(volume, [area.middle])[0, axis] + 0.5))
+    if not 0 <= number < volume.dimensions[axis]:
+        return np.empty(0)
+    where = ScanSlice(volume, axis, number)
+    low, high = (bound[where.along] for bound in _bounds(volume, area))
+    ends = np.array(volume.dimensions)[where.along]
     first = np.clip(np.ceil(low), 0, ends).astype(int)
     past = np.clip(np.floor(high) + 1, 0, ends).astype(int)
-    # the voxels that the plane goes through; a normal that is a little off stays in this slice
-    layer = int(np.floor(_index(volume, np.asarray([area.middle]))[0, axis] + 0.5))
-    first[axis], past[axis] = (layer, layer + 1) if 0 <= layer < ends[axis] else (0, 0)
     spans = [np.arange(*span) for span in zip(first, past, strict=True)]
-    index = np.stack(np.meshgrid(*spans, indexing="ij"), axis=-1).reshape(-1, 3)
-    inside = index[area.holds(_points(volume, index))]
-    return _values(volume, inside, stored)
+    places = np.stack(np.meshgrid(*spans, indexing="ij"), axis=-1).reshape(-1, 2)
+    inside = places[area.holds(where.points(places))]
+    return _values(volume, where.index(inside).astype(int), stored)
 
 
 def _samples(volume: Volume, area: Area, stored: NDArray[np.int16] | None) -> NDArray[np.float64]:
     """Returns values at even steps in the plane, interpolated linearly."""
-    u, v = area.half_axes
+    axes = area.half_axes
     step = min(volume.spacing)
-    numbers = [max(1, round(2 * float(np.linalg.norm(axis)) / step)) for axis in (u, v)]
-    if np.prod(numbers) > MOST_SAMPLES:
+    rows, columns = (max(1, round(2 * float(np.linalg.norm(axis)) / step)) for axis in axes)
+    count = rows * columns
+    if count > MOST_SAMPLES:
         raise OptionError(f"an area of {area.size:.0f} mm² given; allowed: a smaller one")
-    shares = [(2 * np.arange(number) + 1) / number - 1 for number in numbers]
-    along = np.stack(np.meshgrid(*shares, indexing="ij"), axis=-1).reshape(-1, 2)
-    points = np.asarray(area.middle, np.float64) + along @ np.stack([u, v])
-    index = _index(volume, points[area.holds(points)])
+
+    def block(first: int) -> NDArray[np.float64]:
+        places = np.divmod(np.arange(first, min(first + BLOCK, count)), columns)
+        shares = [
+            (2 * at + 1) / number - 1 for at, number in zip(places, (rows, columns), strict=True)
+        ]
+        points = np.asarray(area.middle, np.float64) + np.stack(shares, axis=-1) @ np.stack(axes)
+        return _between_voxels(volume, points[area.holds(points)], stored)
+
+    return np.concatenate([block(first) for first in range(0, count, BLOCK)])
+
+
+def _between_voxels(
+    volume: Volume, points: Vectors, stored: NDArray[np.int16] | None
+) -> NDArray[np.float64]:
+    """Returns the values at those points that lie in the scan, interpolated linearly."""
+    index = index_of(volume, points)
     most = np.array(volume.dimensions) - 1
     # up to the outer faces of the scan, as slices are drawn
     index = np.clip(index[np.all((index >= -0.5) & (index <= most + 0.5), axis=1)], 0, most)
@@ -188,7 +201,7 @@ def _bounds(volume: Volume, area: Area) -> tuple[Vectors, Vectors]:
     matrix = np.linalg.inv(volume.patient_from_grid)[:3, :3]
     ends = np.abs(np.stack([matrix @ axis for axis in area.half_axes]))
     reach = np.hypot(*ends) if area.kind == "ellipse" else ends.sum(axis=0)
-    middle = _index(volume, np.asarray([area.middle]))[0]
+    middle = index_of(volume, [area.middle])[0]
     return middle - reach, middle + reach
 
 
@@ -198,17 +211,3 @@ def _is_cut(volume: Volume, area: Area) -> bool:
     return bool(
         np.any(low < -0.5 - slack) or np.any(high > np.array(volume.dimensions) - 0.5 + slack)
     )
-
-
-def _index(volume: Volume, points: Vectors) -> Vectors:
-    """Returns the indices of points, integers at the centres of voxels, shape [count, 3]."""
-    matrix = np.linalg.inv(volume.patient_from_grid)
-    index: Vectors = np.asarray(points, np.float64) @ matrix[:3, :3].T + matrix[:3, 3] - 0.5
-    return index
-
-
-def _points(volume: Volume, index: NDArray[np.int_]) -> Vectors:
-    """Returns the centres of voxels, shape [count, 3]."""
-    matrix = volume.patient_from_grid
-    points: Vectors = (index + 0.5) @ matrix[:3, :3].T + matrix[:3, 3]
-    return points

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from palpate.base.errors import OptionError
 from palpate.volumes.volume import Volume
 
-__all__ = ["Places", "Point", "ScanSlice"]
+__all__ = ["Places", "Point", "ScanSlice", "axis_along", "index_of"]
 
 Places = NDArray[np.float64]
 """Shape [count, 2]."""
@@ -47,15 +47,13 @@ class ScanSlice:
         Raises:
             OptionError: The point is outside of the scan, or the normal is along none of its axes.
         """
-        length = float(np.linalg.norm(normal))
-        cosines = np.abs(volume.direction.T @ np.asarray(normal, np.float64)) / (length or np.nan)
-        axis = int(np.argmax(cosines))
-        if not cosines[axis] >= LEAST_COSINE:
+        axis = axis_along(volume, normal)
+        if axis is None:
             raise OptionError(
                 f"a slice with normal {tuple(normal)} given; allowed: slices along the scan's own "
                 "axes: axial, coronal, sagittal"
             )
-        index = np.floor(_index(volume, [point])[0] + 0.5)
+        index = np.floor(index_of(volume, [point])[0] + 0.5)
         if not (np.all(index >= 0) and np.all(index < volume.dimensions)):
             raise OptionError(f"point {tuple(point)} given; allowed: a point in the scan")
         return cls(volume, axis, int(index[axis]))
@@ -70,13 +68,13 @@ class ScanSlice:
     @property
     def shape(self) -> tuple[int, int]:
         """Numbers of rows and columns."""
-        rows, columns = (self.volume.dimensions[axis] for axis in reversed(self._along))
+        rows, columns = (self.volume.dimensions[axis] for axis in reversed(self.along))
         return rows, columns
 
     @property
     def edges(self) -> tuple[float, float]:
         """Edges of a voxel along a column and along a row [mm], in the order of ``shape``."""
-        height, width = (self.volume.spacing[axis] for axis in reversed(self._along))
+        height, width = (self.volume.spacing[axis] for axis in reversed(self.along))
         return height, width
 
     @property
@@ -88,29 +86,41 @@ class ScanSlice:
 
     def places(self, points: Sequence[Point] | NDArray[np.float64]) -> Places:
         """Returns the places of points, projected onto the slice, shape [count, 2]."""
-        index: Places = _index(self.volume, points)[:, self._along]
+        index: Places = index_of(self.volume, points)[:, self.along]
         return index
 
     def points(self, places: ArrayLike) -> NDArray[np.float64]:
         """Returns the points at places, on the middle plane of the slice, shape [count, 3]."""
+        matrix = self.volume.patient_from_grid
+        points: NDArray[np.float64] = (self.index(places) + 0.5) @ matrix[:3, :3].T + matrix[:3, 3]
+        return points
+
+    def index(self, places: ArrayLike) -> NDArray[np.float64]:
+        """Returns the indices x, y, z of places in the scan, shape [count, 3]."""
         at = np.asarray(places, np.float64).reshape(-1, 2)
         index = np.full((len(at), 3), float(self.number))
-        index[:, self._along] = at
-        matrix = self.volume.patient_from_grid
-        points: NDArray[np.float64] = (index + 0.5) @ matrix[:3, :3].T + matrix[:3, 3]
-        return points
+        index[:, self.along] = at
+        return index
 
     def key(self) -> tuple[int, int]:
         """Identifies the slice among those of its scan."""
         return self.axis, self.number
 
     @property
-    def _along(self) -> list[int]:
+    def along(self) -> list[int]:
         """Axes of the grid along a row and along a column."""
         return [axis for axis in range(3) if axis != self.axis]
 
 
-def _index(volume: Volume, points: Sequence[Point] | NDArray[np.float64]) -> NDArray[np.float64]:
+def axis_along(volume: Volume, normal: Sequence[float] | NDArray[np.float64]) -> int | None:
+    """Returns the axis of the grid along which a normal of any length is; None: along none."""
+    length = float(np.linalg.norm(normal))
+    cosines = np.abs(volume.direction.T @ np.asarray(normal, np.float64)) / (length or np.nan)
+    axis = int(np.argmax(cosines))
+    return axis if cosines[axis] >= LEAST_COSINE else None
+
+
+def index_of(volume: Volume, points: Sequence[Point] | NDArray[np.float64]) -> NDArray[np.float64]:
     """Returns the indices of points, integers at the centres of voxels, shape [count, 3]."""
     matrix = np.linalg.inv(volume.patient_from_grid)
     at = np.asarray(cast("ArrayLike", points), np.float64).reshape(-1, 3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from typing import Any, Literal
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from palpate import Volume
 from palpate.base.errors import OptionError
+from palpate.volumes import area_values
 from palpate.volumes.area_values import Area, values_in_area
 
 SPACING = (0.7, 1.1, 4.0)
@@ -156,3 +158,39 @@ def test_outside_of_the_scan_and_between_voxels_there_are_no_values() -> None:
 def test_what_is_no_area_is_refused(second: tuple[float, float, float]) -> None:
     with pytest.raises(OptionError, match="half axes"):
         values_in_area(scan(np.eye(3)), Area("ellipse", (0, 0, 0), (5, 0, 0), second))
+
+
+def oblique(half: float) -> tuple[Volume, Area]:
+    """Returns a scan and an area through its middle that lies along none of its axes."""
+    volume, direction = scan(np.eye(3)), turned()
+    matrix = volume.patient_from_grid
+    middle = matrix[:3, :3] @ [25.0, 20.0, 5.5] + matrix[:3, 3]
+    ends = (middle + half * direction[:, axis] for axis in (0, 1))
+    return volume, area("ellipse", middle, *ends)
+
+
+def test_samples_are_the_same_in_blocks_of_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    volume, wanted = oblique(9.0)
+    at_once = values_in_area(volume, wanted)
+    assert at_once.count > 300
+    monkeypatch.setattr(area_values, "BLOCK", 7)
+    assert values_in_area(volume, wanted) == at_once
+
+
+def test_a_large_oblique_area_takes_little_memory() -> None:
+    volume, wanted = oblique(350.0)  # a million samples: 24 MB for their points alone
+    tracemalloc.start()
+    try:
+        found = values_in_area(volume, wanted)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert found.cut
+    assert found.count > 1000
+    assert peak < 30e6
+
+
+def test_an_area_of_too_many_samples_is_refused() -> None:
+    volume, wanted = oblique(5000.0)
+    with pytest.raises(OptionError, match="an area of 78539816 mm² given; allowed: a smaller one"):
+        values_in_area(volume, wanted)
