@@ -27,7 +27,14 @@ from palpate.segmentation.growing_by_choice import grown_by_choice
 from palpate.segmentation.growing_cells import Box
 from palpate.segmentation.growing_levels import USUAL, Levels, alone
 from palpate.segmentation.lengths_in_voxels import most_voxels, whole_voxels, within
-from palpate.segmentation.mask_shape import Mask, closed, filled, margin, squared_distance_to
+from palpate.segmentation.mask_shape import (
+    Mask,
+    box_of,
+    closed,
+    filled,
+    margin,
+    squared_distance_to,
+)
 from palpate.volumes.volume import Volume
 
 __all__ = ["Growing", "grow", "grow_levels"]
@@ -159,12 +166,7 @@ def _levels(
         return grown_by_choice(
             volume, places, most_ml=how.most_ml, fill=how.fill, progress=progress
         )
-    box, region = _by_hand(volume, seeds, places, how=how, progress=progress)
-    return alone(box, region, [tuple(map(int, place - _start(box))) for place in places])
-
-
-def _start(box: Box) -> NDArray[np.int64]:
-    return np.array([side.start for side in box])
+    return alone(*_by_hand(volume, seeds, places, how=how, progress=progress))
 
 
 def _by_hand(
@@ -174,31 +176,83 @@ def _by_hand(
     *,
     how: Growing,
     progress: Progress,
-) -> tuple[Box, Mask]:
-    """Returns the region of the range, spread or passage that a person gives, in a box."""
-    spread = SPREAD if how.spread is None else how.spread
+) -> tuple[Box, Mask, list[tuple[int, ...]]]:
+    """Returns the region of the range, spread or passage that a person gives, in a box.
+
+    Also returns voxels of it at the seeds, which may lie beside it.
+    """
     box = _box(volume, places, how.most_ml)
-    start = np.array([side.start for side in box])
-    inside = [tuple(int(c) for c in place - start) for place in places]
+    inside = [_shifted(place, box, -1) for place in places]
     progress("smoothing values", None)
+    in_range, ends, needed = _in_range(volume, seeds, inside, box=box, how=how)
+    progress("finding narrow passages", None)
+    # what does not hang together with the seeds has no say
+    near = [_near(seed, volume.spacing) for seed in inside]
+    there = _connected(in_range, [place for one in near for place in _voxels_of(in_range, one)])
+    part = box_of(there)
+    core, starts = _follow(
+        in_range[part],
+        [_shifted(seed, part, -1) for seed in inside],
+        volume=volume,
+        how=how,
+        progress=progress,
+    )
+    if not starts:
+        raise EmptySegmentError(f"nothing{needed}")
+    progress("finding the border", None)
+    region = np.zeros_like(in_range)
+    region[part] = core
+    tight = box_of(region, BORDER + 2.0 * max(volume.spacing), volume.spacing)
+    at = _joined(box, tight)
+    found = _to_border(region[tight], volume.between(*ends, at), volume.spacing, fill=how.fill)
+    return at, found, [_shifted(_shifted(start, part, 1), tight, -1) for start in starts]
+
+
+def _shifted(place: Sequence[int] | NDArray[np.int64], box: Box, by: int) -> tuple[int, ...]:
+    """Returns a voxel of what a box is cut from in the box (by -1), or the reverse (by 1)."""
+    return tuple(int(c) + by * side.start for c, side in zip(place, box, strict=True))
+
+
+def _joined(box: Box, inner: Box) -> Box:
+    """Returns a box within a box, in what that is cut from."""
+    first, second, third = (
+        slice(whole.start + own.start, min(whole.start + own.stop, whole.stop))
+        for whole, own in zip(box, inner, strict=True)
+    )
+    return first, second, third
+
+
+def _voxels_of(mask: Mask, box: tuple[slice, ...]) -> list[tuple[int, ...]]:
+    low = [side.start for side in box]
+    return [tuple(map(int, place)) for place in np.argwhere(mask[box]) + low]
+
+
+def _in_range(
+    volume: Volume,
+    seeds: Sequence[Sequence[float]],
+    inside: list[tuple[int, ...]],
+    *,
+    box: Box,
+    how: Growing,
+) -> tuple[Mask, tuple[float, float], str]:
+    """Returns which voxels of a box are in range without their noise, and enclosed ones.
+
+    Also returns the range with it, and the end of a sentence on what seeds may be.
+
+    Raises:
+        EmptySegmentError: No voxel at a seed is in range.
+    """
+    spread = SPREAD if how.spread is None else how.spread
     raw, values = _values(volume, box)
     low, high = how.range or _range(values, inside, spacing=volume.spacing, spread=spread)
+    needed = _needed(low, high, volume, how=how)
     in_range = (values >= low) & (values <= high)
     for seed, place in zip(seeds, inside, strict=True):
         if not in_range[_near(place, volume.spacing)].any():
             told = f"values around seed {_mm(seed)} are about {values[place]:.3g}"
-            raise EmptySegmentError(f"{told}{_needed(low, high, volume, how=how)}")
-    region = _follow(filled(in_range), inside, volume=volume, how=how, progress=progress)
-    progress("finding the border", None)
+            raise EmptySegmentError(f"{told}{needed}")
     ends = how.range or _range(raw, inside, spacing=volume.spacing, spread=spread)
-    region = _to_border(region, volume.between(*ends, box), volume.spacing, fill=how.fill)
-    if not region.any():
-        unit = f" {volume.unit}" if volume.unit else ""
-        raise EmptySegmentError(
-            f"nothing of {low:g} to {high:g}{unit} is at the seed; allowed: a seed within "
-            "tissue, or a larger spread"
-        )
-    return box, region
+    return filled(in_range), ends, needed
 
 
 def _mm(seed: Sequence[float]) -> str:
@@ -310,22 +364,22 @@ def _follow(
     volume: Volume,
     how: Growing,
     progress: Progress,
-) -> Mask:
-    """Returns the part of what is in range that belongs to the seeds."""
-    progress("finding narrow passages", None)
+) -> tuple[Mask, list[tuple[int, ...]]]:
+    """Returns the part of what is in range that belongs to the seeds, and its voxels at them."""
     spacing = volume.spacing
     room = squared_distance_to(~in_range, spacing)
     starts = [_deepest(room, seed, spacing) for seed in seeds]
     widest = float(np.sqrt(max(room[start] for start in starts)))
     if widest == 0.0:
-        return np.zeros_like(in_range)
+        return np.zeros_like(in_range), []
     # in a thin structure the ball must fit where the seed is
     passage = PASSAGE if how.passage is None else how.passage
     radius = min(0.5 * passage, 0.7 * widest)
     most = most_voxels(how.most_ml, volume.voxel_volume)
     while True:
         progress("following values from the seed", None)
-        core = _connected(room, starts, radius)
+        fits = ~within(room, radius)
+        core = _connected(fits, [start for start in starts if fits[start]])
         if np.count_nonzero(core) <= most:
             region = in_range & margin(core, spacing, radius)
             if np.count_nonzero(region) <= most:
@@ -336,7 +390,7 @@ def _follow(
                 f"the region becomes larger than {how.most_ml:g} ml; allowed: a smaller spread, "
                 "wider passages that are not entered, or a larger volume"
             )
-    return region
+    return region, [start for start in starts if region[start]]
 
 
 def _to_border(region: Mask, in_range: Mask, spacing: Sequence[float], *, fill: bool) -> Mask:
@@ -364,13 +418,12 @@ def _near(seed: tuple[int, ...], spacing: Sequence[float]) -> tuple[slice, ...]:
     )
 
 
-def _connected(room: NDArray[np.float32], starts: list[tuple[int, ...]], radius: float) -> Mask:
-    """Returns what hangs together with the seeds where a ball fits; ``room`` is squared [mm²]."""
+def _connected(mask: Mask, starts: list[tuple[int, ...]]) -> Mask:
+    """Returns what of a mask hangs together with some of its voxels, over faces."""
     sitk = simpleitk()
-    fits = ~within(room, radius)
     there = sitk.ConnectedThreshold(
-        sitk.GetImageFromArray(fits.astype(np.uint8)),
-        seedList=[[int(c) for c in reversed(start)] for start in starts if fits[start]],
+        sitk.GetImageFromArray(mask.view(np.uint8)),
+        seedList=[[int(c) for c in reversed(start)] for start in starts],
         lower=1,
         upper=1,
     )

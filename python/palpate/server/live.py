@@ -50,8 +50,8 @@ STATES_HZ = 60.0
 PATIENCE = 0.1
 """Seconds that a thread waits for changes: so long may it outlive the server. Also how long pages
 have to take what was told before the end of the session."""
-GOODBYE = 1.0
-"""Seconds that pages have at most to take leave."""
+GOODBYE = 5.0
+"""Seconds that pages have at most to take leave: one on a busy machine may be late."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
 

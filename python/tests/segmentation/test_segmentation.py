@@ -244,6 +244,22 @@ def test_what_cannot_grow_is_refused() -> None:
         grown(scan(), [(25.0, 38.0, 40.0)], growing=Growing(spread=0.0))
 
 
+def grown_value(seed: tuple[float, float, float]) -> float:
+    """Returns the value of the scan at a seed."""
+    x, y, z = (int(c / edge) for c, edge in zip(seed, SPACING, strict=True))
+    return float(scan().values()[z, y, x])
+
+
+@pytest.mark.parametrize("beside", [0.0, 2.0])
+def test_a_seed_that_lies_a_little_beside_what_is_in_range_grows_it(beside: float) -> None:
+    values = np.full((40, 40, 40), -1000, np.int16)
+    z, y, x = np.ogrid[:40, :40, :40]
+    values[(z - 20) ** 2 + (y - 20) ** 2 + (x - 20) ** 2 <= 100] = 100
+    volume = Volume(values, spacing=(1.0, 1.0, 1.0), traits=VolumeTraits(unit="HU"))
+    made = grown(volume, [(20.0, 20.0, 30.0 + beside)], growing=Growing(range=(-400.0, 150.0)))
+    assert made.voxel_count == np.count_nonzero(values == 100)
+
+
 def test_a_seed_outside_of_the_range_is_told_with_its_value_and_the_range() -> None:
     inside, beside = (25.0, 38.0, 40.0), (4.0, 4.0, 4.0)
     value = scan().values()[4, 4, 4]
@@ -255,7 +271,7 @@ def test_a_seed_outside_of_the_range_is_told_with_its_value_and_the_range() -> N
     with pytest.raises(EmptySegmentError, match=wide):
         grown(scan(), [inside], growing=Growing(range=around))
     # and beside one that is inside
-    near = scan().values()[40, 38, 25]
+    near = grown_value(inside)
     with pytest.raises(EmptySegmentError, match=r"values around seed 4, 4, 4 mm"):
         grown(scan(), [inside, beside], growing=Growing(range=(near - 40.0, near + 40.0)))
 

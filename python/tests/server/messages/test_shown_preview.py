@@ -150,6 +150,11 @@ def test_a_page_that_comes_later_is_told_of_what_would_go_and_can_decide(server:
 # --- decisions ----------------------------------------------------------------------------
 
 
+async def until_done(work: SegmentWork) -> None:
+    while work.is_busy:
+        await asyncio.sleep(0.001)
+
+
 @pytest.mark.parametrize("keeps", [False, True])
 def test_a_decision_is_carried_out_though_work_is_stopped(
     ball_scene: Scene, monkeypatch: pytest.MonkeyPatch, *, keeps: bool
@@ -171,15 +176,13 @@ def test_a_decision_is_carried_out_though_work_is_stopped(
                     seed=(20.0, 20.0, 20.0), spread=2.5, passage=4.0, most_ml=100.0
                 )
             )
-            while work.is_busy:
-                await asyncio.sleep(0.001)
+            await until_done(work)
             work.ask(protocol.ChangeGrown(level=100))
             await asyncio.to_thread(begun.wait, PATIENCE)
             work.ask(protocol.EndGrown(keeps=keeps))
             work.stop()
             goes_on.set()
-            while work.is_busy:
-                await asyncio.sleep(0.001)
+            await until_done(work)
             runner.cancel()
 
         asyncio.run(asyncio.wait_for(ask(), PATIENCE))
