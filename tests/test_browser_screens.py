@@ -11,6 +11,8 @@ from browser import ROOT, Browser, browser, palpate
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 
 OUTPUT = ROOT / "tests" / "output"
+TOOLS = ("none", "eraser", "adder", "painter", "drill", "needle")
+"""By their test ids: each is a button of the panel."""
 
 
 @pytest.fixture(scope="module")
@@ -59,10 +61,13 @@ def test_what_is_pressed_and_switched_on_is_seen_in_colours_of_the_system(page: 
     page.do("screenshot", path=str(OUTPUT / "screens-forced-colours.png"))
     assert ground(page, "tool-none") != ground(page, "tool-drill"), "the tool in the hand"
     before = ground(page, "show-path")
+    is_on = f"{element('show-path')}.checked"
+    assert page.read(is_on) is False
     page.do("click", testid="show-path")
-    page.wait(f"{element('show-path')}.checked !== undefined")
+    page.wait(f"{is_on} === true")
     assert ground(page, "show-path") != before, "a switch"
     page.do("click", testid="show-path")
+    page.wait(f"{is_on} === false")
     lamp = f"getComputedStyle({element('light')}.querySelector('.lamp')).backgroundColor"
     assert page.read(lamp) != page.read("getComputedStyle(document.body).backgroundColor")
     page.do("media", forcedColors=None)
@@ -74,16 +79,17 @@ def test_enlarged_to_twice_its_size_the_page_has_all_panels_and_tools(page: Brow
     assert page.read(f"{left} && {right}")
     page.do("resize", width=683, height=384)
     page.wait(f"!({left} && {right})")
-    page.read("document.querySelector('aside.right') || document.querySelectorAll('header button')")
     if not page.read(right):
         page.read("[...document.querySelectorAll('header button')].at(-1).click()")
         page.wait(right)
-    cut = page.read(
-        "[...document.querySelectorAll('[data-testid^=tool-]')].filter((tool) => {"
-        " tool.scrollIntoView({ block: 'nearest' });"
-        " const { left, right, width } = tool.getBoundingClientRect();"
-        " return width > 0 && (left < 0 || right > window.innerWidth); }).length"
+    seen, cut = page.read(
+        "(() => { const tools = [...document.querySelectorAll('aside.right [data-testid^=tool-]')];"
+        " const boxes = tools.map((tool) => { tool.scrollIntoView({ block: 'nearest' });"
+        " return tool.getBoundingClientRect(); }).filter(({ width }) => width > 0);"
+        " const cut = boxes.filter(({ left, right }) => left < 0 || right > window.innerWidth);"
+        " return [boxes.length, cut.length]; })()"
     )
+    assert seen >= len(TOOLS)
     assert cut == 0
     page.do("screenshot", path=str(OUTPUT / "screens-zoomed-tools.png"))
     page.read("document.querySelector('header button').click()")

@@ -128,6 +128,8 @@ class _Server(uvicorn.Server):
         self._ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        for listening in self.servers:
+            listening.close()
         ending = asyncio.ensure_future(self._ending())
         # who asks once more does not wait
         while not ending.done() and not self.force_exit:

@@ -268,6 +268,36 @@ def test_a_scene_of_before_options_has_its_box(scan: Path, tmp_path: Path) -> No
         assert session.deformation()["options"] == ModelOptions(edge=11)
 
 
+def test_the_strain_at_which_tissue_tore_in_older_scenes_becomes_the_energy_that_it_took(
+    scan: Path, tmp_path: Path
+) -> None:
+    strain, never = 0.3, None
+
+    def of_before(about: dict[str, Any]) -> None:
+        assert about.pop("tears_by") == "energy"
+        for each in about["materials"]:
+            for constants in (each["constants"], each["high"]):
+                if constants is not None:
+                    constants[3] = strain
+        about["materials"][1]["constants"][3] = never
+
+    path = tmp_path / "scene.palpate"
+    with edited(read(scan, unit="HU")) as session:
+        save_scene(path, session, copy=True)
+    rewritten(path, of_before)
+    saved = open_scene(path)
+    with Session(Scene(saved.volume), options=STANDING) as session:
+        saved.restore(session)
+        follows, uniform, preset = (each["material"] for each in session.segments())
+    # G = 4.5 μ h ε² of docs/understand/deformation.md, for bonds of h = 1 mm
+    for end, young in (("low", 4000.0), ("high", 9e6)):
+        shear = young / (2.0 * (1.0 + 0.45))
+        assert follows[end][3] == pytest.approx(4.5 * shear * 0.001 * strain**2)
+    assert uniform["low"] == pytest.approx((5000.0, 0.4, 1000.0, np.inf, 0.2))
+    # known by its name, so that it is what that is now
+    assert preset["preset"] == "liver"
+
+
 def test_options_of_particles_come_back_and_of_before_them_there_are_none(
     scan: Path, tmp_path: Path
 ) -> None:

@@ -98,14 +98,17 @@ export class Connection {
       case "closed":
         if (message.code === exchanged) {
           this.events.state({ kind: "exchanged" });
+        } else if (message.code === sessionEnded) {
+          this.tellState({ kind: "ended" });
+          this.ended = true;
+          // what answers until then may be what is ending
+          setTimeout(() => {
+            void this.reopen(message.reason);
+          }, slowestRetry);
         } else if (message.code === stoodStill) {
           this.events.stoodStill(message.reason);
           this.open();
         } else {
-          if (message.code === sessionEnded) {
-            this.tellState({ kind: "ended" });
-            this.ended = true;
-          }
           void this.reopen(message.reason);
         }
         break;
