@@ -39,7 +39,8 @@ pub(super) fn seen_along<L: Gather>(
     let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
     let (share, place) = L::apart(ShareAlong { shading, packet });
     let grey = share.max(zero).min(one);
-    let haze = place.or_else(L::Float::splat(-NONE).less(share), Floats::splat(-1.0));
+    // black is air, wherever its values come from
+    let haze = place.or_else(zero.less(share), Floats::splat(-1.0));
     let Some(beside) = beside else {
         let light = linear_from_screen::<L>(grey);
         return seen_as(Vector::new(light, light, light), grey, haze);
