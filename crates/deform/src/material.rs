@@ -155,8 +155,13 @@ impl Solid {
 
     /// The solid between two, each constant at `share` of the way.
     fn between(low: &Self, high: &Self, share: f64) -> Self {
-        // a share of infinity would be NaN at 0
-        let mix = |a: f64, b: f64| if a == b { a } else { a + share * (b - a) };
+        // a share of infinity would be NaN at the ends
+        let mix = |a: f64, b: f64| match share {
+            _ if a == b || share <= 0.0 => a,
+            _ if share >= 1.0 => b,
+            _ if a.is_infinite() || b.is_infinite() => f64::INFINITY,
+            _ => a + share * (b - a),
+        };
         Self {
             young: mix(low.young, high.young),
             poisson: mix(low.poisson, high.poisson),

@@ -39,31 +39,52 @@ fn for_breaking_strain(strain: f64, spacing: f64) -> f64 {
     4.5 * solid(0.25).shear() * spacing * strain * strain
 }
 
-/// Tears a block of 24 mm off the plate that it stands on, and gives the work for the area [N·mm/mm²].
-fn work_of_tearing(spacing: f64, fracture_energy: f64) -> f64 {
+/// Tears a block of 24 mm off the plate that it stands on, of which it is or which is rigid, and gives
+/// the work for the area [N·mm/mm²].
+fn work_of_tearing(spacing: f64, fracture_energy: f64, poisson: f64, on_rigid: bool) -> f64 {
     let count = (24.0 / spacing) as u32;
     let size = UVec3::new(count, count, 4);
     let mut lattice = Lattice::new(size, spacing, Border::Free, |node| {
         let inside = node.cmpge(glam::IVec3::ZERO).all() && node.cmplt(size.as_ivec3()).all();
-        let fracture_energy = match node.z {
-            0 => fracture_energy,
-            _ => f64::INFINITY,
+        // between the lowest two layers
+        let weak = match on_rigid {
+            true => 1,
+            false => 0,
         };
-        match inside {
-            true => NodeMaterial::Deformable(Solid {
-                fracture_energy,
-                ..solid(0.25)
+        let matter = Solid {
+            fracture_energy: match node.z == weak {
+                true => fracture_energy,
+                false => f64::INFINITY,
+            },
+            ..solid(poisson)
+        };
+        match (inside, node.z) {
+            (false, _) => NodeMaterial::Empty,
+            (true, 0) if on_rigid => NodeMaterial::Rigid(Solid {
+                young: 1e6,
+                ..matter
             }),
-            false => NodeMaterial::Empty,
+            (true, _) => NodeMaterial::Deformable(matter),
         }
     });
     let layout = *lattice.layout();
-    let ends: Vec<_> = layout.nodes().filter(|(node, _)| node.z % 3 == 0).collect();
+    // on a rigid plate the layer above the weak one is held, so that only bonds to the plate can tear
+    let top = |z: u32| {
+        if on_rigid {
+            (1..=3).contains(&z)
+        } else {
+            z == 3
+        }
+    };
+    let ends: Vec<_> = layout
+        .nodes()
+        .filter(|(node, _)| node.z == 0 || top(node.z))
+        .collect();
     for (_, index) in &ends {
         (0..3).for_each(|axis| lattice.hold(*index, axis, true));
     }
     let mut inelastic = Inelastic::new(&mut lattice, InelasticSettings::default());
-    let strain = (fracture_energy / (4.5 * solid(0.25).shear() * spacing)).sqrt();
+    let strain = (fracture_energy / (4.5 * solid(poisson).shear() * spacing)).sqrt();
     let settings = RelaxSettings {
         tolerance: 1e-4,
         iterations: 1000,
@@ -72,7 +93,7 @@ fn work_of_tearing(spacing: f64, fracture_energy: f64) -> f64 {
     let mut work = 0.0;
     for step in 1..=80 {
         let up = 0.1 * f64::from(step) * strain * spacing;
-        for (_, index) in ends.iter().filter(|(node, _)| node.z == 3) {
+        for (_, index) in ends.iter().filter(|(node, _)| top(node.z)) {
             lattice.set_moved(*index, DVec3::Z * up);
         }
         loop {
@@ -91,9 +112,20 @@ fn work_of_tearing(spacing: f64, fracture_energy: f64) -> f64 {
 fn a_tear_takes_the_fracture_energy_at_any_spacing() {
     let wanted = for_breaking_strain(0.1, 2.0);
     for spacing in [1.0, 2.0, 4.0] {
-        let share = work_of_tearing(spacing, wanted) / wanted;
+        let share = work_of_tearing(spacing, wanted, 0.25, false) / wanted;
         // nodes at the sides of the block have fewer bonds
         assert!((0.85..1.15).contains(&share), "{spacing} mm: {share}");
+        let from_rigid = work_of_tearing(spacing, wanted, 0.25, true) / wanted;
+        assert!(
+            (0.85..1.15).contains(&from_rigid),
+            "{spacing} mm: {from_rigid}"
+        );
+    }
+    // pressure comes on top where the volume is nearly kept, at each spacing alike
+    let [fine, middle, coarse] =
+        [1.0, 2.0, 4.0].map(|spacing| work_of_tearing(spacing, wanted, 0.45, false) / wanted);
+    for share in [fine / middle, coarse / middle] {
+        assert!((0.85..1.15).contains(&share), "{share}");
     }
 }
 

@@ -265,6 +265,8 @@ impl Simulation {
 
     /// Has touch follow a change of the scene.
     fn send_change(&mut self, change: &TouchChange) {
+        // what is sent is made for the radius that fits the scene as it is now
+        self.follow_probe_radius();
         if let Some(moved) = self.scene.follow_clip(change) {
             let cut = TouchChange::All(vec![moved]);
             self.touch.send_change(&self.scene, &cut, Vec::new());
@@ -376,9 +378,7 @@ impl Simulation {
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.report(notice);
         }
-        self.touch.set_radius(self.probe_radius());
-        self.touch
-            .send(ServoCommand::Settings(self.touch_settings()));
+        self.send_settings();
         Ok(self.settings)
     }
 

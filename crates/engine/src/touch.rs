@@ -37,7 +37,7 @@ pub use placement::{PLACEMENT_REACH, free_point, in_front_of};
 pub use probe::Probe;
 pub use rigid_obstacles::{RigidObstacles, RigidWorld};
 pub use scan_values::{ScanValues, Threshold, ThresholdRange};
-pub use settings::{MOST_PRESSURE, Settings, SettingsError, Smoothing, check_radius};
+pub use settings::{MAX_RADIUS, MOST_PRESSURE, Settings, SettingsError, Smoothing, check_radius};
 pub use touch_feel::{TouchFeel, TouchFeels};
 pub use touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
 pub use touchable::{Body, Touchable, union_of, unmoved};

@@ -2,8 +2,8 @@
 //!
 //! All of it happens between relaxations, on nodes at rest.
 //! - A bond breaks where it is longer than at first by a strain that follows from the fracture energy
-//!   and the spacing; the energy that was in it is counted as work. Its cells lose their volume term,
-//!   and its nodes can meet again.
+//!   and the spacing. Its cells lose their volume term, and its nodes can meet again; the energy that
+//!   was in both is counted as work.
 //! - A bond yields where its elastic strain exceeds the yield strain: its rest length follows.
 //!   In a box that moves that is only where a tool presses, and not near the border: what pulls
 //!   there without a tool is that what yielded beyond the border is missing.
@@ -17,9 +17,9 @@ use glam::{DVec3, IVec3};
 
 use super::bond_forces::{bond_length, rest_length};
 use super::layout::{FAMILIES, FAMILY_COUNT};
-use super::nodes::Lattice;
+use super::nodes::{Lattice, NodeMaterial};
 use super::shift::shift;
-use crate::material::Solid;
+use crate::material::pair_stiffness;
 
 /// Rest lengths of bonds that yielded, at least and at most, as shares of that at first: 18 bonds that
 /// follow each on its own do not keep the volume, and tissue that is ploughed would swell.
@@ -61,7 +61,7 @@ pub struct Inelastic {
 pub struct Breaking {
     /// Bonds.
     pub count: u32,
-    /// The energy that was in them [N·mm].
+    /// The energy that was in them and in the cells that they held together [N·mm].
     pub work: f64,
     /// The middle of them [mm]; zero where none broke.
     pub place: DVec3,
@@ -134,6 +134,7 @@ impl Inelastic {
         may_yield: impl Fn(usize) -> bool,
     ) -> Breaking {
         let mut breaking = Breaking::default();
+        let mut torn = Vec::new();
         // far from rest, tissue that cannot yield has nothing to be looked for
         if !may_break && self.settings.yield_strain.is_none() {
             return breaking;
@@ -141,25 +142,43 @@ impl Inelastic {
         for family in 0..FAMILY_COUNT {
             for index in 0..lattice.bonds.stiffness[family].len() {
                 if lattice.bonds.stiffness[family][index] > 0.0 {
-                    let may = [may_break, may_yield(index)];
-                    self.look_at(lattice, [family, index], may, &mut breaking);
+                    let bond = [family, index];
+                    if may_break && tears(lattice, bond) {
+                        torn.push(bond);
+                    } else if may_yield(index) {
+                        let way = self.follow(lattice, bond);
+                        breaking.yielded = breaking.yielded.max(way);
+                    }
                 }
             }
         }
-        if breaking.count > 0 {
-            breaking.place /= f64::from(breaking.count);
-            lattice.settle_structure();
-        }
+        self.tear(lattice, &torn, &mut breaking);
         breaking
     }
 
-    fn look_at(
-        &mut self,
-        lattice: &mut Lattice,
-        [family, index]: [usize; 2],
-        [may_break, may_yield]: [bool; 2],
-        all: &mut Breaking,
-    ) {
+    /// Takes bonds away.
+    fn tear(&mut self, lattice: &mut Lattice, torn: &[[usize; 2]], all: &mut Breaking) {
+        if torn.is_empty() {
+            return;
+        }
+        let before = lattice.energy();
+        for &[family, index] in torn {
+            let far = index + lattice.layout.offset(family);
+            all.place += 0.5 * (lattice.place(index) + lattice.place(far)) / torn.len() as f64;
+            self.broken[family][index] = true;
+            lattice.bonds.stiffness[family][index] = 0.0;
+            open_cells(lattice, family, index);
+        }
+        lattice.settle_structure();
+        all.count = torn.len() as u32;
+        all.work = before - lattice.energy();
+    }
+
+    /// Has the rest length of a bond that yields follow; gives its way [mm].
+    fn follow(&mut self, lattice: &mut Lattice, [family, index]: [usize; 2]) -> f64 {
+        let Some(strain) = self.settings.yield_strain else {
+            return 0.0;
+        };
         let length = bond_length(
             &lattice.layout,
             lattice.spacing,
@@ -167,29 +186,17 @@ impl Inelastic {
             family,
             index,
         );
-        let far = index + lattice.layout.offset(family);
         let at_first = rest_length(family, lattice.spacing);
-        let breaking = breaking_strain(lattice, index).min(breaking_strain(lattice, far));
-        if may_break && length > at_first * (1.0 + breaking) {
-            let elongation = length - lattice.bonds.rest[family][index];
-            all.count += 1;
-            all.work += 0.5 * lattice.bonds.stiffness[family][index] * elongation.powi(2);
-            all.place += 0.5 * (lattice.place(index) + lattice.place(far));
-            self.broken[family][index] = true;
-            lattice.bonds.stiffness[family][index] = 0.0;
-            open_cells(lattice, family, index);
-        } else if let Some(strain) = self.settings.yield_strain.filter(|_| may_yield) {
-            let base = &mut self.base[family][index];
-            let most = strain * at_first;
-            let [shortest, longest] = YIELDED.map(|share| share * at_first);
-            let followed = base
-                .clamp(length - most, length + most)
-                .clamp(shortest, longest);
-            let way = followed - *base;
-            lattice.bonds.rest[family][index] += way;
-            *base = followed;
-            all.yielded = all.yielded.max(way.abs());
-        }
+        let base = &mut self.base[family][index];
+        let most = strain * at_first;
+        let [shortest, longest] = YIELDED.map(|share| share * at_first);
+        let followed = base
+            .clamp(length - most, length + most)
+            .clamp(shortest, longest);
+        let way = followed - *base;
+        lattice.bonds.rest[family][index] += way;
+        *base = followed;
+        way.abs()
     }
 
     /// Goes with a lattice that has gone `offset` nodes on.
@@ -245,15 +252,35 @@ impl Inelastic {
     }
 }
 
-/// Strain at which bonds at a node break, so that a crack along a plane of nodes takes the fracture
-/// energy whatever the spacing h: of each h² one bond of length h and four of √2 h break, which hold
-/// (1 + 4 · 2) k (ε h)² / 2 with k = μ h, so that G = 4.5 μ h ε².
+/// Whether a bond is so long that it breaks, so that a crack along a plane of nodes takes the fracture
+/// energy G of the softer side whatever the spacing h: of each h² one bond of length h and four of
+/// √2 h break at a strain ε, which hold (1 + 4 · 2) k (ε h)² / 2, so that G = 4.5 k ε² with the
+/// stiffness k of the bonds. The cells' pressure comes on top where ν is above 1/4. What is rigid
+/// does not tear.
 ///
 /// Source: Silling & Askari, Comput. Struct. 83 (2005), eq. 30, for bonds of a lattice.
-fn breaking_strain(lattice: &Lattice, index: usize) -> f64 {
+fn tears(lattice: &Lattice, [family, index]: [usize; 2]) -> bool {
+    let Lattice {
+        layout,
+        spacing,
+        moved,
+        matter,
+        node_stiffness,
+        ..
+    } = lattice;
     let strain =
-        |solid: &Solid| (solid.fracture_energy / (4.5 * solid.shear() * lattice.spacing)).sqrt();
-    lattice.matter[index].solid().map_or(f64::INFINITY, strain)
+        bond_length(layout, *spacing, moved, family, index) / rest_length(family, *spacing) - 1.0;
+    if strain <= 0.0 {
+        return false;
+    }
+    let ends = [index, index + layout.offset(family)];
+    let [stiffness, other] = ends.map(|end| node_stiffness[end]);
+    let taken = 4.5 * pair_stiffness(stiffness, other) * strain * strain;
+    let tears = |end: usize| match &matter[end] {
+        NodeMaterial::Deformable(solid) => taken > solid.fracture_energy,
+        NodeMaterial::Empty | NodeMaterial::Rigid(_) => false,
+    };
+    ends.into_iter().any(tears)
 }
 
 /// Takes the volume term from the cells that a bond runs through or along.

@@ -2,14 +2,17 @@
 //!
 //! A ball that is small beside the distance of a model's nodes gets between them: tissue that was
 //! pressed slips around it and pushes back no more. Of 1 spacing it does so at a depth of 4 to 5
-//! spacings, of 1.5 at 7; of 2 not at 10 (`crates/deform/tests/lattice_depth.rs`).
+//! spacings, of 1.5 at 7; of 2 not at 10 (`crates/deform/tests/lattice_depth.rs` keeps the last).
+//!
+//! In voxels below 0.6 mm the ball is smaller than a fingertip, as large as a model's box has room
+//! for. A segment with a finer grid of its own allows as much as touch can follow there.
 
 use palpate_haptics::ball::BallShape;
 
 use super::Simulation;
 use crate::deformable::has_soft_segments;
 use crate::servo::ServoCommand;
-use crate::touch::Settings;
+use crate::touch::{MAX_RADIUS, Settings};
 
 /// Radius of the ball that presses soft tissue, at least [mm].
 const FINGERTIP: f64 = 3.0;
@@ -40,23 +43,28 @@ impl Simulation {
             .segments()
             .filter_map(|(_, segment, _)| segment.own_grid());
         let largest = grids.map(|grid| BallShape::largest_radius(grid.spacing()));
-        wanted.max(largest.fold(soft, f64::min))
+        wanted.max(largest.fold(soft.min(MAX_RADIUS), f64::min))
     }
 
-    /// Whether a model is on that the bare probe may press.
+    /// Whether a model is on that the probe may press, and no tool works with a size of its own.
     fn presses_soft_tissue(&self) -> bool {
         self.deformation.now().model.is_some()
-            && !self.stroke.has_tool()
+            && !self.stroke.sets_the_size()
+            && !self.touch.needle().on
             && has_soft_segments(&self.scene)
     }
 
     /// Has touch follow where the probe is to have another radius.
     pub(super) fn follow_probe_radius(&mut self) {
-        let radius = self.probe_radius();
-        if radius != self.touch.radius() {
-            self.touch.set_radius(radius);
-            self.touch
-                .send(ServoCommand::Settings(self.touch_settings()));
+        if self.probe_radius() != self.touch.radius() {
+            self.send_settings();
         }
+    }
+
+    /// Sends the settings, with the probe's present radius.
+    pub(super) fn send_settings(&mut self) {
+        let settings = self.touch_settings();
+        self.touch.set_radius(settings.probe_radius);
+        self.touch.send(ServoCommand::Settings(settings));
     }
 }

@@ -12,7 +12,7 @@ use glam::DAffine3;
 use super::Simulation;
 use crate::error::SessionError;
 use crate::picture::SceneUpdate;
-use crate::scene::{Properties, Step, SurfaceOptions, TouchChange};
+use crate::scene::{Properties, Step, SurfaceOptions};
 use crate::servo::ServoCommand;
 use crate::touch::{ThresholdRange, TouchFeel, check_radius};
 
@@ -119,7 +119,7 @@ impl Simulation {
         if changed.is_empty() {
             return Ok(());
         }
-        self.send_change(&TouchChange::All(changed.clone()));
+        self.send_all(changed.clone());
         for id in changed {
             self.write_facts(id);
         }

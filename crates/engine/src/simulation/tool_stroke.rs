@@ -76,10 +76,12 @@ pub struct ToolStroke {
 }
 
 impl ToolStroke {
-    /// Whether a tool is in the hand, at work or not.
+    /// Whether the probe is as large as a tool is: at any work, and with a drill, which cuts a hole
+    /// of that size, also before.
     #[must_use]
-    pub fn has_tool(&self) -> bool {
-        self.settings.is_some()
+    pub fn sets_the_size(&self) -> bool {
+        let is_drill = |settings: &ToolSettings| settings.kind == ToolKind::Drill;
+        self.is_on() || self.settings.as_ref().is_some_and(is_drill)
     }
 
     /// Chooses a tool, or none.

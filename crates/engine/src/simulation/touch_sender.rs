@@ -336,7 +336,7 @@ pub fn touchable_of(scene: &Scene, radius: f64) -> Touchable {
 
 fn touchable_of_parts(scene: &Scene, parts: Vec<Part>, radius: f64) -> Touchable {
     Touchable::new(scene.voxels().grid(), parts, radius)
-        .expect("settings with too large a ball are refused")
+        .expect("a ball is as small as the grids of all segments need")
 }
 
 fn is_held(status: &ServoStatus, change: &Outstanding) -> bool {

@@ -62,7 +62,7 @@ impl Default for Settings {
 }
 
 /// Largest radius that is taken [mm]; a scan of small voxels allows less.
-const MAX_RADIUS: f64 = 20.0;
+pub const MAX_RADIUS: f64 = 20.0;
 
 /// A setting outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

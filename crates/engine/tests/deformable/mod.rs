@@ -3,5 +3,6 @@
 mod floor;
 mod friction;
 mod lattice;
+mod probe_size;
 mod regions;
 pub mod soft_block;

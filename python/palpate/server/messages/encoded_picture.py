@@ -115,8 +115,10 @@ def _encoded_depths(
     if packing.quality is not None:
         # few steps are packed smaller
         span = max(span, packing.depth_step * MOST_STEPS)
-    steps = (depths - nearest) * (MOST_STEPS / span) + 0.5 + HAZE * is_haze
-    return np.where(seen, steps, NOTHING).astype("<u2"), nearest, nearest + span
+    steps = (depths - nearest) * (MOST_STEPS / span) + 0.5
+    steps = np.where(seen, steps, NOTHING).astype("<u2")
+    steps[seen & is_haze] |= HAZE
+    return steps, nearest, nearest + span
 
 
 def _deflated(depths: NDArray[np.uint16]) -> bytes:
