@@ -1,5 +1,4 @@
-"""A page whose server was killed goes on by itself once that is started again, and says of one that
-was stopped on purpose that the session has ended."""
+"""A page goes on by itself once its server is started again; of one that was stopped it says so."""
 
 from __future__ import annotations
 
