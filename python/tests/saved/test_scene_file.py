@@ -288,7 +288,8 @@ def test_the_strain_at_which_tissue_tore_in_older_scenes_becomes_the_energy_that
     saved = open_scene(path)
     with Session(Scene(saved.volume), options=STANDING) as session:
         saved.restore(session)
-        follows, uniform, preset = (each["material"] for each in session.segments())
+        found: list[Any] = [each["material"] for each in session.segments()]
+    follows, uniform, preset = found
     # G = 4.5 μ h ε² of docs/understand/deformation.md, for bonds of h = 1 mm
     for end, young in (("low", 4000.0), ("high", 9e6)):
         shear = young / (2.0 * (1.0 + 0.45))
