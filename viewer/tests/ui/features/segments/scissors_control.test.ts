@@ -92,6 +92,20 @@ test("it removes what is shown, and nothing whose preview is gone", () => {
   expect(sent.slice(1)).toEqual([{ type: "end_going", removes: true }]);
 });
 
+test("what was cut before the page was loaded can go, or stay", () => {
+  for (const removes of [true, false]) {
+    const scissors = new ScissorsControl(session);
+    sent.length = 0;
+    session.scissors = { type: "scissors", preview: 9, goes_ml: 1 };
+    expect(scissors.armed).toBe(false);
+    expect(scissors.ready).toBe(true);
+    if (removes) scissors.remove();
+    else scissors.cancel();
+    expect(sent).toEqual([{ type: "end_going", removes }]);
+    expect(scissors.ready).toBe(false);
+  }
+});
+
 test("one line is painted at a time: a cut puts the scissors away", () => {
   const scissors = new ScissorsControl(session);
   const cutting = new CutControl(session, () => { scissors.cancel(); });
