@@ -191,10 +191,12 @@ def test_what_cannot_be_recorded_is_one_line(scan: Path, script: Path, tmp_path:
 # --- with a page ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("ending", ["seconds", "Ctrl-C"])
-def test_a_live_session_is_recorded_until_it_ends(scan: Path, tmp_path: Path, ending: str) -> None:
+@pytest.mark.parametrize("ending", [None, signal.SIGINT, signal.SIGTERM])
+def test_a_live_session_is_recorded_until_it_ends(
+    scan: Path, tmp_path: Path, ending: signal.Signals | None
+) -> None:
     out = tmp_path / "live.palpate-session"
-    options = ["--seconds", "3"] if ending == "seconds" else []
+    options = ["--seconds", "3"] if ending is None else []
     arguments = ["record", str(scan), "--threshold", "0", "--out", str(out), "--no-browser"]
     process = subprocess.Popen(
         [*COMMAND, *arguments, *options],
@@ -205,13 +207,13 @@ def test_a_live_session_is_recorded_until_it_ends(scan: Path, tmp_path: Path, en
     try:
         assert process.stdout is not None
         url = next(line.strip() for line in process.stdout if line.startswith("http://"))
-        if ending == "Ctrl-C":
+        if ending is not None:
             parts = urlsplit(url)
             address = f"{parts.netloc}/api/live?{parts.query}"
             assert parts.port is not None
             with page_at(address, parts.port, origin=f"http://{parts.netloc}") as page:
                 page.receive("state", until=lambda m: m["recording"] > 0.1)
-            process.send_signal(signal.SIGINT)
+            process.send_signal(ending)
         told, problems = process.communicate(timeout=PATIENCE)
     finally:
         process.kill()
