@@ -90,6 +90,8 @@ def test_pages_are_told_that_a_session_has_ended_also_those_that_come_later(serv
             page.next()
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == ENDED
+    # data is still there
+    assert server.get("/api/volume?step=8").status_code == 200
 
 
 def test_pages_are_told_where_what_is_done_beside_them_fails(

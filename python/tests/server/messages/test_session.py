@@ -94,12 +94,3 @@ def test_a_text_is_no_message(shared_server: Any) -> None:
         page.socket.send("hello")
         page.receive("notice", until=lambda m: "not understood" in m["text"])
         page.receive("state")
-
-
-def test_pages_are_told_that_the_session_has_ended(server: Any) -> None:
-    with server.page() as page:
-        page.receive("state")
-        server.session.stop()
-        page.receive("notice", until=lambda m: "the session has ended" in m["text"])
-    # data is still there
-    assert server.get("/api/volume?step=8").status_code == 200
