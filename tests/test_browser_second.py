@@ -178,8 +178,8 @@ def test_the_engine_draws_both_as_the_browser_does(lungs: Browser) -> None:
         ("blend", "shaded", 0.98),
         ("blend", "mip", 0.999),
         ("checkerboard", "mip", 0.998),
-        ("checkerboard", "shaded", 0.97),
-        ("checkerboard", "iso", 0.97),
+        ("checkerboard", "shaded", 0.96),
+        ("checkerboard", "iso", 0.96),
     ):
         which = f"{fusion}_{mode}"
         lungs.do("choose", testid="second-fusion", value=fusion)
