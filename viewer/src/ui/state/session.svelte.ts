@@ -128,6 +128,7 @@ export class Session {
   private registrationListeners: readonly ((registration: Registration) => void)[] = [];
   private outlineListener: (outline: Outline) => void = () => undefined;
   private drawnListener: (answer: DrawnPicture | PictureFailed) => void = () => undefined;
+  private grownListener: () => void = () => undefined;
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -206,6 +207,11 @@ export class Session {
   /** Calls back with pictures that the engine has drawn for this page, and where it could not. */
   onDrawn(listener: (answer: DrawnPicture | PictureFailed) => void): void {
     this.drawnListener = listener;
+  }
+
+  /** Calls back with every region that was grown, or grown anew. */
+  onGrown(listener: () => void): void {
+    this.grownListener = listener;
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -374,6 +380,7 @@ export class Session {
         break;
       case "grown":
         this.grown = message;
+        this.grownListener();
         break;
       case "islands":
         this.islands = message;
