@@ -452,7 +452,7 @@ def test_no_serious_fault_of_accessibility_in_either_theme(page: Browser) -> Non
         "document.querySelectorAll('aside [aria-expanded=false]').forEach((each) => each.click())"
     )
     grounds = []
-    for theme in ("Light theme", "Dark theme"):
+    for theme in ("Theme: Light", "Theme: Dark"):
         act(page, theme)
         ground = "getComputedStyle(document.querySelector('aside')).backgroundColor"
         grounds.append(page.read(ground))

@@ -1,5 +1,5 @@
 /** Has the engine write segments or scan for other programs, and the browser keep the file. */
-import { fetchFile, savedAs } from "../../state/download";
+import { fetchFile, tellSaved } from "../../state/download";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
@@ -68,7 +68,7 @@ export class Exporter {
     const { kind, label } = this.format;
     try {
       const { name, notes } = await fetchFile("/api/export", this.token, { kind }, "export");
-      this.session.notify("info", savedAs(name));
+      tellSaved(this.session, name);
       for (const note of notes) {
         this.session.notify("warning", `${label}: ${note}.`);
       }
