@@ -71,6 +71,13 @@ def check_export(page: Browser, path: Path, scan: Path) -> None:
     """Exports the segment for 3D Slicer, as a person does."""
     buttons = "[...document.querySelectorAll('button')]"
     page.read(f"{buttons}.find((each) => each.textContent.trim() === 'Export').click()")
+    # nothing in DICOM can refer to it: that is said before, not after
+    formats = "[...document.querySelectorAll('[data-testid=export-format] option')]"
+    offered = page.read(f"{formats}.filter((each) => !each.disabled).map((each) => each.value)")
+    assert offered == ["slicer", "labels", "scan"]
+    page.shows(
+        "no-dicom", "/^No DICOM can be made: the scan .CThead.* is no DICOM series/.test(text)"
+    )
     page.do("screenshot", path=str(OUTPUT / "export.png"))
     page.do("download", testid="export", path=str(path))
     volume = read(scan)

@@ -480,13 +480,13 @@ function work({ session, stage, undo, exporter, theme, page }: ActionTargets): r
       ready: () => stage.clips.clip.box.on,
       run: () => { stage.removal.crop(stage.clips.clip.box); },
     },
-    ...formats.map(({ name, label }) => ({
+    ...formats.map((format) => ({
       group,
-      name: `Export: ${label}`,
+      name: `Export: ${format.label}`,
       keys: [],
-      ready: () => !exporter.busy,
+      ready: () => !exporter.busy && exporter.canMake(format),
       run: () => {
-        exporter.choose(name);
+        exporter.choose(format.name);
         void exporter.export();
       },
     }) as const),
