@@ -96,6 +96,8 @@ export class Session {
   segmentWork = $state.raw<string | null>(null);
   /** The segment of a table that was found, until a person has decided on it. */
   tableFound = $state.raw<number | null>(null);
+  /** When the other page was opened that moves the hand (ISO 8601); null where none does. */
+  handLed = $state.raw<string | null>(null);
   /** A region that was grown, until a person keeps it or not. */
   grown = $state.raw<Grown | null>(null);
   /** Whether a region is looked for. */
@@ -352,6 +354,9 @@ export class Session {
         this.answered = message.settings;
         this.settle();
         break;
+      case "hand_led":
+        this.handLed = message.opened;
+        break;
       case "touch_clip_changed":
         this.touchClip = message.planes;
         break;
@@ -432,6 +437,7 @@ export class Session {
     this.segmentWork = null;
     this.tableFound = null;
     this.tableSuggested = false;
+    this.handLed = null;
     this.grown = null;
     this.growing = false;
     this.islands = null;
