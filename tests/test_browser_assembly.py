@@ -254,11 +254,13 @@ def test_the_box_that_the_device_reaches_is_drawn_once_it_is_seen_from_outside(
     page: Browser,
 ) -> None:
     assert page.read("document.querySelector('[data-testid=reach]')") is None
-    page.do("slide", testid="gain", value=-1.0)
+    with page.settings():
+        page.do("slide", testid="gain", value=-1.0)
     page.wait("window.palpate.settings.gain < 0.11")
     for _ in range(12):
         page.do("wheel", y=400)
     page.wait("document.querySelectorAll('[data-testid=reach] line').length === 12")
     page.do("screenshot", path=str(OUTPUT / "reach.png"))
-    page.do("slide", testid="gain", value=0.0)
+    with page.settings():
+        page.do("slide", testid="gain", value=0.0)
     assert page.complaints == []
