@@ -89,7 +89,7 @@ def test_the_picture_that_is_kept_for_lost_graphics_is_the_one_that_was_seen(
     scan = data_folder / "cthead_stanford" / "CThead.mha"
     with palpate("open", scan) as command, browser(drawer="browser") as page:
         page.do("open", url=command.url, width=1000, height=460)
-        page.do("click", testid="layout-slices")
+        page.do("choose", testid="layout-names", value="slices")
         page.finish()
         before = page.read(BRIGHTNESS % "main canvas")
         # slices are drawn again in one frame: the picture is finished all the while

@@ -108,6 +108,14 @@ def test_the_autosave_of_a_damaged_scene_is_opened_from_the_page(
         page.wait(f"{rows} === 3")
         page.do("download", testid="save-scene", path=str(path))
         assert command.stop() == 0
+    # opened again it has all that was done: there is nothing to bring back
+    with palpate("open", path, state=state) as command, browser() as page:
+        page.do("open", url=command.url, **SIZE)
+        page.wait(f"{rows} === 3")
+        page.all_done()
+        assert page.read("document.querySelector('[data-testid=recovery]')") is None
+        assert page.complaints == []
+        assert command.stop() == 0
     path.write_bytes(path.read_bytes()[:4000])
     # the browser has named it as the engine did
     dropped = tmp_path / "CThead.palpate"

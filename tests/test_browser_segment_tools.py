@@ -198,7 +198,7 @@ def test_once_new_segments_are_gone_the_row_before_each_is_open_again(page: Brow
 
 
 def test_a_region_is_kept_or_discarded_where_slices_alone_are_seen(page: Browser) -> None:
-    page.do("click", testid="layout-slices")
+    page.do("choose", testid="layout-names", value="slices")
     page.read("window.palpate.cross([24, 24, 24])")
     page.finish()
     place = page.read(PLACE_OF_BALL)
