@@ -101,6 +101,11 @@ export function formatMoment(iso: string): string {
   return date === undefined || time === undefined ? iso : `${date}, ${time}`;
 }
 
+/** "16:34": the time of day that a moment of ISO 8601 names. */
+export function timeOf(iso: string): string {
+  return /T(\d\d:\d\d)/.exec(iso)?.[1] ?? iso;
+}
+
 /** "0:07", "12:34" */
 export function formatSeconds(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds));
