@@ -247,7 +247,8 @@ def test_the_upper_button_of_a_gamepad_grabs_what_is_touched_and_lets_go(page: B
         # the page must have seen it released before it is pressed again
         page.read(f"new Promise(done => {3 * 'requestAnimationFrame(() => '}done(0){3 * ')'})")
     page.read("window.__pad = null; void window.dispatchEvent(new Event('gamepaddisconnected'))")
-    page.wait("document.querySelector('[data-testid=gamepad]') === null")
+    with page.settings():
+        page.wait("document.querySelector('[data-testid=gamepad]') === null")
 
 
 def test_the_box_that_the_device_reaches_is_drawn_once_it_is_seen_from_outside(
