@@ -50,7 +50,6 @@ def visit(page: Browser, url: str, width: int = 1366, height: int = 768) -> None
     page.read(NOT_SEEN)
     page.do("open", url=url, width=width, height=height)
     page.shows("tour-says", "text.includes('Turn it')")
-    page.read("window.palpate.setView('A')")
 
 
 def free_of_the_middle(page: Browser) -> bool:
@@ -70,6 +69,8 @@ def free_of_the_middle(page: Browser) -> bool:
 
 def test_the_tour_goes_on_by_what_is_done_and_is_not_shown_again(page: Browser, url: str) -> None:
     visit(page, url)
+    # it may be the view of before, and turning is the first step
+    page.read("window.palpate.setView('A')")
     page.frames()
     assert free_of_the_middle(page)
     assert [found for found in page.do("axe")["value"] if "tour" in str(found)] == []

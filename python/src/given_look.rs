@@ -5,7 +5,7 @@ use palpate_render::appearance::{
     Appearance, Blend, ControlPoint, Lighting, Plane, Shown, ShownSegment, ShownSurface,
 };
 use palpate_render::camera::Camera;
-use palpate_render::second::{SecondAppearance, Tint};
+use palpate_render::second::{SecondAppearance, Tint, Turns};
 use pyo3::prelude::*;
 
 use crate::arrays::{Triple, vector};
@@ -63,6 +63,8 @@ pub struct GivenSecond {
     tissue_from: f64,
     tint: String,
     opacity: f32,
+    turns: String,
+    cells: f32,
 }
 
 /// A segment's surface as Python has it, see `palpate.pictures.appearance`.
@@ -149,9 +151,21 @@ impl GivenSecond {
             tissue_from: self.tissue_from,
             tint: tint(&self.tint)?,
             opacity: self.opacity,
+            turns: turns(&self.turns, self.cells)?,
         };
         appearance.check()?;
         Ok(appearance)
+    }
+}
+
+fn turns(name: &str, cells: f32) -> Result<Turns, CoreError> {
+    match name {
+        "together" => Ok(Turns::Together),
+        "cells" => Ok(Turns::Cells(cells)),
+        "second" => Ok(Turns::Second),
+        _ => Err(CoreError::value(format!(
+            "turns {name} given; allowed: together, cells, second"
+        ))),
     }
 }
 

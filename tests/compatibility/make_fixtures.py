@@ -208,7 +208,6 @@ def save_on_page(folder: Path) -> dict[str, Any]:
         for x in (0.4, 0.6):
             page.do("clickAt", testid="slice-axial", x=x, y=0.5)
         page.read("window.palpate.cross([9, 18, 20])")
-        page.do("clickText", text="Clip")
         page.do("click", testid="clip-box")
         page.do("slide", testid="clip-A", value=5)
         page.frames()
@@ -221,7 +220,7 @@ def save_on_page(folder: Path) -> dict[str, Any]:
 
 
 def page_view(page: Any) -> dict[str, Any]:
-    """Returns what a page shows of a scene's view; the fold of clipping is open."""
+    """Returns what a page shows of a scene's view, whose clip box is on."""
     names = ("camera", "marks", "crosshair")
     seen = {name: page.read(f"window.palpate.{name}") for name in names}
     slices = page.read("window.palpate.slices.map(({ name }) => name)")

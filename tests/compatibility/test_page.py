@@ -20,7 +20,6 @@ def test_the_page_shows_the_view_and_the_marks_of_a_scene(tmp_path: Path) -> Non
     path.write_bytes((FILES / "whole.palpate").read_bytes())
     with palpate("open", path) as command, browser() as page:
         page.do("open", url=command.url, **SIZE)
-        page.do("clickText", text="Clip")
         assert page_view(page) == expected["page"]
         names = [one["look"]["name"] for one in expected["whole"]["looks"]]
         text = page.read("document.body.textContent")

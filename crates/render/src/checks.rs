@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::appearance::{Appearance, Blend};
 use crate::camera::Camera;
-use crate::second::SecondAppearance;
+use crate::second::{SecondAppearance, Turns};
 
 /// A camera or an appearance of which no picture can be drawn.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -220,6 +220,11 @@ impl SecondAppearance {
     pub fn check(&self) -> Result<(), CheckError> {
         let opacity = f64::from(self.opacity);
         number("opacity", opacity, (0.0..=1.0).contains(&opacity), "0 to 1")?;
+        if let Turns::Cells(edge) = self.turns {
+            let edge = f64::from(edge);
+            let allowed = "0.1 to 10000 mm";
+            number("cells", edge, (0.1..=1e4).contains(&edge), allowed)?;
+        }
         self.alone(Blend::Shaded).check()
     }
 }

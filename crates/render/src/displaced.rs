@@ -96,6 +96,41 @@ impl Displaced {
         loaded(&places)
     }
 
+    /// What stands at rest at places, displaced: where it stands then [grid], and its normals, along the grid's axes, as
+    /// they turn with the tissue around them, not of length 1. None where none of the places is displaced.
+    #[inline(always)]
+    pub fn stood_at<L: Gather>(
+        &self,
+        rest: Vector<L>,
+        normal: Vector<L>,
+        spacing: Vec3,
+    ) -> Option<(Vector<L>, Vector<L>)> {
+        let inside = self.hold(rest, 0.0);
+        if !inside.any() {
+            return None;
+        }
+        let turned = self.turned(rest, normal, spacing);
+        let place = rest + self.at(rest);
+        Some((place.or_else(inside, rest), turned.or_else(inside, normal)))
+    }
+
+    /// Normals as they turn with the tissue around them: by the cofactors of the displacements' gradient, from
+    /// differences over a voxel. Tissue that is folded has no side: there they stay.
+    #[inline(always)]
+    fn turned<L: Gather>(&self, rest: Vector<L>, normal: Vector<L>, spacing: Vec3) -> Vector<L> {
+        let column = |axis: Vec3| {
+            let reach = Vector::splat(0.5 * axis);
+            let there = self.at(rest + reach) - self.at(rest - reach);
+            // voxels to mm, over a voxel along the axis
+            there.times(Vector::splat(spacing / spacing.dot(axis))) + Vector::splat(axis)
+        };
+        let (x, y, z) = (column(Vec3::X), column(Vec3::Y), column(Vec3::Z));
+        let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
+        let is_whole = L::Float::splat(0.1).less(x.dot(yz));
+        let turned = yz.scaled(normal.x) + zx.scaled(normal.y) + xy.scaled(normal.z);
+        turned.normalized().or_else(is_whole, normal)
+    }
+
     /// Which places lie among the nodes, or so many voxels beside them.
     #[inline(always)]
     pub fn hold<L: Gather>(&self, grid: Vector<L>, beside: f32) -> L::Mask {

@@ -332,6 +332,7 @@ fn shading_of<'a>(
         field: &scene.field,
         displaced: scene.displaced.as_ref(),
         second: None,
+        own_turns: None,
         segments: &prepared.segments,
         transfer: &prepared.transfer,
         empty: &prepared.empty,

@@ -1,6 +1,7 @@
 //! An appearance made ready for a scene: tables, segments, and which bricks are empty.
 
 use glam::{DVec3, Vec4};
+use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::appearance::{Appearance, Blend, Plane};
@@ -17,6 +18,8 @@ pub struct Prepared {
     pub(crate) transfer: Transfer,
     pub(crate) segments: Segments,
     pub(crate) empty: EmptySpace,
+    /// Boxes of bricks in which the segments lie that are drawn as surfaces.
+    pub(crate) surfaces: Vec<VoxelBox>,
     pub(crate) planes: Vec<Vec4>,
     /// Fraction of the window, or height over the iso-value, at a stored value: factor and term.
     pub(crate) grey: (f32, f32),
@@ -57,6 +60,7 @@ impl Prepared {
         if changed.is_empty() {
             return;
         }
+        self.surfaces = bricks_of_surfaces(scene, &self.appearance);
         let asked = by_voxels(&self.appearance);
         self.segments.renew(scene.voxels(), &asked, changed);
         // a brick's range tells of the voxels around it too
@@ -96,6 +100,7 @@ impl Prepared {
         let empty = EmptySpace::new(scene.ranges.counts, |brick| drawn.is_in(brick));
         Self {
             planes: planes_in_grid(scene, &appearance.clip),
+            surfaces: bricks_of_surfaces(scene, &appearance),
             appearance,
             transfer,
             segments,
@@ -136,6 +141,14 @@ impl Drawn<'_> {
             || (blend.draws_solids() && self.segments.show(low, high))
             || self.segments.hold(brick)
     }
+}
+
+fn bricks_of_surfaces(scene: &Scene, appearance: &Appearance) -> Vec<VoxelBox> {
+    let shown = appearance.surfaces.iter();
+    shown
+        .filter_map(|shown| scene.voxels().segment(SegmentId(shown.id))?.bounding_box())
+        .map(|voxels| VoxelBox::new(voxels.min >> 3, ((voxels.max - 1) >> 3) + 1))
+        .collect()
 }
 
 fn grey_of(appearance: &Appearance, slope: f64, intercept: f64) -> (f32, f32) {

@@ -167,6 +167,14 @@ impl Renderer {
 
     /// Takes the surfaces of segments as they are now.
     pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
+        let at_rest = |all: &[SegmentSurface]| -> Vec<u8> {
+            let there = all.iter().filter(|it| it.is_at_rest());
+            there.map(|it| it.id).collect()
+        };
+        // what they shade follows from their segments' voxels
+        if at_rest(&self.scene.surfaces) != at_rest(&surfaces) {
+            self.stale = Stale::Everything;
+        }
         self.scene.set_surfaces(surfaces);
     }
 
@@ -297,7 +305,9 @@ fn without_colours(appearance: &Appearance) -> Appearance {
     for point in &mut opacity.transfer {
         point.colour = Vec3::ZERO;
     }
-    opacity.surfaces.clear();
+    for surface in &mut opacity.surfaces {
+        (surface.colour, surface.ambient, surface.specular) = (Vec3::ZERO, 1.0, 1.0);
+    }
     for segment in &mut opacity.segments {
         (segment.colour, segment.ambient, segment.specular) = (Vec3::ZERO, 1.0, 1.0);
     }

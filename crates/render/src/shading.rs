@@ -6,10 +6,10 @@ use crate::appearance::Blend;
 use crate::bricks::EmptySpace;
 use crate::displaced::Displaced;
 use crate::field::Field;
-use crate::lanes::{Floats, Gather, Masks, Vector, smoothstep};
+use crate::lanes::{Floats, Gather, Ints, Masks, Vector, smoothstep};
 use crate::light_volume::LightLookup;
 use crate::lighting::Light;
-use crate::second::SecondShading;
+use crate::second::{Second, SecondShading};
 use crate::segments::Segments;
 use crate::transfer::Transfer;
 
@@ -24,6 +24,8 @@ pub(crate) struct Shading<'a> {
     /// Tissue beside its voxels.
     pub displaced: Option<&'a Displaced>,
     pub second: Option<&'a SecondShading<'a>>,
+    /// Where this is the second scan: how it is seen beside the first.
+    pub own_turns: Option<&'a Second>,
     pub segments: &'a Segments,
     pub transfer: &'a Transfer,
     pub empty: &'a EmptySpace,
@@ -56,6 +58,24 @@ impl Shading<'_> {
         let rest = self.at_rest(grid);
         let value = self.field.value_at(rest);
         (value, self.segments.at(self.field, rest, value))
+    }
+
+    /// The same without segments where another scan is seen.
+    #[inline(always)]
+    pub fn seen_at<L: Gather>(&self, grid: Vector<L>) -> (L::Float, L::Int) {
+        let (value, code) = self.at(grid);
+        let others = self.is_others_turn(grid);
+        (value, L::Int::splat(0).or_else(others, code))
+    }
+
+    /// Whether another scan is seen at places, and nothing of this one.
+    #[inline(always)]
+    pub fn is_others_turn<L: Gather>(&self, grid: Vector<L>) -> L::Mask {
+        match (self.second, self.own_turns) {
+            (Some(other), _) => other.second.has_turn(grid),
+            (None, Some(own)) => !own.shows_own(grid),
+            (None, None) => Masks::splat(false),
+        }
     }
 
     /// Stored value of what is seen at a place.

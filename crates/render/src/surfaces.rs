@@ -1,7 +1,7 @@
 //! Surfaces of segments: triangles, drawn into each pixel as fragments that a ray meets on its way through the scan.
 //!
 //! A [`SegmentSurface`] shares its triangles with whoever made them. For one picture their corners are taken to the
-//! screen (`on_screen.rs`); each band of rows then draws those in it (`band.rs`): of what is opaque the nearest
+//! screen (`on_screen.rs`), from where their tissue stands (`stood.rs`); each band of rows then draws those in it (`band.rs`): of what is opaque the nearest
 //! fragment of each pixel, of what can be seen through all of them, by depth. Rays go on from there (`march/layers.rs`).
 //! Frames: triangles in the patient, LPS mm; fragments by their depth along the direction of view [mm].
 
@@ -9,6 +9,7 @@ mod band;
 mod drawn;
 mod kept;
 mod on_screen;
+mod stood;
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -18,6 +19,7 @@ use glam::{DAffine3, DVec3};
 pub(crate) use band::{BandFragments, Fragment, NO_FRAGMENT};
 pub(crate) use drawn::{DrawnSurface, Own};
 pub(crate) use on_screen::OnScreen;
+pub(crate) use stood::Moving;
 
 /// Triangles with shared corners.
 pub trait Triangles: Debug + Send + Sync {
@@ -40,4 +42,12 @@ pub struct SegmentSurface {
     pub pose: DAffine3,
     /// Its triangles.
     pub patches: Vec<Arc<dyn Triangles>>,
+}
+
+impl SegmentSurface {
+    /// Whether it stands where the scan has its segment.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.pose == DAffine3::IDENTITY
+    }
 }

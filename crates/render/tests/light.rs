@@ -1,12 +1,15 @@
 //! The light through a scan against what light does: nothing in emptiness, Beer and Lambert behind a slab, half of the
 //! sky in a corner. Scans of 48³ voxels of 1 mm, cells of 1.5 mm.
 
-use glam::{DVec3, IVec3};
-use palpate_render::appearance::{Appearance, Blend, Plane};
+use glam::{DAffine3, DVec3, IVec3, UVec3, Vec3};
+use palpate_render::appearance::{Appearance, Blend, Plane, Shown, ShownSegment, ShownSurface};
 use palpate_render::draw::draw;
 use palpate_render::light_volume::LightVolume;
 use palpate_render::prepared::Prepared;
 use palpate_render::scene::Scene;
+use palpate_render::surfaces::SegmentSurface;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
@@ -186,4 +189,54 @@ fn work_that_is_no_longer_wanted_gives_nothing() {
             .is_none()
     );
     assert!(light.follow(&scene, &prepared, &slab(), &|| true).is_none());
+}
+
+#[test]
+fn a_surface_keeps_off_as_much_light_as_it_hides_over_10_mm_of_its_segment() {
+    let mut voxels = scan(&[]);
+    let inside = slab();
+    let segment = Segment::from_fn(UVec3::splat(SIZE), |voxel| inside.contains(voxel));
+    voxels.insert_segment(SegmentId(3), segment).unwrap();
+    let surface = SegmentSurface {
+        id: 3,
+        origin: DVec3::ZERO,
+        pose: DAffine3::IDENTITY,
+        patches: Vec::new(),
+    };
+    let lamp = LAMP.normalize();
+    let below = [30.0, 30.0, 26.0];
+    let light_by = |opacity: f32, surfaces: Vec<SegmentSurface>| {
+        let mut scene = scene(&voxels);
+        scene.set_surfaces(surfaces);
+        let mut look = look(Blend::Shaded, 9.0);
+        look.segments.push(ShownSegment {
+            id: 3,
+            range: None,
+            is_edited: false,
+            shown: Shown::Hidden,
+            colour: Vec3::ONE,
+            ambient: 1.0,
+            specular: 1.0,
+        });
+        look.surfaces.push(ShownSurface {
+            id: 3,
+            colour: Vec3::ONE,
+            opacity,
+            is_wireframe: false,
+            ambient: 1.0,
+            specular: 1.0,
+        });
+        at(&light_of(&scene, &look).1, below).1
+    };
+    let through = 6.0 / lamp.z / 10.0;
+    let half = f64::from(light_by(0.5, vec![surface.clone()]));
+    assert_near(half as f32, 0.5_f64.powf(through), 0.02);
+    assert!(light_by(1.0, vec![surface.clone()]) < 0.02);
+    // one that was moved shades where it stands, which nobody works out
+    let moved = SegmentSurface {
+        pose: DAffine3::from_translation(DVec3::X),
+        ..surface
+    };
+    assert_eq!(light_by(1.0, vec![moved]), 1.0);
+    assert_eq!(light_by(1.0, Vec::new()), 1.0);
 }

@@ -7,7 +7,7 @@ use palpate_render::appearance::{Appearance, Blend, Plane, ShownSurface};
 use palpate_render::displaced::Displacements;
 use palpate_render::picture::Picture;
 use palpate_render::scene::Scene;
-use palpate_render::second::{SecondAppearance, SecondScan, Tint};
+use palpate_render::second::{SecondAppearance, SecondScan, Tint, Turns};
 use palpate_render::surfaces::{SegmentSurface, Triangles};
 use palpate_volume::voxels::Voxels;
 
@@ -28,6 +28,7 @@ fn as_first(look: &Appearance) -> SecondAppearance {
         tissue_from: look.tissue_from,
         tint: Tint::Grey,
         opacity: 1.0,
+        turns: Turns::Together,
     }
 }
 
@@ -281,5 +282,88 @@ fn displaced_tissue_is_that_of_the_first() {
         }));
         let (mean, far) = difference(&picture(&both, &look, &view), &still);
         assert!(mean < 0.01 && far == 0.0, "{blend:?}: {mean} {far}");
+    }
+}
+
+/// By turns, in a mode.
+fn by_turns(first: &Voxels, second: &Voxels, look: &Appearance, turns: Turns) -> Scene {
+    let other = SecondAppearance {
+        turns,
+        ..as_first(look)
+    };
+    fused(first, second, DVec3::ZERO, other, look.blend)
+}
+
+#[test]
+fn in_its_turn_the_second_scan_is_seen_as_if_alone() {
+    let (first, second) = (ball(32, 12.0), ball(32, 7.0));
+    let view = request(parallel(DVec3::splat(16.0), oblique(), 60.0), 64);
+    for blend in ALL {
+        let mut look = appearance(blend, 0.3);
+        look.tissue_from = 600.0;
+        let turn = by_turns(&first, &second, &look, Turns::Second);
+        let alone = picture(&scene(&second), &look, &view);
+        let (mean, far) = difference(&picture(&turn, &look, &view), &alone);
+        assert!(mean < 0.5 && far < 0.02, "{blend:?}: {mean} {far}");
+    }
+}
+
+#[test]
+fn cells_larger_than_both_scans_show_the_first_alone() {
+    let (first, second) = (ball(32, 12.0), ball(32, 7.0));
+    // of modes with one value for each ray, squares meet in the middle of the view: this one is in the first
+    let corner = parallel(DVec3::new(-40.0, -40.0, 16.0), DVec3::Z, 200.0);
+    let view = request(corner, 96);
+    for blend in ALL {
+        let mut look = appearance(blend, 0.3);
+        look.tissue_from = 600.0;
+        let cells = by_turns(&first, &second, &look, Turns::Cells(500.0));
+        let alone = picture(&scene(&first), &look, &view);
+        let (mean, far) = difference(&picture(&cells, &look, &view), &alone);
+        assert!(mean < 0.3 && far < 0.01, "{blend:?}: {mean} {far}");
+    }
+}
+
+#[test]
+fn cells_are_cut_flat_by_their_sides() {
+    // of four cells along a ray from above every other one is that of the second scan, which is empty
+    let full = cube(32, |voxel| 600.0 + 10.0 * f64::from(voxel.x));
+    let empty = cube(32, |_| 0.0);
+    let look = appearance(Blend::Iso, 1.0);
+    let mut view = request(parallel(DVec3::splat(16.0), DVec3::Z, 32.0), 32);
+    view.is_in_haste = true;
+    let seen = |scene: &Scene, column: usize| {
+        let drawn = picture(scene, &look, &view);
+        let pixel = column + 32 * 27;
+        let colour = Vec3::from_slice(&drawn.colours[pixel]);
+        (f64::from(drawn.depths[pixel]), colour)
+    };
+    let (top, whole) = seen(&scene(&full), 12);
+    let there = [
+        (by_turns(&full, &empty, &look, Turns::Cells(8.0)), [12, 4]),
+        (by_turns(&empty, &full, &look, Turns::Cells(8.0)), [4, 12]),
+    ];
+    for (cells, [high, low]) in there {
+        assert_near(seen(&cells, high).0, top, 0.1);
+        let (depth, colour) = seen(&cells, low);
+        assert_near(depth, top + 8.0, 0.1);
+        // lit as the face of the scan's box is, though values rise aside and do not end there
+        assert_near(f64::from(colour.distance(whole)), 0.0, 0.02);
+    }
+}
+
+#[test]
+fn a_ray_of_one_value_has_it_from_the_scan_of_its_square() {
+    let (first, second) = (cube(32, |_| 300.0), cube(32, |_| 700.0));
+    let look = appearance(Blend::Mip, 1.0);
+    let cells = by_turns(&first, &second, &look, Turns::Cells(4.0));
+    let view = request(parallel(DVec3::splat(16.0), DVec3::Z, 32.0), 32);
+    let drawn = picture(&cells, &look, &view);
+    for (pixel, colour) in drawn.colours.iter().enumerate() {
+        // four squares to the left of the middle and four above it
+        let (column, row) = (pixel % 32, pixel / 32);
+        let is_odd = (column / 4 + (31 - row) / 4) % 2 == 1;
+        let wanted = if is_odd { 0.7 } else { 0.3 };
+        assert_near(grey(colour[0]), wanted, 2e-3);
     }
 }

@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, UVec3, Vec3};
 use palpate_render::appearance::{Appearance, Blend, Lighting, Plane, ShownSurface};
 use palpate_render::camera::Camera;
+use palpate_render::displaced::Displacements;
 use palpate_render::draw::Request;
 use palpate_render::picture::Picture;
 use palpate_render::scene::Scene;
 use palpate_render::surfaces::{SegmentSurface, Triangles};
 
-use crate::common::{ALL, appearance, assert_near, cube, parallel, picture, request, scene};
+use crate::common::{
+    ALL, appearance, assert_near, cube, difference, parallel, picture, request, scene,
+};
 
 /// Voxels along each edge of the scans here, of 1 mm.
 const SIZE: u32 = 24;
@@ -446,4 +449,81 @@ fn what_stands_close_darkens_a_surface_of_voxels_as_a_body_of_them() {
         0.03,
     );
     assert!(colour_at(&open, (0, 0)).x > colour_at(&body, (0, 0)).x + 0.06);
+}
+
+/// Displaces all tissue of a scan by what it is at eight corners far beyond it, linear between.
+fn displace(scene: &mut Scene, of: impl Fn(DVec3) -> DVec3) {
+    let (origin, step) = (DVec3::splat(-20.0), DVec3::splat(64.0));
+    let nodes = (0..8).map(|i| UVec3::new(i & 1, i >> 1 & 1, i >> 2).as_dvec3());
+    let moved: Vec<Vec3> = nodes
+        .map(|node| of(origin + step * node).as_vec3())
+        .collect();
+    scene.displace(Some(&Displacements {
+        origin,
+        step,
+        size: UVec3::splat(2),
+        moved: &moved,
+    }));
+}
+
+fn lit(mut look: Appearance) -> Appearance {
+    look.blend = Blend::Shaded;
+    look.lighting = Lighting::default();
+    look
+}
+
+#[test]
+fn surfaces_stand_where_their_tissue_does_and_their_normals_turn_with_it() {
+    let back = DVec3::new(0.3, 0.4, 0.85).normalize();
+    let view = request(parallel(MIDDLE, back, 30.0), 64);
+    let bent = |at: DVec3| DVec3::new(0.0, 0.0, 0.5 * (at.x - 12.0) - 2.0);
+    let stood = |at: DVec3| at + bent(at);
+    let corner = DVec3::new(4.0, 5.0, 12.0);
+    let (a, b) = (DVec3::X * 12.0, DVec3::Y * 9.0);
+    let expected = Mesh::square(
+        stood(corner),
+        stood(corner + a) - stood(corner),
+        stood(corner + b) - stood(corner),
+    );
+    for opacity in [1.0, 0.5] {
+        let (mut scene, look) = with(0.0, &[(Mesh::square(corner, a, b), shown(7, opacity))]);
+        let look = lit(look);
+        let still = picture(&scene, &look, &view);
+        displace(&mut scene, bent);
+        let found = picture(&scene, &look, &view);
+        let (reference, _) = with(0.0, &[(expected.clone(), shown(7, opacity))]);
+        let (mean, far) = difference(&found, &picture(&reference, &look, &view));
+        assert!(mean < 0.05 && far < 0.002, "{mean} {far}");
+        assert!(difference(&found, &still).0 > 0.5);
+    }
+}
+
+#[test]
+fn only_what_stands_where_the_scan_has_it_is_displaced() {
+    let view = ahead(48);
+    let aside = DAffine3::from_translation(DVec3::new(2.0, 0.0, 0.0));
+    let (mut scene, look) = with(0.0, &[]);
+    let look = Appearance {
+        surfaces: vec![shown(7, 1.0)],
+        ..look
+    };
+    let posed = SegmentSurface {
+        pose: aside,
+        ..Mesh::cube(8.0).surface(7)
+    };
+    scene.set_surfaces(vec![posed]);
+    let before = picture(&scene, &look, &view);
+    displace(&mut scene, |_| DVec3::new(0.0, 4.0, 0.0));
+    assert!(picture(&scene, &look, &view) == before);
+    scene.set_surfaces(vec![Mesh::cube(8.0).surface(7)]);
+    let up = picture(&scene, &look, &view);
+    let (reference, _) = with(
+        0.0,
+        &[(
+            Mesh::cube(8.0).moved(DAffine3::from_translation(DVec3::new(0.0, 4.0, 0.0))),
+            shown(7, 1.0),
+        )],
+    );
+    let (mean, far) = difference(&up, &picture(&reference, &look, &view));
+    assert!(mean < 0.05 && far < 0.002, "{mean} {far}");
 }

@@ -18,12 +18,14 @@ __all__ = [
     "ShownSegment",
     "ShownSurface",
     "Tint",
+    "Turns",
 ]
 
 Colour = tuple[float, float, float]
 Mode = Literal["shaded", "composite", "absorption", "emission", "mip", "minip", "average", "iso"]
 Shown = Literal["solid", "tinted", "hidden"]
 Tint = Literal["warm", "cool", "grey"]
+Turns = Literal["together", "cells", "second"]
 
 
 class Lighting(msgspec.Struct, frozen=True, kw_only=True):
@@ -81,7 +83,11 @@ class SecondAppearance(msgspec.Struct, frozen=True, kw_only=True):
     tint: Tint = "warm"
     """Its colours from black to white in modes of grey."""
     opacity: float = 0.5
-    """Of its colours in modes of grey, and of its iso-surface, 0 to 1."""
+    """Of its colours in modes of grey, and of its iso-surface, 0 to 1; in turns nothing is seen through it."""
+    turns: Turns = "together"
+    """Both scans through one another, one or the other in cells, or the second alone, wherever it is."""
+    cells: float = 20.0
+    """Edge of a cell [mm], along the first scan's axes from its corner."""
 
 
 class Appearance(msgspec.Struct, frozen=True, kw_only=True):

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from palpate.pictures.appearance import Mode, Shown, Tint
+from palpate.pictures.appearance import Mode, Shown, Tint, Turns
 from palpate.protocol.types import (
     ClipPlanes,
     LinearColour,
@@ -42,6 +42,7 @@ Points = Annotated[
     list[tuple[Value, LinearColour, Factor]], msgspec.Meta(min_length=2, max_length=4096)
 ]
 Gradient = Annotated[float, msgspec.Meta(gt=0.0, le=1e9)]
+CellEdge = Annotated[float, msgspec.Meta(ge=0.1, le=1e4)]
 PixelCount = Annotated[int, msgspec.Meta(ge=1, le=8192)]
 
 
@@ -100,7 +101,8 @@ class LookSurface(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class LookSecond(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How the second scan is drawn through the first, as ``PictureLook`` has it of that.
 
-    ``tint`` are its colours in modes of grey, ``opacity`` theirs and that of its iso-surface.
+    ``tint`` are its colours in modes of grey, ``opacity`` theirs and that of its iso-surface. By
+    ``turns`` both are seen, or one of them in cells of an edge of ``cells`` [mm], or the second.
     """
 
     density: Factor
@@ -112,6 +114,8 @@ class LookSecond(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     tissue_from: Value
     tint: Tint
     opacity: Share
+    turns: Turns
+    cells: CellEdge
 
 
 class PictureLook(Message, frozen=True, tag="picture_look"):

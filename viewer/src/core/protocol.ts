@@ -1030,7 +1030,8 @@ export interface LookSurface {
 /**
  * How the second scan is drawn through the first, as `PictureLook` has it of that.
  *
- * `tint` are its colours in modes of grey, `opacity` theirs and that of its iso-surface.
+ * `tint` are its colours in modes of grey, `opacity` theirs and that of its iso-surface. By
+ * `turns` both are seen, or one of them in cells of an edge of `cells` [mm], or the second.
  */
 export interface LookSecond {
   readonly density: number;
@@ -1042,6 +1043,8 @@ export interface LookSecond {
   readonly tissue_from: Value;
   readonly tint: "warm" | "cool" | "grey";
   readonly opacity: Share;
+  readonly turns: "together" | "cells" | "second";
+  readonly cells: number;
 }
 
 /**

@@ -52,6 +52,15 @@ impl<L: Lanes> Vector<L> {
     }
 
     #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self::new(
+            self.y * other.z - self.z * other.y,
+            self.z * other.x - self.x * other.z,
+            self.x * other.y - self.y * other.x,
+        )
+    }
+
+    #[inline(always)]
     pub fn length(self) -> L::Float {
         self.dot(self).sqrt()
     }

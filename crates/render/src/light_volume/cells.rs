@@ -85,10 +85,19 @@ impl CellGrid {
         asked: Range<usize>,
     ) -> SeenCells {
         let middle = |x: usize| (IVec3::new(x as i32, y, z).as_vec3() + 0.5) * self.voxels;
-        let empty = &prepared.empty;
+        let reach = i32::from(self.empty_reach) - 1;
+        let surfaces: Vec<_> = prepared
+            .surfaces
+            .iter()
+            .map(|it| it.dilate(reach))
+            .collect();
+        let is_seen = |brick: IVec3| {
+            prepared.empty.distance(brick) < self.empty_reach
+                || surfaces.iter().any(|it| it.contains(brick))
+        };
         let are_seen: Vec<_> = asked
             .clone()
-            .map(|x| empty.distance(middle(x).as_ivec3() >> 3_i32) < self.empty_reach)
+            .map(|x| is_seen(middle(x).as_ivec3() >> 3_i32))
             .collect();
         let first = are_seen.iter().position(|&is| is);
         let last = are_seen.iter().rposition(|&is| is);

@@ -1,5 +1,6 @@
 //! How much of the light passes a cell over the length of its edge: by the mean optical thickness at some of its
-//! places, of what is drawn there as the ray caster draws it. Eight cells of a row at a time.
+//! places, of what is drawn there as the ray caster draws it. Surfaces are as thick as the segments that they are drawn
+//! for. Eight cells of a row at a time.
 
 use std::ops::Range;
 
@@ -19,12 +20,16 @@ use crate::prepared::Prepared;
 use crate::scene::Scene;
 use crate::shading::{boundary, is_before_a_plane};
 use crate::stop::Stop;
+use crate::surfaces::DrawnSurface;
 
 /// Places of a cell along each axis.
 const PLACES: i32 = 3;
 
 /// Optical thickness from which on a part of a cell lets nothing through; extinction of what is solid [1/mm].
 const FULL: f32 = 9.0;
+
+/// Length of a segment over which it lets as much light through as its surface does [mm].
+const BODY: f32 = 10.0;
 
 /// Sum of optical thickness that is none: there is a little in bricks that count as empty.
 const NONE: f32 = 1e-3;
@@ -36,6 +41,14 @@ struct Job<'a> {
     grid: &'a CellGrid,
     edge_gradient: f32,
     flat_share: f32,
+    surfaces: Vec<ShadingSurface<'a>>,
+}
+
+/// A surface drawn for a segment, as far as it keeps light off.
+struct ShadingSurface<'a> {
+    surface: DrawnSurface<'a>,
+    /// In its segment [1/mm].
+    extinction: f32,
 }
 
 /// Looks at the cells of a box.
@@ -52,6 +65,7 @@ pub(super) fn look_at(
         grid,
         edge_gradient: prepared.appearance.edge_gradient as f32,
         flat_share: 1.0 - prepared.appearance.lighting.edges,
+        surfaces: shading_surfaces(scene, prepared),
     };
     clarity.change(region, |(y, z), row| {
         if stop() {
@@ -98,10 +112,12 @@ impl Job<'_> {
             (cell as f32 * voxels) as i32 >> 3..=((cell + 1) as f32 * voxels) as i32 >> 3
         };
         let columns = self.scene.ranges.counts.x;
+        let is_drawn = |brick: IVec3| {
+            self.prepared.empty.distance(brick) == 0
+                || self.prepared.surfaces.iter().any(|it| it.contains(brick))
+        };
         let is_filled = |x: i32| {
-            bricks(z, size.z).any(|z| {
-                bricks(y, size.y).any(|y| self.prepared.empty.distance(IVec3::new(x, y, z)) == 0)
-            })
+            bricks(z, size.z).any(|z| bricks(y, size.y).any(|y| is_drawn(IVec3::new(x, y, z))))
         };
         let filled: Vec<_> = (0..columns).map(is_filled).collect();
         cells
@@ -169,14 +185,32 @@ impl Job<'_> {
         let code = prepared.segments.at(field, grid, value);
         let solid = prepared.segments.are_solid::<L>(code);
         let hidden = L::Int::splat(0).greater(code);
-        let seen = !(hidden | is_before_a_plane(&prepared.planes, grid));
+        let kept = !is_before_a_plane(&prepared.planes, grid);
         let extinction = if prepared.appearance.blend == Blend::Iso {
             let height = value * Floats::splat(prepared.grey.0) + Floats::splat(prepared.grey.1);
             full.or_else(zero.at_most(height), zero)
         } else {
             self.extinction_of_tissue(value, place)
         };
-        full.or_else(solid, extinction).or_else(seen, zero)
+        let surfaces = self.extinction_of_surfaces(grid, hidden);
+        surfaces
+            .or_else(hidden, full.or_else(solid, extinction))
+            .or_else(kept, zero)
+    }
+
+    /// Of surfaces, at places of segments that are drawn as such.
+    #[inline(always)]
+    fn extinction_of_surfaces<L: Gather>(&self, grid: Vector<L>, hidden: L::Mask) -> L::Float {
+        let mut extinction = L::Float::splat(0.0);
+        if !hidden.any() {
+            return extinction;
+        }
+        // the first one wins
+        for it in self.surfaces.iter().rev() {
+            let inside = it.surface.own_at(&self.scene.field, grid);
+            extinction = L::Float::splat(it.extinction).or_else(inside, extinction);
+        }
+        extinction
     }
 
     #[inline(always)]
@@ -190,6 +224,30 @@ impl Job<'_> {
         let (kept, _) = boundary::<L>((self.edge_gradient, self.flat_share), gradient);
         extinction * kept
     }
+}
+
+/// Surfaces that stand where the scan has their segments, and whose triangles are filled.
+fn shading_surfaces<'a>(scene: &'a Scene, prepared: &'a Prepared) -> Vec<ShadingSurface<'a>> {
+    let surfaces = DrawnSurface::all(scene, prepared);
+    surfaces
+        .into_iter()
+        .filter(|it| it.surface.is_at_rest() && !it.shown.is_wireframe)
+        .map(|surface| {
+            let opacity = surface.shown.opacity;
+            ShadingSurface {
+                // light is that of voxels
+                surface: DrawnSurface {
+                    moving: None,
+                    ..surface
+                },
+                extinction: if opacity > 0.99 {
+                    FULL
+                } else {
+                    -(1.0 - opacity).ln() / BODY
+                },
+            }
+        })
+        .collect()
 }
 
 /// Where in a cell a place lies.

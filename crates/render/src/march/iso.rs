@@ -26,13 +26,15 @@ pub(super) fn seen_along<'a, L: Gather>(
         segment: none,
         haze: Floats::splat(-1.0),
     };
-    let first = L::apart(Meet { shading, packet });
+    let mut first = L::apart(Meet { shading, packet });
     let met = !first.code.equal(none);
     if let Some(beside) = beside {
-        let other = L::apart(Meet {
+        let mut other = L::apart(Meet {
             shading: &beside.second.shading,
             packet: &beside.rays,
         });
+        first.open_at_side(shading, packet, (beside, packet));
+        other.open_at_side(&beside.second.shading, &beside.rays, (beside, packet));
         let before = !other.code.equal(none) & (!met | other.length.less(first.length));
         layers.pass(shading, packet, other.length, before, &mut seen);
         pass_second(shading, packet, beside, &other, before, &mut seen);
@@ -52,8 +54,32 @@ struct Met<L: Gather> {
     length: L::Float,
     /// Of the segment, or `ISO`; 0 where they meet none.
     code: L::Int,
-    /// A face cuts it there.
-    cut: L::Mask,
+    /// Whether a face cuts it there, and which.
+    cut: (L::Mask, Vector<L>),
+}
+
+impl<L: Gather> Met<L> {
+    /// What the side of a cell cuts is open there; `first`: the rays in the first scan, where cells are.
+    #[inline(always)]
+    fn open_at_side(
+        &mut self,
+        shading: &Shading<'_>,
+        packet: &Packet<L>,
+        (beside, first): (&Beside<'_, L>, &Packet<L>),
+    ) {
+        let (cut, face) = self.cut;
+        let second = beside.second.second;
+        let side = second.side_before(first, self.length, shading.step);
+        let mut opens = side.is_crossed & !cut & !self.code.equal(Ints::splat(0));
+        if opens.any() {
+            let (value, code) = shading.at(packet.at(side.before));
+            let none = L::Int::splat(0);
+            let above = L::Float::splat(0.0).at_most(shading.grey_of::<L>(value));
+            let encloses = shading.segments.are_solid::<L>(code) | (above & !none.greater(code));
+            opens = opens & encloses;
+        }
+        self.cut = (cut | opens, side.face.or_else(opens, face));
+    }
 }
 
 /// Goes to the first surface of a scan.
@@ -96,7 +122,7 @@ impl<L: Gather> Work<L> for Meet<'_, L> {
             return Met {
                 length: zero,
                 code,
-                cut: met,
+                cut: (met, packet.face),
             };
         }
         let at_entry = enclosed(shading, packet.at(last), true);
@@ -105,7 +131,7 @@ impl<L: Gather> Work<L> for Meet<'_, L> {
         Met {
             length: last.or_else(cut, entry),
             code: at_entry.or_else(cut, refined).or_else(met, none),
-            cut,
+            cut: (cut, packet.face),
         }
     }
 }
@@ -124,9 +150,8 @@ fn pass_second<L: Gather>(
         return;
     }
     let grid = packet.at(met.length);
-    let face = (met.cut, beside.rays.face);
     let second = beside.second;
-    let light = second.light_of_surface(shading, grid, packet.to_eye(), face);
+    let light = second.light_of_surface(shading, grid, packet.to_eye(), met.cut);
     let opacity = L::Float::splat(second.second.opacity);
     let share = (seen.clarity * opacity).or_else(lanes, Floats::splat(0.0));
     seen.light = seen.light.along(light, share);

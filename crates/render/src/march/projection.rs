@@ -7,6 +7,7 @@
 use crate::appearance::Blend;
 use crate::lanes::{Floats, Gather, Ints, Masks, Vector, Work, power};
 use crate::march::{Beside, MOST_SAMPLES, Packet, Seen};
+use crate::second::Turns;
 use crate::shading::Shading;
 
 /// No fraction of a window.
@@ -67,7 +68,7 @@ fn seen_as<L: Gather>(light: Vector<L>, brightest: L::Float, haze: L::Float) -> 
     }
 }
 
-/// A colour of the first scan on the screen, under that of a second one.
+/// A colour of the first scan on the screen, under that of a second one; or that alone where it has the ray.
 #[inline(always)]
 fn under_second<L: Gather>(beside: &Beside<'_, L>, first: Vector<L>) -> Vector<L> {
     let (zero, one) = (L::Float::splat(0.0), L::Float::splat(1.0));
@@ -84,8 +85,11 @@ fn under_second<L: Gather>(beside: &Beside<'_, L>, first: Vector<L>) -> Vector<L
     };
     let shows = L::Float::splat(least).less(share);
     let inside = share.max(zero).min(one);
-    let colour = beside.second.second.blended(first, inside);
-    colour.or_else(shows, first)
+    let second = beside.second.second;
+    if second.turns != Turns::Together {
+        return second.tinted(inside).or_else(beside.has_ray, first);
+    }
+    second.blended(first, inside).or_else(shows, first)
 }
 
 /// Fraction of the window along rays, `-NONE` where nothing counts; and the length at which it lies: of a mean, the middle

@@ -49,6 +49,8 @@ pub(crate) struct Packet<L: Gather> {
 pub(crate) struct Beside<'a, L: Gather> {
     pub second: &'a SecondShading<'a>,
     pub rays: Packet<L>,
+    /// Whether they show it alone, in modes with one value for each ray.
+    pub has_ray: L::Mask,
     /// Where they are in it, whatever is cut away.
     enter: L::Float,
     leave: L::Float,
@@ -150,12 +152,27 @@ impl<L: Gather> Packet<L> {
         let begins = L::Float::splat(0.0).less(enter);
         packet.face = face.or_else(begins, self.to_eye());
         packet.keep(fan, shading, (self.origin, self.in_grid));
+        let meets = packet.enter.less(packet.leave);
         Some(Beside {
             second,
+            has_ray: meets & second.second.has_ray::<L>(self.in_plane(fan)),
             rays: packet,
             enter,
             leave,
         })
+    }
+
+    /// Where the rays come through the plane through the middle of the view, to the right and up [mm].
+    #[inline(always)]
+    fn in_plane(&self, fan: &RayFan) -> (L::Float, L::Float) {
+        let sideways = if fan.is_parallel {
+            (self.origin - Vector::splat(fan.eye)).times(Vector::splat(fan.spacing))
+        } else {
+            (self.direction.scaled(self.stretch) - Vector::splat(fan.forward))
+                .scaled(Floats::splat(fan.middle))
+        };
+        let along = |axis: Vec3| sideways.dot(Vector::splat(axis.normalize_or_zero()));
+        (along(fan.across), along(fan.upward))
     }
 
     /// Where the rays are inside the scan.

@@ -42,25 +42,26 @@ pub(super) fn enclosed<L: Gather>(
     with_iso: bool,
 ) -> L::Int {
     let (value, code) = shading.at(grid);
-    let solid = shading.segments.are_solid::<L>(code);
+    let others = shading.is_others_turn(grid);
+    let solid = shading.segments.are_solid::<L>(code) & !others;
     let none = L::Int::splat(0);
     if !with_iso {
         return code.or_else(solid, none);
     }
-    let hidden = none.greater(code);
+    let hidden = none.greater(code) | others;
     let above = L::Float::splat(0.0).at_most(shading.grey_of::<L>(value));
     let iso = L::Int::splat(ISO).or_else(above & !hidden, none);
     code.or_else(solid, iso)
 }
 
-/// Light of a solid body at a place, seen through one of the faces that cut it or not.
+/// Light of a solid body at a place; `cut`: through which face it is seen where one cuts it.
 #[inline(always)]
 pub(super) fn light_of_body<L: Gather>(
     shading: &Shading<'_>,
     packet: &Packet<L>,
     length: L::Float,
     code: L::Int,
-    cut: L::Mask,
+    cut: (L::Mask, Vector<L>),
 ) -> Vector<L> {
     L::apart(LightOfBody {
         shading,
@@ -77,7 +78,7 @@ struct LightOfBody<'a, L: Gather> {
     packet: &'a Packet<L>,
     length: L::Float,
     code: L::Int,
-    cut: L::Mask,
+    cut: (L::Mask, Vector<L>),
 }
 
 impl<L: Gather> Work<L> for LightOfBody<'_, L> {
@@ -90,13 +91,13 @@ impl<L: Gather> Work<L> for LightOfBody<'_, L> {
             packet,
             length,
             code,
-            cut,
+            cut: (cut, face),
         } = self;
         let grid = packet.at(length);
         let to_eye = packet.to_eye();
         let is_iso = code.equal(Ints::splat(ISO));
         let normal = shading.normal_at(grid, code).facing(to_eye);
-        let normal = packet.face.or_else(cut, normal);
+        let normal = face.or_else(cut, normal);
         let near = if shading.is_in_haste {
             Floats::splat(1.0)
         } else {
@@ -146,7 +147,7 @@ pub(super) fn openness<L: Gather>(
     const CONES: [(f32, f32); 5] = [(0.0, 0.0), (1.1, 0.0), (-1.1, 0.0), (0.0, 1.1), (0.0, -1.1)];
     let zero = L::Float::splat(0.0);
     let side = sideways(normal);
-    let other = cross(normal, side);
+    let other = normal.cross(side);
     let per_mm = Vector::splat(shading.field.spacing().recip());
     let mut covered = zero;
     for (across, upward) in CONES {
@@ -177,14 +178,5 @@ pub(super) fn openness<L: Gather>(
 fn sideways<L: Gather>(normal: Vector<L>) -> Vector<L> {
     let upright = normal.z.abs().less(Floats::splat(0.9));
     let axis = Vector::<L>::splat(Vec3::Z).or_else(upright, Vector::splat(Vec3::X));
-    cross(normal, axis).normalized()
-}
-
-#[inline(always)]
-fn cross<L: Gather>(a: Vector<L>, b: Vector<L>) -> Vector<L> {
-    Vector::new(
-        a.y * b.z - a.z * b.y,
-        a.z * b.x - a.x * b.z,
-        a.x * b.y - a.y * b.x,
-    )
+    normal.cross(axis).normalized()
 }

@@ -233,7 +233,7 @@ impl<'a, L: Gather> March<'a, L> {
         let (value, code) = if self.is_beside {
             (zero, Ints::splat(0))
         } else {
-            shading.at(grid)
+            shading.seen_at(grid)
         };
         let clear = shading.transfer.are_clear_between::<L>(self.front, value);
         let (colour, extinction) = if (looks & !clear).any() & !self.is_beside {
@@ -319,7 +319,7 @@ impl<'a, L: Gather> March<'a, L> {
         let begins = meets & self.last.at_most(packet.enter);
         let mut cut = L::Mask::splat(false);
         if begins.any() {
-            let (_, there) = shading.at(packet.at(self.last));
+            let (_, there) = shading.seen_at(packet.at(self.last));
             cut = begins & shading.segments.are_solid::<L>(there);
         }
         let entry = self.last.or_else(cut, entry);
@@ -348,6 +348,7 @@ impl<'a, L: Gather> March<'a, L> {
         let (grid, to_eye) = (packet.at(middle), packet.to_eye());
         let mut other = None;
         if let Some(beside) = beside {
+            extinction = zero.or_else(beside.second.second.has_turn(grid), extinction);
             other = Some(beside.second.lit(shading, grid, to_eye));
         }
         if shading.blend.draws_solids() {
@@ -407,6 +408,21 @@ impl<'a, L: Gather> March<'a, L> {
         divided
     }
 
+    /// Which bodies are cut, and by which face: where rays come to them first, or by the side of a cell.
+    #[inline(always)]
+    fn cut_at_end(&self, shading: &Shading<'_>, packet: &Packet<L>) -> (L::Mask, Vector<L>) {
+        let Some(second) = shading.second else {
+            return (self.cut, packet.face);
+        };
+        let side = second.second.side_before(packet, self.end, shading.step);
+        let mut opens = side.is_crossed & !self.cut;
+        if opens.any() {
+            let (_, there) = shading.at(packet.at(side.before));
+            opens = opens & shading.segments.are_solid::<L>(there);
+        }
+        (self.cut | opens, side.face.or_else(opens, packet.face))
+    }
+
     /// Counts what is seen of an interval at the length of its middle.
     #[inline(always)]
     fn weigh(&mut self, share: L::Float, middle: L::Float) {
@@ -425,7 +441,8 @@ impl<'a, L: Gather> March<'a, L> {
         }
         self.layers
             .pass(shading, packet, self.end, ends, &mut self.seen);
-        let light = light_of_body(shading, packet, self.end, self.solid, self.cut);
+        let cut = self.cut_at_end(shading, packet);
+        let light = light_of_body(shading, packet, self.end, self.solid, cut);
         let share = self.seen.clarity.or_else(ends, zero);
         self.seen.light = self.seen.light.along(light, share);
         self.seen.clarity = self.seen.clarity - share;

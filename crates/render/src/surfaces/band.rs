@@ -92,10 +92,9 @@ impl<'a> BandFragments<'a> {
             kept,
         };
         for (patch, numbers) in on_screen.in_band(number) {
-            let normals = patch.triangles.normals();
             let triangle = Triangle {
                 corners: numbers.map(|corner| patch.corners[corner as usize]),
-                normals: numbers.map(|corner| Vec3::from(normals[corner as usize])),
+                normals: numbers.map(|corner| Vec3::from(patch.normals[corner as usize])),
                 surface: patch.surface,
                 in_perspective: on_screen.in_perspective,
             };

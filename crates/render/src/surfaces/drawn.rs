@@ -11,13 +11,15 @@ use crate::lanes::{Floats, Gather, LANES, Masks, Plain, Vector};
 use crate::prepared::Prepared;
 use crate::scene::Scene;
 use crate::segments::code_of_number;
-use crate::surfaces::SegmentSurface;
+use crate::surfaces::{Moving, SegmentSurface};
 
 /// A surface, for one picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DrawnSurface<'a> {
     pub shown: ShownSurface,
     pub surface: &'a SegmentSurface,
+    /// What displaces it.
+    pub moving: Option<Moving<'a>>,
     /// Of its segment; see [`crate::segments::Segments`].
     pub code: i32,
     pub own: Own<'a>,
@@ -62,6 +64,7 @@ impl<'a> DrawnSurface<'a> {
         let posed_from_rest = in_grid(grid, surface.pose);
         Self {
             own: own_of(scene, prepared, shown.id),
+            moving: Moving::of(scene, surface),
             code: code_of_number(shown.id),
             posed: (turned * surface.pose.matrix3).as_mat3(),
             at_rest: turned.as_mat3(),
@@ -75,19 +78,16 @@ impl<'a> DrawnSurface<'a> {
     /// Whether a place where the surface stands belongs to its segment.
     pub fn holds(&self, field: &Field, posed: Vec3) -> bool {
         let place = self.rest_from_posed.transform_point3(posed);
-        match self.own {
-            Own::Nothing => false,
-            Own::Voxels(bits) => bits.is_solid(place.floor().as_ivec3()),
-            Own::Values(low, high) => {
-                let value = field.value_at::<Plain>(Vector::splat(place)).store()[0];
-                low <= value && value <= high
-            }
-        }
+        self.own_at::<Plain>(field, Vector::splat(place)).bits() & 1 == 1
     }
 
-    /// Whether places where the scan has the segment belong to it.
+    /// Whether the tissue that stands at places where the scan has the segment belongs to it.
     #[inline(always)]
     pub fn own_at<L: Gather>(&self, field: &Field, grid: Vector<L>) -> L::Mask {
+        let grid = match &self.moving {
+            None => grid,
+            Some(moving) => moving.at_rest(grid),
+        };
         match self.own {
             Own::Nothing => L::Mask::splat(false),
             Own::Voxels(bits) => L::Mask::from_bits(solid_lanes::<L>(bits, grid)),

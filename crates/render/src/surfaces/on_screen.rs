@@ -1,5 +1,7 @@
 //! The corners of surfaces as they are on the screen, and which triangles each band of rows has to draw.
 
+use std::borrow::Cow;
+
 use glam::{DVec2, DVec3, DVec4, Vec4};
 use palpate_volume::simd_dispatch::SimdLevel;
 use rayon::prelude::*;
@@ -27,6 +29,9 @@ pub(crate) struct OnScreen<'a> {
     pub(super) level: SimdLevel,
 }
 
+/// Something of each corner.
+type OfCorners<'a> = Cow<'a, [[f32; 3]]>;
+
 /// A part of a surface on the screen.
 #[derive(Debug)]
 pub(super) struct PatchOnScreen<'a> {
@@ -34,6 +39,7 @@ pub(super) struct PatchOnScreen<'a> {
     pub surface: u32,
     pub triangles: &'a dyn Triangles,
     pub corners: Vec<Corner>,
+    pub normals: OfCorners<'a>,
     /// Triangles by band: those of the i-th band from `first` on lie from `starts[i]` to `starts[i + 1]`.
     first: usize,
     starts: Vec<u32>,
@@ -82,9 +88,16 @@ impl<'a> OnScreen<'a> {
         let patches = patches
             .into_par_iter()
             .map(|(surface, triangles)| {
-                let corners = projections[surface as usize].corners_of(triangles);
-                let is_wire = surfaces[surface as usize].shown.is_wireframe;
-                PatchOnScreen::new(surface, triangles, corners, (size, band, is_wire))
+                let drawn = &surfaces[surface as usize];
+                let (positions, normals) = stood(drawn, triangles);
+                let corners = projections[surface as usize].corners_of(&positions);
+                let is_wire = drawn.shown.is_wireframe;
+                PatchOnScreen::new(
+                    surface,
+                    triangles,
+                    (corners, normals),
+                    (size, band, is_wire),
+                )
             })
             .collect();
         Self {
@@ -119,7 +132,7 @@ impl<'a> PatchOnScreen<'a> {
     fn new(
         surface: u32,
         triangles: &'a dyn Triangles,
-        corners: Vec<Corner>,
+        (corners, normals): (Vec<Corner>, OfCorners<'a>),
         (size, band, is_wire): ((u32, u32), u32, bool),
     ) -> Self {
         let bands: Vec<Option<(u32, u32)>> = triangles
@@ -155,6 +168,7 @@ impl<'a> PatchOnScreen<'a> {
             surface,
             triangles,
             corners,
+            normals,
             first: first as usize,
             starts,
             order,
@@ -169,6 +183,18 @@ impl<'a> PatchOnScreen<'a> {
             return &[];
         };
         &self.order[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+}
+
+/// Positions and normals of corners where they stand, those that are shared where nothing displaces them.
+fn stood<'a>(
+    drawn: &DrawnSurface<'_>,
+    triangles: &'a dyn Triangles,
+) -> (OfCorners<'a>, OfCorners<'a>) {
+    let moving = drawn.moving.as_ref();
+    match moving.and_then(|it| it.corners(triangles)) {
+        Some((positions, normals)) => (positions.into(), normals.into()),
+        None => (triangles.positions().into(), triangles.normals().into()),
     }
 }
 
@@ -231,9 +257,9 @@ impl Projection {
         }
     }
 
-    fn corners_of(&self, triangles: &dyn Triangles) -> Vec<Corner> {
-        let positions = triangles.positions().iter();
+    fn corners_of(&self, positions: &[[f32; 3]]) -> Vec<Corner> {
         positions
+            .iter()
             .map(|&[x, y, z]| self.corner(Vec4::new(x, y, z, 1.0)))
             .collect()
     }

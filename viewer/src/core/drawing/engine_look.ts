@@ -49,13 +49,20 @@ export function engineLook(
     segments: [...byValue(ranges, shown.segments), ...byLabel(shown)],
     surfaces: shown.segments.filter(drawnAsSurface).map(surfaceOf),
     clip: clip.map(({ normal, offset }) => [normal, offset]),
-    second: second?.inView === true ? secondLook(second, optics.blend) : null,
+    second: second === null || !isSeen(second) ? null : secondLook(second, optics.blend),
   };
 }
 
 function pointsOf({ points }: TransferFunction): PictureLook["transfer"] {
   return points.map(({ value, colour, extinction }) => [value, colour, extinction]);
 }
+
+/** Not while the first of two has its turn. */
+function isSeen({ inView, viewFusion, turn }: SecondAppearance): boolean {
+  return inView && (viewFusion !== "flicker" || turn === "second");
+}
+
+const turnsOf = { blend: "together", checkerboard: "cells", flicker: "second" } as const;
 
 function secondLook(second: SecondAppearance, blend: Blend): LookSecond {
   const { density, edgeGradient, isoValue, opacity, tissueFrom, tint, transferFunction, windows } = second;
@@ -70,6 +77,8 @@ function secondLook(second: SecondAppearance, blend: Blend): LookSecond {
     tissue_from: tissueFrom,
     tint,
     opacity,
+    turns: turnsOf[second.viewFusion],
+    cells: second.square,
   };
 }
 
