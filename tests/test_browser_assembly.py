@@ -234,7 +234,8 @@ def test_the_clutch_lets_the_hand_move_without_the_probe(page: Browser) -> None:
 
 def test_the_upper_button_of_a_gamepad_grabs_what_is_touched_and_lets_go(page: Browser) -> None:
     page.read(PAD)
-    page.wait("document.querySelector('[data-testid=gamepad]') !== null")
+    with page.settings():
+        page.wait("document.querySelector('[data-testid=gamepad]') !== null")
     front = float(PLATE_AT[1] - PLATE[1] / 2.0)
     page.read(f"window.palpate.place({[46.0, front - 3.0, 32.0]})")
     page.wait(f"Math.abs(window.palpate.state.proxy[1] - {front - 3.0}) < 0.01")
