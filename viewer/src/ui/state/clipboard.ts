@@ -4,7 +4,10 @@
 import { plainText } from "../../core/base/format";
 import type { Session } from "./session.svelte";
 
-/** Gives a text to the system's clipboard, with its numbers as programs read them, and says that it did or why it could not. */
+/**
+ * Gives a text to the system's clipboard, with its numbers as programs read them, and says that it did or why it could
+ * not.
+ */
 export async function copyText(session: Session, what: string, text: string): Promise<void> {
   try {
     await navigator.clipboard.writeText(plainText(text));
