@@ -203,6 +203,9 @@ def test_a_region_is_kept_or_discarded_where_slices_alone_are_seen(page: Browser
     page.finish()
     place = page.read(PLACE_OF_BALL)
     bar = "document.querySelector('[data-testid=grown-bar]')"
+    statistics = "document.querySelector('[data-testid=show-statistics]').ariaPressed"
+    if page.read("document.querySelector('[data-testid=grow-click]') === null"):
+        page.do("click", testid="find-segments")
     # whether its button is what a person would hit
     reached = (
         "(button => { const { x, y, width, height } = button.getBoundingClientRect();"
@@ -216,9 +219,10 @@ def test_a_region_is_kept_or_discarded_where_slices_alone_are_seen(page: Browser
         page.do("screenshot", path=str(OUTPUT / "segment_grown_slices.png"))
         assert page.read(f"{reached}(document.querySelector('[data-testid={button}]'))")
         # Enter on a button of the panel is that button's
-        page.do("click", testid="find-segments")
-        page.read("document.querySelector('[data-testid=find-segments]').focus()")
-        page.do("press", key="Enter")
+        page.read("document.querySelector('[data-testid=show-statistics]').focus()")
+        for pressed in ("true", "false"):
+            page.do("press", key="Enter")
+            page.wait(f"{statistics} === '{pressed}'")
         page.all_done()
         assert page.read(f"{bar} !== null")
         page.do("click", testid=button)
