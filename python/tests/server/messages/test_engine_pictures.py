@@ -384,6 +384,8 @@ def test_a_second_scan_is_seen_where_it_lies_and_moves(session: Session) -> None
         tissue_from=-300.0,
         tint="warm",
         opacity=1.0,
+        turns="together",
+        cells=20.0,
     )
 
     async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:

@@ -3,9 +3,6 @@
  * by the CPU. Always one of them alone.
  */
 import type { Named } from "../appearance/picture_names";
-import type { Segment } from "../protocol";
-import { drawnAsSurface } from "../segments/shown_segments";
-import type { Fusion } from "../second/second_scan";
 import type { Drawer } from "./quicker_drawer";
 
 export const drawerChoices = ["auto", "browser", "engine"] as const;
@@ -14,7 +11,7 @@ export type DrawerChoice = (typeof drawerChoices)[number];
 export const drawerNames: Readonly<Record<DrawerChoice, Named>> = {
   auto: { name: "Automatic", title: "This browser where it has a graphics card, else whichever is quicker: measured" },
   browser: { name: "This browser", title: "Pictures are drawn by this browser's graphics" },
-  engine: { name: "Engine", title: "Pictures are drawn by the engine, where it can draw all that is shown" },
+  engine: { name: "Engine", title: "Pictures are drawn by the engine" },
 };
 
 /** A choice that was kept, where it can be one. */
@@ -30,31 +27,17 @@ export function wantsEngine(choice: DrawerChoice, software: boolean, quicker: Dr
 /** Seconds after which an engine is tried again whose pictures did not come. */
 export const retrySeconds = 30;
 
-/** What is shown, as far as it tells whether the engine can draw it. */
-export interface ShownThings {
+/** Whether there is an engine that draws. */
+export interface EngineReach {
   readonly connected: boolean;
   /** Why the engine's pictures do not come; null where they do. */
   readonly failure: string | null;
-  /** How the view shows a second scan; null where it shows none. */
-  readonly second: Fusion | null;
-  readonly deforming: boolean;
-  readonly segments: readonly Segment[];
 }
 
-/** Why the engine cannot draw what is shown; null where it can. */
-export function engineObstacle(shown: ShownThings): string | null {
-  const { connected, failure, second, deforming, segments } = shown;
+/** Why the engine does not draw; null where it can. */
+export function engineObstacle({ connected, failure }: EngineReach): string | null {
   if (!connected) {
     return "the engine is not connected";
   }
-  if (failure !== null) {
-    return `${failure}; the engine is tried again every ${String(retrySeconds)} s`;
-  }
-  if (second !== null && second !== "blend") {
-    return "two scans are shown by turns";
-  }
-  if (deforming && segments.some(drawnAsSurface)) {
-    return "a surface is shown while soft tissue is deformed";
-  }
-  return null;
+  return failure === null ? null : `${failure}; the engine is tried again every ${String(retrySeconds)} s`;
 }

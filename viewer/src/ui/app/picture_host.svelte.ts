@@ -278,14 +278,11 @@ export class PictureHost {
 
   /** Has the engine draw, or this browser. */
   private chooseDrawer(picture: Picture): void {
-    const { drawer, edits, scene, second, session } = this.sources;
+    const { drawer, session } = this.sources;
     picture.engineDraws = drawer.follow({
       // at first it is about to be
       connected: session.greetings === 0 || session.connection.kind === "open",
       failure: picture.engineFailure,
-      second: second.shown?.appearance.inView === true ? second.shown.appearance.viewFusion : null,
-      deforming: edits.displaced !== null || (session.latest?.matter.model ?? null) !== null,
-      segments: scene.segments,
     });
     if (session.greetings !== this.greetings) {
       this.greetings = session.greetings;

@@ -79,7 +79,14 @@ test("a second scan goes out in its own units, by the window of the mode, where 
     tissue_from: -100,
     tint: "cool",
     opacity: 0.4,
+    turns: "together",
+    cells: 10,
   });
+  const turns = (viewFusion: "checkerboard" | "flicker", turn: "first" | "second"): string | undefined =>
+    lookOf([], {}, {}, { ...second, viewFusion, turn }).second?.turns;
+  expect(turns("checkerboard", "first")).toBe("cells");
+  expect(turns("flicker", "second")).toBe("second");
+  expect(turns("flicker", "first")).toBeUndefined();
 });
 
 test("a scan whose tissue has one value alone has spans that the engine can divide by", () => {

@@ -8,7 +8,7 @@ import {
   saneDrawer,
   wantsEngine,
   type DrawerChoice,
-  type ShownThings,
+  type EngineReach,
 } from "../../../core/drawing/who_draws";
 import { recall, remember } from "../../state/remembered";
 
@@ -45,9 +45,9 @@ export class DrawerControl {
     remember("drawer", { choice });
   }
 
-  /** Takes what is shown now; tells whether the engine draws it. */
-  follow(shown: ShownThings): boolean {
-    const obstacle = this.wantsEngine ? engineObstacle(shown) : null;
+  /** Takes whether there is an engine that draws; tells whether it does. */
+  follow(reach: EngineReach): boolean {
+    const obstacle = this.wantsEngine ? engineObstacle(reach) : null;
     if (obstacle !== this.obstacle) {
       this.obstacle = obstacle;
     }
