@@ -66,7 +66,8 @@ def _with_slices(page: Browser) -> None:
 
 
 def _on_light_ground(page: Browser) -> None:
-    page.do("click", testid="switch-theme")
+    with page.settings():
+        page.do("choose", testid="theme", value="light")
     _as_surfaces(page)
 
 

@@ -234,7 +234,8 @@ def test_the_clutch_lets_the_hand_move_without_the_probe(page: Browser) -> None:
 
 def test_the_upper_button_of_a_gamepad_grabs_what_is_touched_and_lets_go(page: Browser) -> None:
     page.read(PAD)
-    page.wait("document.querySelector('[data-testid=gamepad]') !== null")
+    with page.settings():
+        page.wait("document.querySelector('[data-testid=gamepad]') !== null")
     front = float(PLATE_AT[1] - PLATE[1] / 2.0)
     page.read(f"window.palpate.place({[46.0, front - 3.0, 32.0]})")
     page.wait(f"Math.abs(window.palpate.state.proxy[1] - {front - 3.0}) < 0.01")
@@ -247,18 +248,21 @@ def test_the_upper_button_of_a_gamepad_grabs_what_is_touched_and_lets_go(page: B
         # the page must have seen it released before it is pressed again
         page.read(f"new Promise(done => {3 * 'requestAnimationFrame(() => '}done(0){3 * ')'})")
     page.read("window.__pad = null; void window.dispatchEvent(new Event('gamepaddisconnected'))")
-    page.wait("document.querySelector('[data-testid=gamepad]') === null")
+    with page.settings():
+        page.wait("document.querySelector('[data-testid=gamepad]') === null")
 
 
 def test_the_box_that_the_device_reaches_is_drawn_once_it_is_seen_from_outside(
     page: Browser,
 ) -> None:
     assert page.read("document.querySelector('[data-testid=reach]')") is None
-    page.do("slide", testid="gain", value=-1.0)
+    with page.settings():
+        page.do("slide", testid="gain", value=-1.0)
     page.wait("window.palpate.settings.gain < 0.11")
     for _ in range(12):
         page.do("wheel", y=400)
     page.wait("document.querySelectorAll('[data-testid=reach] line').length === 12")
     page.do("screenshot", path=str(OUTPUT / "reach.png"))
-    page.do("slide", testid="gain", value=0.0)
+    with page.settings():
+        page.do("slide", testid="gain", value=0.0)
     assert page.complaints == []

@@ -233,9 +233,10 @@ def test_a_resized_view_keeps_its_picture_and_without_answers_the_browser_draws(
         # the ground alone is dark
         assert (resized.max(axis=2) > 0.4).mean() > 0.05
         page.wait("window.palpate.drawer.engine === false")
-        assert page.text("drawer-obstacle").startswith(
-            "Drawn by this browser: the engine sent no picture for 10 s; "
-        )
+        with page.settings():
+            assert page.text("drawer-obstacle").startswith(
+                "Drawn by this browser: the engine sent no picture for 10 s; "
+            )
     finally:
         way.rate = None
     page.finish()
@@ -336,9 +337,11 @@ def test_the_view_turns_while_a_picture_is_saved_and_cancel_leaves_nothing(page:
 @pytest.mark.data
 @pytest.mark.parametrize("mode", ["side", "anaglyph", "stacked"])
 def test_both_draw_the_same_pictures_of_two_eyes(page: Browser, mode: str) -> None:
-    page.do("choose", testid="stereo", value=mode)
+    with page.settings():
+        page.do("choose", testid="stereo", value=mode)
     if mode == "stacked":
-        page.do("click", testid="stereo-squeezed")
+        with page.settings():
+            page.do("click", testid="stereo-squeezed")
     page.finish()
     assert page.read("window.palpate.drawer.engine")
     engine = page.picture(OUTPUT / f"drawn-by-engine-{mode}.png")
@@ -346,8 +349,10 @@ def test_both_draw_the_same_pictures_of_two_eyes(page: Browser, mode: str) -> No
     own = page.picture(OUTPUT / f"drawn-by-browser-{mode}.png")
     page.draw_by("engine")
     if mode == "stacked":
-        page.do("click", testid="stereo-squeezed")
-    page.do("choose", testid="stereo", value="off")
+        with page.settings():
+            page.do("click", testid="stereo-squeezed")
+    with page.settings():
+        page.do("choose", testid="stereo", value="off")
     page.finish()
     flat = page.picture(OUTPUT / "drawn-by-engine-flat.png")
     assert np.abs(engine - own)[:, 90:-10].mean() <= 4 / 255
@@ -356,7 +361,8 @@ def test_both_draw_the_same_pictures_of_two_eyes(page: Browser, mode: str) -> No
 
 @pytest.mark.data
 def test_two_eyes_follow_a_turn_and_are_saved(page: Browser, way: SlowWay) -> None:
-    page.do("choose", testid="stereo", value="side")
+    with page.settings():
+        page.do("choose", testid="stereo", value="side")
     assert_a_turn_is_followed(page, way)
     page.read("window.palpate.bench.turn(-0.1)")
     page.finish()
@@ -366,7 +372,8 @@ def test_two_eyes_follow_a_turn_and_are_saved(page: Browser, way: SlowWay) -> No
     path = OUTPUT / "saved-side.png"
     page.do("download", testid="image-save", path=str(path))
     assert np.abs(pixels_of(path) - shown)[:, 90:-10].mean() <= 5 / 255
-    page.do("choose", testid="stereo", value="off")
+    with page.settings():
+        page.do("choose", testid="stereo", value="off")
     page.finish()
 
 

@@ -121,7 +121,9 @@ def test_a_click_says_what_is_there_and_where_and_how_much(page: Browser, image:
     ]
     assert min(around) - 2 <= value <= max(around) + 2
     page.do("click", testid="picked-copy")
-    assert clipboard(page).startswith(f"threshold, {value:g}")
+    copied = clipboard(page)
+    assert copied.startswith(f"threshold, {value:g}")
+    assert copied.isascii(), "plain numbers, for a spreadsheet"
     page.do("click", testid="picked-cross")
     np.testing.assert_allclose(page.read("window.palpate.crosshair"), picked, atol=0.1)
 
@@ -230,6 +232,16 @@ def agrees(page: Browser, image: Any) -> None:
 def test_an_area_tells_the_values_of_the_file_inside_it(page: Browser, image: Any) -> None:
     plane = plane_of(page, "axial")
     page.do("press", key="u")
+    # the other buttons keep their meaning meanwhile, also between its corners
+    page.do("clickAt", testid="slice-axial", x=0.4, y=0.4)
+    window = "document.querySelector('[data-testid=window-axial]').textContent"
+    before = page.read(window)
+    page.do("dragElement", testid="slice-axial", x=60, y=30, button="right")
+    page.wait(f"{window} !== {before!r}")
+    page.do("press", key="Control+z")
+    page.wait(f"{window} === {before!r}")
+    page.do("press", key="Escape")
+    page.do("press", key="u")
     page.do("dragElement", testid="slice-axial", **{"from": [-70, -40]}, x=110, y=60)
     page.wait("window.palpate.marks.length === 1")
     (mark,) = page.read("window.palpate.marks")
@@ -242,6 +254,12 @@ def test_an_area_tells_the_values_of_the_file_inside_it(page: Browser, image: An
 
     agrees(page, image)
     assert page.text("mark-values-axial-1-0").startswith("mean")
+    # it goes along slices only: no arrow key moves it in the 3-D view
+    page.read("document.querySelector('[data-testid=mark-view-1-0]').focus()")
+    page.do("press", key="ArrowRight")
+    page.frames()
+    assert page.read("window.palpate.marks[0].points") == mark["points"]
+    page.do("press", key="Escape")
 
     now = "JSON.stringify(window.palpate.marks[0].points)"
     # made wider by its handle: one step, which Ctrl+Z takes back
@@ -452,7 +470,7 @@ def test_no_serious_fault_of_accessibility_in_either_theme(page: Browser) -> Non
         "document.querySelectorAll('aside [aria-expanded=false]').forEach((each) => each.click())"
     )
     grounds = []
-    for theme in ("Light theme", "Dark theme"):
+    for theme in ("Theme: Light", "Theme: Dark"):
         act(page, theme)
         ground = "getComputedStyle(document.querySelector('aside')).backgroundColor"
         grounds.append(page.read(ground))

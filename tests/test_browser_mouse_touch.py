@@ -182,11 +182,13 @@ def test_how_hard_a_pen_is_pressed_is_the_force(page: Browser, force: float) -> 
 def test_in_the_view_plane_every_move_leads_the_hand_and_the_choice_is_remembered(
     page: Browser,
 ) -> None:
-    page.do("click", testid="mouse-plane")
+    with page.settings():
+        page.do("click", testid="mouse-plane")
     assert "Move the mouse" in page.text("hint")
     page.do("point", x=400, y=240)
     before = page.read("window.palpate.state.hand")
     page.do("point", x=430, y=240)
     page.wait(f"window.palpate.state.hand[0] > {before[0]} + 0.5")
     assert page.read("JSON.parse(localStorage['palpate.mouse']).way") == "plane"
-    page.do("click", testid="mouse-surface")
+    with page.settings():
+        page.do("click", testid="mouse-surface")

@@ -32,7 +32,7 @@ def test_unknown_sides_are_axes_and_given_ones_are_letters(tmp_path: Path) -> No
         assert set(" ".join(page.read(EDGES)).split()) <= {"+x", "−x", "+y", "−y", "+z", "−z"}
         help_text = page.read("document.querySelector('[data-testid=edge-top]').title")
         assert "does not tell" in help_text
-        page.do("clickText", text="Places")
+        page.do("clickText", text="Positions")
         assert "orientation unknown" in page.text("frame")
         page.read("window.palpate.cross([30, 20, 10])")
         page.shows("read-axial", "/x .*y .*z /.test(text)")
@@ -53,5 +53,5 @@ def test_unknown_sides_are_axes_and_given_ones_are_letters(tmp_path: Path) -> No
         page.do("open", url=command.url, width=1366, height=768)
         page.wait(f"{EDGES}.length >= 4")
         assert set("".join(page.read(EDGES))) <= set("APLRSI")
-        page.do("clickText", text="Places")
+        page.do("clickText", text="Positions")
         assert "(LPS)" in page.text("frame")

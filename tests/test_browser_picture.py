@@ -255,8 +255,10 @@ def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
     assert np.linalg.norm(np.array(state["proxy"]) - seen) < 8, (state["proxy"], seen)
 
     page.do("open", url=page.read("location.href"), **SIZE)
-    assert page.read("document.querySelector('[data-testid=stereo]').value") == "side"
-    page.do("choose", testid="stereo", value="off")
+    with page.settings():
+        assert page.read("document.querySelector('[data-testid=stereo]').value") == "side"
+    with page.settings():
+        page.do("choose", testid="stereo", value="off")
     assert not page.complaints
 
 
@@ -264,7 +266,8 @@ def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
 def test_the_picture_of_one_eye_can_stand_above_that_of_the_other(opened: Opened) -> None:
     page = opened.page
     page.do("choose", testid="blend", value="shaded")
-    page.do("choose", testid="stereo", value="stacked")
+    with page.settings():
+        page.do("choose", testid="stereo", value="stacked")
     page.read("window.palpate.setView('A')")
     both = page.picture(OUTPUT / "top_bottom.png")
     height = both.shape[0] // 2
@@ -273,7 +276,8 @@ def test_the_picture_of_one_eye_can_stand_above_that_of_the_other(opened: Opened
     apart = np.abs(upper - lower).mean()
     assert 0.002 < apart < 0.05
     assert np.abs(upper[:-20] - lower[20:]).mean() > 2 * apart
-    page.do("choose", testid="stereo", value="off")
+    with page.settings():
+        page.do("choose", testid="stereo", value="off")
     assert not page.complaints
 
 
@@ -284,12 +288,14 @@ def test_a_finer_quality_takes_more_steps_and_comes_nearer_to_a_still_image(open
     page.do("resize", **SMALL)
     page.do("choose", testid="blend", value="mip")
     # drawn in software: one picture of one step per voxel unless a person wants more
-    assert page.read("document.querySelector('[data-testid=quality]').value") == "fast"
-    assert page.text("frame-budget-value") == "110 ms"
+    with page.settings():
+        assert page.read("document.querySelector('[data-testid=quality]').value") == "fast"
+        assert page.text("frame-budget-value") == "110 ms"
 
     shown, pictures = {}, {}
     for quality in ("still", "fine", "fast"):
-        page.do("choose", testid="quality", value=quality)
+        with page.settings():
+            page.do("choose", testid="quality", value=quality)
         page.frames()
         page.wait("window.palpate.finished", seconds=240.0)
         shown[quality] = page.read("window.palpate.shown")
@@ -305,11 +311,13 @@ def test_a_finer_quality_takes_more_steps_and_comes_nearer_to_a_still_image(open
     assert fine < 0.5 * fast, (fine, fast)
 
     # both choices are there at the next visit
-    page.do("slide", testid="frame-budget", value=8)
-    page.do("choose", testid="quality", value="balanced")
+    with page.settings():
+        page.do("slide", testid="frame-budget", value=8)
+        page.do("choose", testid="quality", value="balanced")
     page.do("open", url=page.read("location.href"), **SIZE)
-    assert page.read("document.querySelector('[data-testid=quality]').value") == "balanced"
-    assert page.text("frame-budget-value") == "8 ms"
-    page.do("choose", testid="quality", value="fast")
-    page.do("slide", testid="frame-budget", value=110)
+    with page.settings():
+        assert page.read("document.querySelector('[data-testid=quality]').value") == "balanced"
+        assert page.text("frame-budget-value") == "8 ms"
+        page.do("choose", testid="quality", value="fast")
+        page.do("slide", testid="frame-budget", value=110)
     assert not page.complaints

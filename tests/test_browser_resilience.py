@@ -18,6 +18,15 @@ LOSE = """(() => {
   window.__graphics.loseContext();
 })()"""
 LOST = "document.querySelector('[data-testid=graphics-lost]')"
+BRIGHTNESS = """(() => {
+  const canvas = document.querySelector("%s"), copy = document.createElement("canvas");
+  [copy.width, copy.height] = [canvas.width, canvas.height];
+  const context = copy.getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, copy.width, copy.height);
+  return data.reduce((sum, shade, i) => sum + (i %% 4 === 0 ? shade : 0), 0) / (data.length / 4);
+})()"""
+"""Mean of the red of a canvas, 0..255."""
 VISIBLE = "document.querySelector('[data-testid=visible-1]').ariaPressed"
 
 
@@ -58,11 +67,39 @@ def test_two_pages_follow_one_another_and_lost_graphics_come_back(data_folder: P
         restored = page.picture(OUTPUT / "graphics_restored.png")
         # another context may have another GPU
         assert page.read("window.palpate.filter !== window.__filter"), "the filter is measured anew"
+        # one hand for both pages: it is said who has it, until it is moved here
+        other.shows("hand-led", r"/opened at \d\d:\d\d moves the hand/.test(text)")
+        other.do("screenshot", path=str(OUTPUT / "hand_of_another_page.png"))
         never_lost = other.picture(OUTPUT / "graphics_never_lost.png")
 
         # between two pages of one view only the noise of the rays differs; what the hidden bone
         # changes must stand out from that
         assert np.abs(never_lost - before).mean() > 2 / 255, "the bone is hidden"
         assert np.abs(restored - never_lost).mean() < 1 / 255
+        other.read("window.palpate.hand([127, 50, 150])")
+        other.wait("document.querySelector('[data-testid=hand-led]') === null")
+        page.shows("hand-led", "text.includes('moves the hand')")
         assert page.complaints == []
         assert other.complaints == []
+
+
+def test_the_picture_that_is_kept_for_lost_graphics_is_the_one_that_was_seen(
+    data_folder: Path,
+) -> None:
+    scan = data_folder / "cthead_stanford" / "CThead.mha"
+    with palpate("open", scan) as command, browser(drawer="browser") as page:
+        page.do("open", url=command.url, width=1000, height=460)
+        page.do("choose", testid="layout-names", value="slices")
+        page.finish()
+        before = page.read(BRIGHTNESS % "main canvas")
+        # slices are drawn again in one frame: the picture is finished all the while
+        page.do("dragElement", testid="slice-axial", x=0, y=-150, button="right")
+        page.finish()
+        page.frames()
+        seen = page.read(BRIGHTNESS % "main canvas")
+        assert abs(seen - before) > 5, "another level"
+        page.read(LOSE)
+        page.wait(f"{LOST} !== null")
+        page.do("screenshot", path=str(OUTPUT / "graphics_lost_slices.png"))
+        assert page.read(BRIGHTNESS % ".lost canvas") == pytest.approx(seen, abs=0.5)
+        assert page.complaints == []

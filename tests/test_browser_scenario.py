@@ -72,7 +72,10 @@ def test_the_tool_stands_where_it_stood_and_its_force_is_told(page: Browser, fil
         # the panel of touch tells what is played, and not the probe at rest
         felt = abs(samples["force"][row])
         page.shows("force", f"Math.abs(parseFloat(text) - {felt}) < 0.006")
+        page.shows("status-force", f"Math.abs(parseFloat(text) - {felt}) < 0.006")
+        page.shows("touched", "text.startsWith('needle-skull: ')")
         page.shows("played", "text === 'scenario'")
+        assert page.read("document.querySelector('[data-testid=depth]')") is None
     page.shows("felt", "text.includes('outside')")
 
 

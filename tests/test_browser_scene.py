@@ -71,11 +71,41 @@ def check_export(page: Browser, path: Path, scan: Path) -> None:
     """Exports the segment for 3D Slicer, as a person does."""
     buttons = "[...document.querySelectorAll('button')]"
     page.read(f"{buttons}.find((each) => each.textContent.trim() === 'Export').click()")
+    # nothing in DICOM can refer to it: that is said before, not after
+    formats = "[...document.querySelectorAll('[data-testid=export-format] option')]"
+    offered = page.read(f"{formats}.filter((each) => !each.disabled).map((each) => each.value)")
+    assert offered == ["slicer", "labels", "scan"]
+    page.shows(
+        "no-dicom", "/^No DICOM can be made: the scan .CThead.* is no DICOM series/.test(text)"
+    )
     page.do("screenshot", path=str(OUTPUT / "export.png"))
     page.do("download", testid="export", path=str(path))
     volume = read(scan)
     segment = read_labels(path, volume).labels[0].segment
     assert segment.voxel_count == volume.threshold(1350.0).voxel_count
+
+
+def test_a_scene_that_was_just_saved_opens_without_an_offer(
+    data_folder: Path, tmp_path: Path
+) -> None:
+    scan, state = data_folder / "cthead_stanford" / "CThead.mha", tmp_path / "state"
+    path = tmp_path / "head.palpate"
+    rows = "document.querySelectorAll('[data-testid^=visible-]').length"
+    with palpate("open", scan, "--threshold", "1350", state=state) as command, browser() as page:
+        page.do("open", url=command.url, **SIZE)
+        page.do("click", testid="group-segments")
+        page.read("document.querySelector('[aria-label=\"Add a segment by threshold\"]').click()")
+        page.wait(f"{rows} === 2")
+        page.do("download", testid="save-scene", path=str(path))
+        assert command.stop() == 0
+    # it has all that was done: there is nothing to bring back
+    with palpate("open", path, state=state) as command, browser() as page:
+        page.do("open", url=command.url, **SIZE)
+        page.do("click", testid="group-segments")
+        page.wait(f"{rows} === 2")
+        page.all_done()
+        assert page.read("document.querySelector('[data-testid=recovery]')") is None
+        assert page.complaints == []
 
 
 def test_a_damaged_scene_is_refused(tmp_path: Path) -> None:

@@ -60,14 +60,15 @@ def test_what_is_pressed_and_switched_on_is_seen_in_colours_of_the_system(page: 
     page.do("media", forcedColors="active")
     page.do("screenshot", path=str(OUTPUT / "screens-forced-colours.png"))
     assert ground(page, "tool-none") != ground(page, "tool-drill"), "the tool in the hand"
-    before = ground(page, "show-path")
     is_on = f"{element('show-path')}.checked"
-    assert page.read(is_on) is False
-    page.do("click", testid="show-path")
-    page.wait(f"{is_on} === true")
-    assert ground(page, "show-path") != before, "a switch"
-    page.do("click", testid="show-path")
-    page.wait(f"{is_on} === false")
+    with page.settings():
+        before = ground(page, "show-path")
+        assert page.read(is_on) is False
+        page.do("click", testid="show-path")
+        page.wait(f"{is_on} === true")
+        assert ground(page, "show-path") != before, "a switch"
+        page.do("click", testid="show-path")
+        page.wait(f"{is_on} === false")
     lamp = f"getComputedStyle({element('light')}.querySelector('.lamp')).backgroundColor"
     assert page.read(lamp) != page.read("getComputedStyle(document.body).backgroundColor")
     page.do("media", forcedColors=None)

@@ -191,6 +191,56 @@ def test_a_pressed_region_is_shown_narrowed_and_kept_as_one_step(page: Browser) 
     page.wait("document.querySelector('[data-testid=segment-1]').classList.contains('open')")
 
 
+def test_once_new_segments_are_gone_the_row_before_each_is_open_again(page: Browser) -> None:
+    opened = "document.querySelector('[data-testid^=segment-].open')?.textContent ?? ''"
+    place = page.read(PLACE_OF_BALL)
+    for number in (2, 3):
+        page.do("click", testid="grow-click")
+        page.do("clickAt", testid="slice-axial", x=place[0], y=place[1])
+        page.do("click", testid="grown-keep")
+        page.wait(f"/Region {number}/.test({opened})")
+    page.do("press", key="Control+z")
+    page.wait(f"/Region 2/.test({opened})")
+    page.do("press", key="Control+z")
+    page.wait("document.querySelector('[data-testid=segment-1]').classList.contains('open')")
+
+
+def test_a_region_is_kept_or_discarded_where_slices_alone_are_seen(page: Browser) -> None:
+    page.do("choose", testid="layout-names", value="slices")
+    page.read("window.palpate.cross([24, 24, 24])")
+    page.finish()
+    place = page.read(PLACE_OF_BALL)
+    bar = "document.querySelector('[data-testid=grown-bar]')"
+    statistics = "document.querySelector('[data-testid=show-statistics]').ariaPressed"
+    if page.read("document.querySelector('[data-testid=grow-click]') === null"):
+        page.do("click", testid="find-segments")
+    # whether its button is what a person would hit
+    reached = (
+        "(button => { const { x, y, width, height } = button.getBoundingClientRect();"
+        " return button.contains(document.elementFromPoint(x + width / 2, y + height / 2)); })"
+    )
+    for button in ("grown-drop", "grown-keep"):
+        page.do("click", testid="grow-click")
+        page.do("clickAt", testid="slice-axial", x=place[0], y=place[1])
+        page.wait(f"{bar} !== null")
+        page.frames()
+        page.do("screenshot", path=str(OUTPUT / "segment_grown_slices.png"))
+        assert page.read(f"{reached}(document.querySelector('[data-testid={button}]'))")
+        # Enter on a button of the panel is that button's
+        page.read("document.querySelector('[data-testid=show-statistics]').focus()")
+        for pressed in ("true", "false"):
+            page.do("press", key="Enter")
+            page.wait(f"{statistics} === '{pressed}'")
+        page.all_done()
+        assert page.read(f"{bar} !== null")
+        page.do("click", testid=button)
+        page.wait(f"{bar} === null")
+    page.wait(REGION_IS_LISTED)
+    page.do("press", key="Control+z")
+    page.wait(f"!{REGION_IS_LISTED}")
+    page.do("click", testid="layout-four")
+
+
 def test_classes_of_values_become_segments(page: Browser) -> None:
     page.do("choose", testid="otsu-classes", value="3")
     page.do("click", testid="otsu-make")

@@ -142,7 +142,8 @@ def test_stiffness_changes_the_force_while_touching(page: Browser) -> None:
 def test_damping_is_moved_while_touching_and_held_by_the_engine(page: Browser) -> None:
     press(page)
     before = held(page, "damping")
-    page.do("slide", testid="damping", value=0.012)
+    with page.settings():
+        page.do("slide", testid="damping", value=0.012)
     # a step of the slider, whose thumb can be set to a pixel
     assert held(page, "damping") == pytest.approx(0.012, abs=0.001)
     assert before < 0.011
@@ -200,11 +201,13 @@ def test_model_and_surface_are_chosen_while_touching_and_the_printed_models_warn
     press(page)
     assert page.read("document.querySelector('[data-testid=model-warning]')") is None
     for model in ("thesis-original", "thesis-improved"):
-        page.do("choose", testid="model", value=model)
+        with page.settings():
+            page.do("choose", testid="model", value=model)
         assert held(page, "model") == model
         page.shows("model-warning", "text.includes('thesis')")
         page.wait("window.palpate.state.contact")
-    page.do("choose", testid="model", value="exact")
+    with page.settings():
+        page.do("choose", testid="model", value="exact")
     assert held(page, "model") == "exact"
 
     page.do("press", key="v")
@@ -303,9 +306,11 @@ def test_the_ball_is_drawn_and_can_be_hidden(page: Browser) -> None:
     page.do("slide", testid="radius", value=6.0)
     radius = held(page, "probe_radius")
     shown = page.picture(OUTPUT / "ball_shown.png")
-    page.do("click", testid="show-ball")
+    with page.settings():
+        page.do("click", testid="show-ball")
     hidden = page.picture(OUTPUT / "ball_hidden.png")
-    page.do("click", testid="show-ball")
+    with page.settings():
+        page.do("click", testid="show-ball")
     proxy = np.array(page.read("window.palpate.state.proxy"))
     rim = place_of(page, proxy + np.array([radius, 0.0, 0.0]), shown.shape)
     middle = place_of(page, proxy, shown.shape)
@@ -388,7 +393,8 @@ def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) 
 
 def test_contact_is_heard_once_a_person_has_asked_for_it(page: Browser) -> None:
     assert page.read("window.palpate.sound") == {"running": False, "level": 0}
-    page.do("click", testid="sound")
+    with page.settings():
+        page.do("click", testid="sound")
     page.wait("window.palpate.sound.running")
     assert page.read("window.palpate.sound.level") == 0.0
     # a small picture is drawn quickly: nothing is heard of states half a second apart
@@ -409,14 +415,16 @@ def test_contact_is_heard_once_a_person_has_asked_for_it(page: Browser) -> None:
     # at rest it is quiet again
     page.wait("window.palpate.sound.level < 1e-4")
     page.do("resize", width=800, height=480)
-    page.do("click", testid="sound")
+    with page.settings():
+        page.do("click", testid="sound")
     assert not page.read("window.palpate.sound.running")
 
 
 def test_a_gamepad_is_found_moves_the_hand_and_rumbles_in_contact(page: Browser) -> None:
     page.read(PAD)
-    page.wait("document.querySelector('[data-testid=gamepad]') !== null")
-    assert page.text("gamepad") == "Test Pad: moves the hand"
+    with page.settings():
+        page.wait("document.querySelector('[data-testid=gamepad]') !== null")
+        assert page.text("gamepad") == "Test Pad: moves the hand"
     before = page.settled()
     assert page.read("window.__effects") == []
 
@@ -441,7 +449,8 @@ def test_a_gamepad_is_found_moves_the_hand_and_rumbles_in_contact(page: Browser)
 
     # the lower button takes the hand from the sticks, and they turn the picture
     page.read("void (window.__pad.buttons[0] = {pressed: true, value: 1})")
-    page.wait("document.querySelector('[data-testid=gamepad]').textContent.includes('turns')")
+    with page.settings():
+        page.shows("gamepad", "text.includes('turns')")
     page.read("void (window.__pad.buttons[0] = {pressed: false, value: 0})")
     hand = page.settled()["hand"]
     camera = page.read("window.palpate.camera")
@@ -451,7 +460,8 @@ def test_a_gamepad_is_found_moves_the_hand_and_rumbles_in_contact(page: Browser)
     assert page.read("window.palpate.state.hand") == pytest.approx(hand, abs=1e-6)
 
     page.read("window.__pad = null; void window.dispatchEvent(new Event('gamepaddisconnected'))")
-    page.wait("document.querySelector('[data-testid=gamepad]') === null")
+    with page.settings():
+        page.wait("document.querySelector('[data-testid=gamepad]') === null")
     page.read("window.palpate.setView('A')")
 
 

@@ -78,7 +78,8 @@ def test_the_screen_has_fewer_pixels_while_it_shows_nothing_but_a_coarse_picture
 def surface(page: Browser) -> int:
     """The bone as a surface; gives its triangles: there are more than half a million."""
     # on any CPU half a million take longer than half of it
-    page.do("slide", testid="frame-budget", value=33)
+    with page.settings():
+        page.do("slide", testid="frame-budget", value=33)
     page.do("click", testid="shown-as-surface")
     page.wait("window.palpate.triangles[1] > 500_000 && window.palpate.finished")
     triangles: int = page.read("window.palpate.triangles[1]")

@@ -117,13 +117,24 @@ class Browser:
         state: dict[str, Any] = self.read("window.__settled")
         return state
 
+    @contextmanager
+    def settings(self) -> Iterator[None]:
+        """Has the settings open."""
+        dialog = "document.querySelector('[data-testid=settings]')"
+        self.read("document.querySelector('[data-testid=open-settings]').click()")
+        self.wait(f"{dialog}?.open === true")
+        yield
+        self.read("document.querySelector('[data-testid=close-settings]').click()")
+        self.wait(f"{dialog} === null")
+
     def frames(self) -> None:
         """Waits until the page has drawn what was changed before: it takes a frame or two."""
         self.read(f"new Promise(resolve => {2 * 'requestAnimationFrame(() => '}resolve(0))))")
 
     def draw_by(self, drawer: str) -> None:
         """Chooses who draws the 3-D view."""
-        self.do("choose", testid="drawer", value=drawer)
+        with self.settings():
+            self.do("choose", testid="drawer", value=drawer)
         self.frames()
 
     def finish(self) -> None:

@@ -27,7 +27,7 @@ from palpate.volumes.volume import Volume
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["DicomSource", "SourceSlice", "dicom_source"]
+__all__ = ["DicomSource", "SourceSlice", "dicom_source", "why_no_dicom"]
 
 SAME_PLACE = 0.02
 """By how much of a voxel a slice of a file may lie off one of the scan."""
@@ -74,6 +74,26 @@ class DicomSource:
         return self.images[0]
 
 
+def why_no_dicom(volume: Volume) -> str | None:
+    """Returns why nothing in DICOM can refer to a scan, as far as is known without its headers.
+
+    None where something may.
+    """
+    source = volume.source
+    if source is None or not source.path.exists():
+        gone = "comes from no file" if source is None else f"is not at {source.path} any more"
+        return f"the scan {volume.name!r} {gone}"
+    if "orientation" in source.options:
+        return (
+            "the scan was read with an orientation that its files do not tell, so nothing in "
+            "DICOM can refer to it"
+        )
+    path = source.path
+    if is_archive(path) or path.is_dir() or is_dicom(path):
+        return None
+    return f"the scan {volume.name!r} is no DICOM series"
+
+
 @contextmanager
 def dicom_source(volume: Volume, *, complete: bool, progress: Progress) -> Iterator[DicomSource]:
     """Opens the DICOM files of a scan.
@@ -87,15 +107,9 @@ def dicom_source(volume: Volume, *, complete: bool, progress: Progress) -> Itera
         OptionError: The scan comes from no DICOM files, they are not there any more, or nothing
             can refer to them.
     """
-    source = volume.source
-    if source is None or not source.path.exists():
-        gone = "comes from no file" if source is None else f"is not at {source.path} any more"
-        raise OptionError(f"the scan {volume.name!r} {gone}; {ELSEWHERE}")
-    if "orientation" in source.options:
-        raise OptionError(
-            "the scan was read with an orientation that its files do not tell, so nothing in "
-            f"DICOM can refer to it; {ELSEWHERE}"
-        )
+    source, obstacle = volume.source, why_no_dicom(volume)
+    if source is None or obstacle is not None:
+        raise OptionError(f"{obstacle}; {ELSEWHERE}")
     path, series = source.path, source.options.get("series")
     if is_archive(path):
         with unpacked(path, progress) as folder:
@@ -104,11 +118,9 @@ def dicom_source(volume: Volume, *, complete: bool, progress: Progress) -> Itera
     elif path.is_dir():
         chosen, _ = choose_series(path, series_in(path, progress=progress)[0], series)
         yield _source(volume, _used(path, chosen), complete=complete)
-    elif is_dicom(path):
+    else:
         chosen, _ = choose_series(path, volumes_of(path), series)
         yield _source(volume, _used(path, chosen), complete=complete)
-    else:
-        raise OptionError(f"the scan {path} is no DICOM series; {ELSEWHERE}")
 
 
 def _used(path: Path, chosen: Series) -> tuple[Header, ...]:

@@ -133,6 +133,7 @@ from palpate.protocol.touch import (
     Clutch,
     DeviceLimits,
     Hand,
+    HandLed,
     Lift,
     NeedleEvent,
     NeedleEvents,
@@ -234,6 +235,7 @@ __all__ = [
     "GrowSegment",
     "Grown",
     "Hand",
+    "HandLed",
     "Hello",
     "Histogram",
     "Index",
@@ -372,6 +374,7 @@ ToPage = (
     | MatterParts
     | SettingsChanged
     | TouchClipChanged
+    | HandLed
     | Recovery
     | Notice
     | Gap

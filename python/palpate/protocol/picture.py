@@ -46,7 +46,8 @@ class Scan(msgspec.Struct, frozen=True):
     as "HU" or "SUVbw", "" where it is not known. ``title`` is for windows: it contains no file
     name that the user did not type. ``volume`` is which of how many volumes of its file or series
     it is, such as times, from 1; null where others cannot be opened. A ``rereadable`` scan can be
-    read again with what its files do not tell. ``notes`` are no warnings: what was assumed or
+    read again with what its files do not tell. ``no_dicom`` is why nothing in DICOM can refer to
+    it; null where something may. ``notes`` are no warnings: what was assumed or
     changed in reading, and is hardly ever wrong.
     """
 
@@ -66,6 +67,7 @@ class Scan(msgspec.Struct, frozen=True):
     presets: list[ThresholdPreset]
     volume: tuple[int, int] | None
     rereadable: bool
+    no_dicom: str | None
     orientation_known: bool
     warnings: list[str]
     notes: list[str]

@@ -24,6 +24,7 @@ __all__ = [
     "Clutch",
     "DeviceLimits",
     "Hand",
+    "HandLed",
     "Lift",
     "NeedleEvent",
     "NeedleEvents",
@@ -181,6 +182,12 @@ class TouchClipChanged(Message, frozen=True, tag="touch_clip_changed"):
     """The planes that cut the scene for touch, as ``ChangeTouchClip`` has them."""
 
     planes: ClipPlanes
+
+
+class HandLed(Message, frozen=True, tag="hand_led"):
+    """Which other page moves the hand: when it was opened (ISO 8601); null where none does."""
+
+    opened: str | None
 
 
 class Hand(Message, frozen=True, tag="hand"):

@@ -9,8 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
+from hashlib import sha256
 from pathlib import Path
 from threading import Lock
+
+import msgspec
 
 from palpate.base.errors import OptionError, PalpateError
 from palpate.base.state_folder import state_folder
@@ -40,6 +43,13 @@ class Offer:
     """Damaged bytes at the end: what was being written when the session ended."""
     second: str | None = None
     """Name of the second scan that was shown."""
+
+
+class _Saved(msgspec.Struct, frozen=True):
+    """A scene file that has all that a journal had when it was written."""
+
+    scene: str
+    files: list[str | None]
 
 
 class Journal:
@@ -79,16 +89,20 @@ class Journal:
         """Whether changes are written."""
         return self._running
 
-    def start(self, *, recover: bool | None = None) -> None:
+    def start(self, *, recover: bool | None = None, scene: str | None = None) -> None:
         """Starts the journal, unless there is an offer to decide about.
 
         Args:
             recover: Whether to recover what an earlier session left; False keeps it aside, None
                 asks.
+            scene: The mark of the scene that is open. Where it was saved after the last change of
+                an earlier session there is nothing to ask: what that left is kept aside.
         """
         with self._lock:
             try:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
+                if recover is None and scene is not None and self._is_saved_in(scene):
+                    self._keep_aside(held=True)
                 self._look(wanted=recover is True)
             except (OSError, OptionError) as error:
                 self._give_up(error)
@@ -132,6 +146,18 @@ class Journal:
             except OSError as error:
                 self._tell(f"The second scan is not kept for a crash: {error}")
 
+    def note_saved(self, scene: str) -> None:
+        """Notes that the scene file with a mark has all that the journal has now."""
+        if not self._running:
+            return
+        with self._lock:
+            note = _Saved(scene=scene, files=self._files())
+            try:
+                with whole_file(self._saved_path) as unfinished:
+                    unfinished.write_bytes(msgspec.json.encode(note))
+            except OSError as error:
+                self._tell(f"It is not noted that the scene was saved: {error}")
+
     def close(self) -> None:
         """Removes a journal without changes, and reports one with changes.
 
@@ -146,6 +172,7 @@ class Journal:
         else:
             self.path.unlink(missing_ok=True)
             self._steps_path.unlink(missing_ok=True)
+            self._saved_path.unlink(missing_ok=True)
 
     def _note_steps(self) -> None:
         steps = self._session.kept_steps(all_of_them=True)
@@ -179,6 +206,25 @@ class Journal:
     @property
     def _second_path(self) -> Path:
         return self.path.with_suffix(".second")
+
+    def _is_saved_in(self, scene: str) -> bool:
+        """Says whether a scene file has all that an earlier session left."""
+        try:
+            note = msgspec.json.decode(self._saved_path.read_bytes(), type=_Saved)
+        except (OSError, msgspec.DecodeError):
+            return False
+        return note == _Saved(scene=scene, files=self._files())
+
+    def _files(self) -> list[str | None]:
+        """Returns hashes of the files of the journal; None for one that is not there."""
+        places = (self.path, self._second_path, self._steps_path)
+        return [
+            sha256(place.read_bytes()).hexdigest() if place.exists() else None for place in places
+        ]
+
+    @property
+    def _saved_path(self) -> Path:
+        return self.path.with_suffix(".saved")
 
     @property
     def _steps_path(self) -> Path:
@@ -222,6 +268,7 @@ class Journal:
 
     def _keep_aside(self, *, held: bool) -> Path | None:
         """Makes room for a new file; one with changes (``held``) gets another name."""
+        self._saved_path.unlink(missing_ok=True)
         if not held:
             for path in (self.path, self._second_path, self._steps_path):
                 path.unlink(missing_ok=True)

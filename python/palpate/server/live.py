@@ -167,6 +167,40 @@ class Live:
         # it knows no surface yet; the voxels it asks for
         is_near = websocket.client is not None and websocket.client.host in {"127.0.0.1", "::1"}
         outbox = Outbox(missed=Missed(), is_near=is_near)
+        self._greet(outbox)
+        self._outboxes.add(outbox)
+        self._touch.join(outbox)
+        self._sockets.add(websocket)
+        sender = asyncio.create_task(self._send(websocket, outbox))
+        try:
+            while True:
+                packed = await _receive(websocket)
+                self._beat()
+                # one that was sent away is read to its end, and not listened to
+                if outbox in self._outboxes:
+                    await self._take(packed, outbox)
+        except WebSocketDisconnect:
+            pass
+        finally:
+            self._outboxes.discard(outbox)
+            self._touch.part(outbox)
+            self._sockets.discard(websocket)
+            self._pace.leave(outbox)
+            self._parts.leave(outbox)
+            self.engine_pictures.leave(outbox)
+            if not self._outboxes:
+                # nobody looks at the gap any more, nor lets go of what is in the hand
+                self._gaps.choose(None)
+                with suppress(PalpateError, RuntimeError):
+                    await asyncio.to_thread(self.session.grab, None)
+                    await asyncio.to_thread(self.session.clutch, on=False)
+            sender.cancel()
+            with suppress(PalpateError, RuntimeError):
+                await asyncio.to_thread(self._painter.leave, outbox)
+            await asyncio.to_thread(self._touch.leave, outbox)
+
+    def _greet(self, outbox: Outbox) -> None:
+        """Tells a page that was opened what is."""
         outbox.put(
             msgspec.structs.replace(
                 self._hello,
@@ -182,34 +216,6 @@ class Live:
             outbox.put(self.registration.message)
         for message in (*self._recovery.messages(), *self._segment_work.previews()):
             outbox.put(message)
-        self._outboxes.add(outbox)
-        self._sockets.add(websocket)
-        sender = asyncio.create_task(self._send(websocket, outbox))
-        try:
-            while True:
-                packed = await _receive(websocket)
-                self._beat()
-                # one that was sent away is read to its end, and not listened to
-                if outbox in self._outboxes:
-                    await self._take(packed, outbox)
-        except WebSocketDisconnect:
-            pass
-        finally:
-            self._outboxes.discard(outbox)
-            self._sockets.discard(websocket)
-            self._pace.leave(outbox)
-            self._parts.leave(outbox)
-            self.engine_pictures.leave(outbox)
-            if not self._outboxes:
-                # nobody looks at the gap any more, nor lets go of what is in the hand
-                self._gaps.choose(None)
-                with suppress(PalpateError, RuntimeError):
-                    await asyncio.to_thread(self.session.grab, None)
-                    await asyncio.to_thread(self.session.clutch, on=False)
-            sender.cancel()
-            with suppress(PalpateError, RuntimeError):
-                await asyncio.to_thread(self._painter.leave, outbox)
-            await asyncio.to_thread(self._touch.leave, outbox)
 
     def notify(self, level: Literal["info", "warning"], text: str) -> None:
         """Tells all pages a sentence; for any thread."""

@@ -113,7 +113,8 @@ class OpenScan:
                 saved.restore(session)
             journal = Journal(session, tell=notify) if journalled else None
             if journal is not None:
-                journal.start(recover=recover)
+                mark = None if saved is None else saved.about.mark
+                journal.start(recover=recover, scene=mark)
                 scene.second = journal.second or scene.second
             return cls(session, journal=journal, run=run, saved=saved, notify=notify)
         except BaseException:
@@ -225,7 +226,12 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         body = await request.body()
         passing = opened.files is not None
         return await run_in_threadpool(
-            scene_response, live.session, live.segments, body, passing=passing
+            scene_response,
+            live.session,
+            live.segments,
+            body,
+            passing=passing,
+            journal=opened.journal,
         )
 
     async def export(request: Request) -> Response:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import msgspec
 from starlette.responses import Response
 
 from palpate.saved.autosave import note_scene
 from palpate.saved.ending import ENDING
+from palpate.saved.journal import Journal
 from palpate.saved.scene_file import save_scene
 from palpate.server.download import file_name, file_response
 from palpate.server.messages.segment_list import SegmentList
@@ -32,17 +34,28 @@ class SceneRequest(msgspec.Struct, frozen=True):
 
 
 def scene_response(
-    session: Session, segments: SegmentList, body: bytes, *, passing: bool = False
+    session: Session,
+    segments: SegmentList,
+    body: bytes,
+    *,
+    passing: bool = False,
+    journal: Journal | None = None,
 ) -> Response:
     """Saves a scene and answers with its file; or with why it cannot be saved.
 
-    The file of a scan whose own files are ``passing`` holds the scan whether asked for or not.
+    The ``journal`` of the session notes that its changes are saved. The file of a scan whose own
+    files are ``passing`` holds the scan whether asked for or not.
     """
 
     def write(wanted: SceneRequest, folder: Path) -> tuple[Path, list[str]]:
         path = folder / f"{file_name(session.scene.volume.title, 'scene')}{ENDING}"
         copy = wanted.copy or passing
-        scan = save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)
+        mark = uuid4().hex
+        scan = save_scene(
+            path, session, looks=segments.kept(), view=wanted.view, copy=copy, mark=mark
+        )
+        if journal is not None:
+            journal.note_saved(mark)
         # the browser puts it where only it knows
         note_scene(scan, path, passing=True)
         return path, []

@@ -436,3 +436,29 @@ def test_a_second_scan_that_was_taken_away_is_not_offered(tmp_path: Path) -> Non
     journal.close()
     with Session(make_ball(), options=STILL) as session:
         assert begun(session, tmp_path)[0].offer is None
+
+
+def test_what_was_saved_in_the_scene_that_is_open_is_not_offered_again(left: Path) -> None:
+    with Session(make_ball(), options=STILL) as session:
+        journal, _ = begun(session, left, recover=True)
+        journal.note_saved("scene")
+    journal.close()
+    kept = journal.path.read_bytes()
+    # another scene of that scan, or the scan alone
+    for other in ("another scene", None):
+        with Session(make_ball(), options=STILL) as session:
+            assert begun(session, left, scene=other)[0].offer is not None
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, left, scene="scene")
+        assert journal.offer is None
+        assert runs(journal)
+        assert told == []
+        # nothing is lost
+        (aside,) = journal.path.parent.glob(f"{journal.path.stem}-*.journal")
+        assert aside.read_bytes() == kept
+        journal.note_saved("scene")
+        open_box(session, 18)
+    journal.close()
+    with Session(make_ball(), options=STILL) as session:
+        # it was changed since
+        assert begun(session, left, scene="scene")[0].offer is not None

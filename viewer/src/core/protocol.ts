@@ -139,7 +139,8 @@ export interface ThresholdPreset {
  * as "HU" or "SUVbw", "" where it is not known. `title` is for windows: it contains no file
  * name that the user did not type. `volume` is which of how many volumes of its file or series
  * it is, such as times, from 1; null where others cannot be opened. A `rereadable` scan can be
- * read again with what its files do not tell. `notes` are no warnings: what was assumed or
+ * read again with what its files do not tell. `no_dicom` is why nothing in DICOM can refer to
+ * it; null where something may. `notes` are no warnings: what was assumed or
  * changed in reading, and is hardly ever wrong.
  */
 export interface Scan {
@@ -159,6 +160,7 @@ export interface Scan {
   readonly presets: readonly ThresholdPreset[];
   readonly volume: readonly [number, number] | null;
   readonly rereadable: boolean;
+  readonly no_dicom: string | null;
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
   readonly notes: readonly string[];
@@ -672,6 +674,12 @@ export interface SettingsChanged {
 export interface TouchClipChanged {
   readonly type: "touch_clip_changed";
   readonly planes: ClipPlanes;
+}
+
+/** Which other page moves the hand: when it was opened (ISO 8601); null where none does. */
+export interface HandLed {
+  readonly type: "hand_led";
+  readonly opened: string | null;
 }
 
 /**
@@ -1601,6 +1609,7 @@ export type ToPage =
   | MatterParts
   | SettingsChanged
   | TouchClipChanged
+  | HandLed
   | Recovery
   | Notice
   | Gap
@@ -1902,6 +1911,7 @@ const isScan = record({
   presets: list(isThresholdPreset),
   volume: nullable(tuple(whole(), whole())),
   rereadable: flag,
+  no_dicom: nullable(text()),
   orientation_known: flag,
   warnings: list(text()),
   notes: list(text()),
@@ -2236,6 +2246,11 @@ const isTouchClipChanged = record({
   planes: isClipPlanes,
 });
 
+const isHandLed = record({
+  type: oneOf("hand_led"),
+  opened: nullable(text()),
+});
+
 const isOffer = record({
   steps: whole(),
   when: text(),
@@ -2415,6 +2430,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["matter_parts", isMatterParts],
   ["settings_changed", isSettingsChanged],
   ["touch_clip_changed", isTouchClipChanged],
+  ["hand_led", isHandLed],
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],

@@ -23,6 +23,7 @@ export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]
     bone: 250,
     volume: null,
     rereadable: true,
+    no_dicom: null,
     orientation_known: true,
     warnings: [],
     notes: [],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from palpate import protocol
 from palpate.base.package_version import package_version
+from palpate.export.dicom_source import why_no_dicom
 from palpate.segmentation.threshold_presets import PRESETS
 from palpate.server.messages.soft_tissue import models, presets
 from palpate.server.page_words import page_words
@@ -57,6 +58,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
         presets=_presets(volume),
         volume=_place_of(volume),
         rereadable=volume.source is not None,
+        no_dicom=why_no_dicom(volume),
         orientation_known=volume.traits.orientation_known,
         warnings=[page_words(warning) for warning in volume.warnings],
         notes=[page_words(note) for note in volume.notes],

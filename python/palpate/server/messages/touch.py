@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from datetime import datetime
 
 import msgspec
 
@@ -38,6 +39,9 @@ class TouchMessages:
         self._publish = publish
         self._pressed_by: Outbox | None = None
         self._led_by: Outbox | None = None
+        self._moved_by: Outbox | None = None
+        self._opened: dict[Outbox, str] = {}
+        """When each page was opened (ISO 8601)."""
 
     def add_to(self, table: MessageTable) -> None:
         """Adds the rows of touch."""
@@ -54,6 +58,18 @@ class TouchMessages:
         table.add(protocol.ChangeSettings, self._change_settings, runs=Runs.IN_ORDER)
         table.add(protocol.ChangeTouchClip, self._change_clip, runs=Runs.IN_ORDER)
 
+    def join(self, page: Outbox) -> None:
+        """Takes a page that was opened; to be called on the event loop, as ``part``."""
+        self._opened[page] = datetime.now().astimezone().isoformat(timespec="seconds")
+        if self._moved_by is not None:
+            page.put(protocol.HandLed(self._opened[self._moved_by]))
+
+    def part(self, page: Outbox) -> None:
+        """Forgets a page that has gone."""
+        self._opened.pop(page, None)
+        if self._moved_by is page:
+            self._move(None)
+
     def leave(self, page: Outbox) -> None:
         """Releases the tool and lifts the hand where a page that has gone pressed them."""
         with suppress(RuntimeError):
@@ -63,11 +79,21 @@ class TouchMessages:
             with suppress(RuntimeError):
                 self._session.stroke(on=False)
 
-    def _hand(self, message: protocol.Hand, _: Outbox) -> None:
+    def _move(self, page: Outbox | None) -> None:
+        """Tells all pages whose hand it is where another page has it now."""
+        if page is not self._moved_by:
+            self._moved_by = page
+            since = None if page is None else self._opened[page]
+            for each in self._opened:
+                each.put(protocol.HandLed(None if each is page else since))
+
+    def _hand(self, message: protocol.Hand, page: Outbox) -> None:
         self._session.hand(message.target)
+        self._move(page)
 
     def _press(self, message: protocol.Press, page: Outbox) -> None:
         self._session.press(message.origin, message.direction, pressure=message.pressure)
+        self._move(page)
         self._led_by = page
 
     def _lift(self, _message: protocol.Lift, page: Outbox) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -136,3 +137,26 @@ def test_all_pages_are_told_of_what_is_cut_away_from_touch(server: Any) -> None:
         assert page.receive("touch_clip_changed")["planes"] == planes
         page.send({"type": "change_touch_clip", "planes": []})
         assert page.receive("touch_clip_changed")["planes"] == []
+
+
+def test_pages_are_told_which_of_them_moves_the_hand(server: Any) -> None:
+    with server.page() as first:
+        first.send({"type": "hand", "target": [20.0, 20.0, 34.0]})
+        assert first.receive("hand_led")["opened"] is None
+        with server.page() as second:
+            opened = second.receive("hand_led")["opened"]
+            assert datetime.fromisoformat(opened) <= datetime.now().astimezone()
+            second.send(
+                {
+                    "type": "press",
+                    "origin": [20.0, 20.0, 60.0],
+                    "direction": [0.0, 0.0, -1.0],
+                    "pressure": 1.0,
+                }
+            )
+            assert second.receive("hand_led")["opened"] is None
+            assert datetime.fromisoformat(
+                first.receive("hand_led")["opened"]
+            ) >= datetime.fromisoformat(opened)
+        # nobody moves it once that page has gone
+        assert first.receive("hand_led")["opened"] is None

@@ -6,10 +6,13 @@ import type { Vec3 } from "../geometry/vector";
 
 /** Stands between a number and its unit; no line ends there. */
 const narrowSpace = "\u202f";
+/** Stands between groups of digits. */
+const thinSpace = "\u2009";
+const trueMinus = "\u2212";
 
 /** A number as programs write it, with a true minus instead of a hyphen. */
 function withTrueMinus(number: string): string {
-  return number.replace(/-(?=\d)/g, "\u2212");
+  return number.replace(/-(?=\d)/g, trueMinus);
 }
 
 /** A unit after a number, with the space between them; nothing where there is none. */
@@ -46,7 +49,15 @@ export function plainPoint(point: Vec3): string {
 export function formatCount(count: number): string {
   return Math.round(count)
     .toString()
-    .replace(/\B(?=(\d{3})+$)/g, "\u2009");
+    .replace(/\B(?=(\d{3})+$)/g, thinSpace);
+}
+
+/** A text of the page for other programs: its numbers with a hyphen as minus, ungrouped, and with usual spaces. */
+export function plainText(text: string): string {
+  return text
+    .replaceAll(trueMinus, "-")
+    .replace(new RegExp(`(?<=\\d)${thinSpace}(?=\\d)`, "g"), "")
+    .replace(new RegExp(`[${thinSpace}${narrowSpace}]`, "g"), " ");
 }
 
 /** A text with its whole numbers grouped so, as a program writes them: "1 700 ml". */
@@ -88,6 +99,11 @@ export function formatBytes(bytes: number): string {
 export function formatMoment(iso: string): string {
   const [, date, time] = /^(\d{4}-\d\d-\d\d)T(\d\d:\d\d)/.exec(iso) ?? [];
   return date === undefined || time === undefined ? iso : `${date}, ${time}`;
+}
+
+/** "16:34": the time of day that a moment of ISO 8601 names. */
+export function timeOf(iso: string): string {
+  return /T(\d\d:\d\d)/.exec(iso)?.[1] ?? iso;
 }
 
 /** "0:07", "12:34" */

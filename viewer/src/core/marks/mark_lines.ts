@@ -68,21 +68,28 @@ const corners = [
 /** Up to this width a pane is narrow. */
 const narrowPane = 420;
 
-/** Where a label of some lines goes so that it stands on nothing that tells of the slice; its first baseline. */
+/**
+ * Where a label of some lines goes so that it stands on nothing that tells of the slice; its first baseline.
+ *
+ * @param enlarged by how much letters and corners are larger than usual.
+ */
 export function clearOfCorners(
   place: { readonly x: number; readonly y: number },
   lines: readonly string[],
   pane: Viewport,
+  enlarged = 1,
 ): { readonly x: number; readonly y: number } {
-  const width = letterWidth * Math.max(...lines.map(({ length }) => length));
-  const below = labelLine * (lines.length - 1) + 4;
+  const line = labelLine * enlarged;
+  const width = letterWidth * enlarged * Math.max(...lines.map(({ length }) => length));
+  const below = line * (lines.length - 1) + 4;
   const x = Math.max(4, Math.min(place.x, pane.width - width - 4));
-  let y = Math.max(labelLine, Math.min(place.y, pane.height - below));
+  let y = Math.max(line, Math.min(place.y, pane.height - below));
   for (const corner of corners) {
-    const { width: wide, height: tall } = pane.width <= narrowPane && "narrow" in corner ? corner.narrow : corner;
+    const size = pane.width <= narrowPane && "narrow" in corner ? corner.narrow : corner;
+    const [wide, tall] = [size.width * enlarged, size.height * enlarged];
     const beside = corner.left ? x >= wide : x + width <= pane.width - wide;
-    if (!beside && corner.top && y - labelLine < tall) {
-      y = tall + labelLine;
+    if (!beside && corner.top && y - line < tall) {
+      y = tall + line;
     } else if (!beside && !corner.top && y + below > pane.height - tall) {
       y = pane.height - tall - below;
     }

@@ -139,6 +139,12 @@ export function momentAt(run: ScenarioRun, time: number): Moment {
   };
 }
 
+/** Seconds before a time (negative) and magnitudes of the force [N], the oldest first, as the live plot has them. */
+export function forceBefore({ time, force }: ScenarioRun, now: number, seconds: number): readonly [number[], number[]] {
+  const rows = [...time.keys()].filter((row) => (time[row] ?? 0) >= now - seconds && (time[row] ?? 0) <= now);
+  return [rows.map((row) => (time[row] ?? 0) - now), rows.map((row) => Math.abs(force[row] ?? 0))];
+}
+
 /** When a run ends [s]. */
 export function endOf(run: ScenarioRun): number {
   return run.time.at(-1) ?? 0;

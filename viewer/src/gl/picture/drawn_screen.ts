@@ -19,6 +19,8 @@ const fewer = 2;
 export class DrawnScreen {
   /** All of it is to be drawn again. */
   stale = true;
+  /** What was drawn last, by identity: the same as long as nothing but markers is drawn again. */
+  drawing = Symbol();
   /** The whole canvas [CSS pixels]. */
   private canvas: Viewport = { width: 1, height: 1 };
   /** Device pixels per CSS pixel at rest. */
@@ -82,6 +84,9 @@ export class DrawnScreen {
    */
   draw(changed: Region | null, outline: () => readonly Vec3[] | null): void {
     const { keeps, pane, slices, stale } = this;
+    if (stale || changed !== null || slices.isStale) {
+      this.drawing = Symbol();
+    }
     if (changed === everywhere || stale || (slices.isStale && !keeps)) {
       this.drawSlices();
       pane.draw(stale || !keeps ? null : outline());

@@ -252,6 +252,21 @@ export class Picture {
       : { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
+  /** What stands on the canvas, by identity: the same as long as nothing but markers is drawn again. */
+  get drawing(): symbol {
+    return this.screen.drawing;
+  }
+
+  /** Whether the browser has lost its graphics, also before it tells so. */
+  get isLost(): boolean {
+    return this.gl.isContextLost();
+  }
+
+  /** Has all be drawn again with the next frame. */
+  redraw(): void {
+    this.screen.stale = true;
+  }
+
   /** How fine pictures are at rest, those that are saved too, and how long they may take while the view moves. */
   setQuality(quality: QualityChoice): void {
     this.quality = quality;

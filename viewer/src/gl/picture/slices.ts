@@ -9,6 +9,7 @@ import type { Segment } from "../../core/protocol";
 import { smallestSpacing, type ScanFrame } from "../../core/scan/scan_volume";
 import { drawnInSlices, mostRanges, shownRanges } from "../../core/segments/shown_segments";
 import type { SliceName, SlicePlane } from "../../core/slices/slice_plane";
+import { slabModes, type SlabMode } from "../../core/slices/slab";
 import { biasedOf } from "../../core/scan/stored_values";
 import { scale, subtract, type Vec3 } from "../../core/geometry/vector";
 import type { WindowLevel } from "../../core/appearance/window_level";
@@ -23,9 +24,6 @@ export interface ShownSlice {
   readonly rect: Rect;
   readonly plane: SlicePlane;
 }
-
-export const slabModes = ["mean", "largest", "least"] as const;
-export type SlabMode = (typeof slabModes)[number];
 
 export interface SliceAppearance extends WindowLevel {
   /** Thickness [mm]; 0 is a single plane. */

@@ -480,13 +480,13 @@ function work({ session, stage, undo, exporter, theme, page }: ActionTargets): r
       ready: () => stage.clips.clip.box.on,
       run: () => { stage.removal.crop(stage.clips.clip.box); },
     },
-    ...formats.map(({ name, label }) => ({
+    ...formats.map((format) => ({
       group,
-      name: `Export: ${label}`,
+      name: `Export: ${format.label}`,
       keys: [],
-      ready: () => !exporter.busy,
+      ready: () => !exporter.busy && exporter.canMake(format),
       run: () => {
-        exporter.choose(name);
+        exporter.choose(format.name);
         void exporter.export();
       },
     }) as const),
@@ -510,7 +510,13 @@ function work({ session, stage, undo, exporter, theme, page }: ActionTargets): r
     { group, name: "Show the tour", keys: [], run: page.tour },
     { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },
     { group, name: "Show or hide the right panel", keys: [], run: () => { page.panel("right"); } },
-    ...themes.map(({ choice, name }) => ({ group, name, keys: [], run: () => { theme.choose(choice); } }) as const),
+    ...themes.map(({ choice, name }) => ({
+      group,
+      name: `${settings.theme.name}: ${name}`,
+      words: settings.theme.words,
+      keys: [],
+      run: () => { theme.choose(choice); },
+    }) as const),
     { group, name: "No cut, no mark, no growing, no brush, leave touch mode, close", keys: ["Esc"], run: page.escape },
   ];
 }

@@ -34,6 +34,9 @@ const shortest = 1 / 30;
 const ofPage: readonly string[] = ["Ctrl+S", "Ctrl+K", "Ctrl+O", "Ctrl+,"];
 const ofSteps: readonly string[] = ["Ctrl+Z", "Ctrl+Shift+Z", "Ctrl+Y"];
 
+/** What Enter presses or ends where it has the focus. */
+const pressedByEnter = "a, button, input:not([type=range]), label, summary, [role=button]";
+
 /** What the keys lead. */
 type Led = "hand" | "turn" | "picture";
 
@@ -120,6 +123,9 @@ export class KeyboardInput {
     const { target, key } = event;
     if (!(target instanceof HTMLElement)) {
       return false;
+    }
+    if (key === "Enter" && target.matches(pressedByEnter)) {
+      return true;
     }
     if (target.matches("input[type=range], input[type=radio], [role=slider]")) {
       return key in moves;

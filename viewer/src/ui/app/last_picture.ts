@@ -1,21 +1,19 @@
 /**
- * A copy of the last picture that was as fine as it gets: a canvas whose graphics are lost shows nothing any more, and
- * one that was not drawn in this frame has nothing to be printed.
+ * A copy of the last picture that was as fine as it gets: a canvas whose graphics are lost shows nothing any more.
  */
 export class LastPicture {
   private readonly copy = document.createElement("canvas");
   private kept: unknown = null;
 
-  /**
-   * Keeps what stands on a canvas; to be called in the frame that has drawn it.
-   *
-   * @param shown what is shown there, compared by identity; null while that is not finished.
-   */
-  keep(canvas: HTMLCanvasElement, shown: unknown): void {
-    if (shown !== null && shown !== this.kept) {
-      copy(canvas, this.copy);
-    }
-    this.kept = shown;
+  /** Whether it is a copy of this drawing, by identity. */
+  isOf(drawing: unknown): boolean {
+    return drawing === this.kept;
+  }
+
+  /** Keeps a drawing that stands on a canvas. */
+  keep(canvas: HTMLCanvasElement, drawing: unknown): void {
+    copy(canvas, this.copy);
+    this.kept = drawing;
   }
 
   /** Draws it into a canvas, which gets its size. */

@@ -96,8 +96,13 @@ export class PictureHost {
     return this.picture;
   }
 
-  /** Draws what was seen last into a canvas. */
+  /** Draws what is seen, or was last before the graphics were lost, into a canvas. */
   drawLast(canvas: HTMLCanvasElement): void {
+    if (this.picture !== null) {
+      // markers have moved since it was kept
+      this.picture.redraw();
+      this.drawFrame(performance.now());
+    }
     this.last.draw(canvas);
   }
 
@@ -251,12 +256,24 @@ export class PictureHost {
     this.chooseDrawer(picture);
     this.measureDrawers(picture, now);
     this.show(picture);
+    const before = picture.drawing;
     picture.advance(now);
-    if (this.canvas !== null) {
-      this.last.keep(this.canvas, picture.shown.finished ? this.sources.slices.shown : null);
-    }
+    this.keepLast(picture, picture.drawing !== before);
     loader.follow(picture);
     markVisibility.follow(picture.shown.finished);
+  }
+
+  /** Keeps what is on display for when the graphics are lost; `isFresh` where it was drawn in this frame. */
+  private keepLast(picture: Picture, isFresh: boolean): void {
+    if (this.canvas === null || !picture.shown.finished || picture.isLost || this.last.isOf(picture.drawing)) {
+      return;
+    }
+    if (isFresh || this.support.software) {
+      this.last.keep(this.canvas, picture.drawing);
+    } else {
+      // the canvas has forgotten what an earlier frame drew
+      picture.redraw();
+    }
   }
 
   /** Has the engine draw, or this browser. */

@@ -294,13 +294,16 @@ export class PointerInput {
 
   /** Says what is seen there, or sets a point of a mark on it. */
   private click(event: MouseEvent): void {
-    if (this.pressed === null || event.detail > 1) {
+    if (event.detail > 1) {
+      return;
+    }
+    const { marks, readout } = this.stage;
+    this.marked = this.pressed !== null && marks.placing !== null;
+    if (this.pressed === null) {
       return;
     }
     this.pressed = null;
-    const { marks, readout } = this.stage;
     const picked = this.stage.picker.at(event.offsetX, event.offsetY);
-    this.marked = marks.placing !== null;
     if (picked === null) {
       readout.close();
     } else if (this.marked) {

@@ -1,5 +1,6 @@
 /** Files that are kept by the browser: of the engine on request, or made by the page. */
 import { apiAddress } from "../../live/connection";
+import type { Session } from "./session.svelte";
 
 /** A file that the browser keeps: its name, and what the engine notes of it, a line each. */
 export interface KeptFile {
@@ -20,9 +21,9 @@ export async function fetchFile(path: string, token: string, wanted: object, oth
   return { name, notes: notes.split("\n").filter((line) => line !== "") };
 }
 
-/** What a person is told of a file that the browser keeps. */
-export function savedAs(name: string): string {
-  return `Saved as ${name}, with the downloads of this browser.`;
+/** Tells a person of a file that the browser keeps. */
+export function tellSaved(session: Pick<Session, "notify">, name: string): void {
+  session.notify("info", `Saved as ${name}, with the downloads of this browser.`);
 }
 
 /** Has the browser keep a file. */

@@ -96,6 +96,8 @@ export class Session {
   segmentWork = $state.raw<string | null>(null);
   /** The segment of a table that was found, until a person has decided on it. */
   tableFound = $state.raw<number | null>(null);
+  /** When the other page was opened that moves the hand (ISO 8601); null where none does. */
+  handLed = $state.raw<string | null>(null);
   /** A region that was grown, until a person keeps it or not. */
   grown = $state.raw<Grown | null>(null);
   /** Whether a region is looked for. */
@@ -128,6 +130,7 @@ export class Session {
   private registrationListeners: readonly ((registration: Registration) => void)[] = [];
   private outlineListener: (outline: Outline) => void = () => undefined;
   private drawnListener: (answer: DrawnPicture | PictureFailed) => void = () => undefined;
+  private grownListener: () => void = () => undefined;
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -206,6 +209,11 @@ export class Session {
   /** Calls back with pictures that the engine has drawn for this page, and where it could not. */
   onDrawn(listener: (answer: DrawnPicture | PictureFailed) => void): void {
     this.drawnListener = listener;
+  }
+
+  /** Calls back with every region that was grown, or grown anew. */
+  onGrown(listener: () => void): void {
+    this.grownListener = listener;
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -346,6 +354,9 @@ export class Session {
         this.answered = message.settings;
         this.settle();
         break;
+      case "hand_led":
+        this.handLed = message.opened;
+        break;
       case "touch_clip_changed":
         this.touchClip = message.planes;
         break;
@@ -374,6 +385,7 @@ export class Session {
         break;
       case "grown":
         this.grown = message;
+        this.grownListener();
         break;
       case "islands":
         this.islands = message;
@@ -425,6 +437,7 @@ export class Session {
     this.segmentWork = null;
     this.tableFound = null;
     this.tableSuggested = false;
+    this.handLed = null;
     this.grown = null;
     this.growing = false;
     this.islands = null;

@@ -6,11 +6,11 @@ import { recall, remember } from "../state/remembered";
 
 export type Choice = "dark" | "light" | "system";
 
-/** What can be chosen, as the palette of commands names it. */
+/** What can be chosen. */
 export const themes: readonly { readonly choice: Choice; readonly name: string }[] = [
-  { choice: "dark", name: "Dark theme" },
-  { choice: "light", name: "Light theme" },
-  { choice: "system", name: "Theme as the system has it" },
+  { choice: "dark", name: "Dark" },
+  { choice: "light", name: "Light" },
+  { choice: "system", name: "Same as the system" },
 ];
 
 export class ThemeControl {
@@ -25,11 +25,6 @@ export class ThemeControl {
   choose(choice: Choice): void {
     this.choice = choice;
     remember("theme", { choice });
-  }
-
-  /** The other one of dark and light. */
-  switch(): void {
-    this.choose(this.light ? "dark" : "light");
   }
 
   /** Follows the system until the returned function is called. */

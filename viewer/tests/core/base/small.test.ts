@@ -8,6 +8,7 @@ import {
   formatPercent,
   formatPlace,
   plainPoint,
+  plainText,
   plural,
   formatCount,
   formatVolume,
@@ -26,6 +27,12 @@ import { subsamplingStep } from "../../../src/core/scan/subsampling";
 import { distance, dot, subtract, type Vec3 } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 import { scanOf, segment, volumeOf } from "../../support/volumes";
+
+test("a text for other programs has numbers that they read: a hyphen, no groups, usual spaces", () => {
+  const told = `${formatValue(-743.5, "HU")}, ${formatCount(1_234_567)} voxels, ${formatVolume(2_500_000)}`;
+  expect(told).not.toBe(plainText(told));
+  expect(plainText(told)).toBe("-743.5 HU, 1234567 voxels, 2500 ml");
+});
 
 test("the scale bar is round, fits, and uses its room", () => {
   const random = new Random(41);

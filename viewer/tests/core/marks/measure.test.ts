@@ -106,6 +106,14 @@ test("a slice shows marks that it meets, those beside it faintly, and others not
 
 const paneSizes = [[400, 330], [800, 600], [213, 314]] as const;
 
+test("on an enlarged page labels leave more room to what is enlarged with them", () => {
+  const pane = { width: 1200, height: 900 };
+  const lines = ["471 mm²", "mean 40.3 ± 3.5 HU"];
+  expect(clearOfCorners({ x: 110, y: 20 }, lines, pane)).toEqual({ x: 110, y: 20 });
+  // the name of the slice is 144 wide and 45 high there, a line of the label 22.5 high
+  expect(clearOfCorners({ x: 110, y: 20 }, lines, pane, 1.5)).toEqual({ x: 110, y: 67.5 });
+});
+
 test.each(paneSizes)("in a pane of %d × %d labels leave its corners clear", (width, height) => {
   const lines = ["471 mm²", "mean 40.3 ± 3.5 HU", "−20 to 90 HU"];
   const pane = { width, height };

@@ -1,6 +1,6 @@
 /** Runs of scenarios: what is read from a file, and what is refused. */
 import { expect, test } from "vitest";
-import { endOf, momentAt, parseRun, RunError } from "../../../src/core/scenario/scenario_run";
+import { endOf, forceBefore, momentAt, parseRun, RunError } from "../../../src/core/scenario/scenario_run";
 
 /** Two presses along y, 2 mm in and out each, with 1 N/mm. */
 function file(change: (told: Record<string, unknown>) => void = () => undefined): string {
@@ -44,6 +44,12 @@ test("a moment has the last sample that is not after it, and the force against t
   expect(momentAt(run, -1).tool).toEqual([0, 0, 7]);
   expect(momentAt(run, 9).phase).toBe("out");
   expect(momentAt(run, 0).layer).toBe("");
+});
+
+test("the force of the last seconds is told as the live one is: the oldest first, before now", () => {
+  const [times, magnitudes] = forceBefore(parseRun(file()), 0.35, 0.26);
+  expect(times.map((time) => Number(time.toFixed(3)))).toEqual([-0.25, -0.15, -0.05]);
+  expect(magnitudes).toEqual([1, 2, 1]);
 });
 
 type Samples = Record<string, unknown[]>;

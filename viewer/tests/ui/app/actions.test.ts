@@ -88,6 +88,25 @@ test("a key does its action, and is the browser's where it means nothing", () =>
   expect(done).toEqual(["sound", "sound", "save", "seal", "cut"]);
 });
 
+test("Enter is of the button or field that has the focus; a slider has no use for it", () => {
+  class Focused {
+    constructor(private readonly kind: string) {}
+    matches(selector: string): boolean {
+      return selector.split(", ").includes(this.kind);
+    }
+  }
+  const { send, done, makeReady } = keyboard();
+  vi.stubGlobal("HTMLElement", Focused);
+  makeReady();
+  for (const kind of ["button", "summary", "[role=button]"]) {
+    expect(send("keydown", "Enter", { target: new Focused(kind) }), kind).toBe(false);
+  }
+  expect(done).toEqual([]);
+  expect(send("keydown", "Enter", { target: new Focused("div") })).toBe(true);
+  expect(send("keydown", "Enter", { target: new Focused("input[type=range]") })).toBe(true);
+  expect(done).toEqual(["cut", "cut"]);
+});
+
 test("a digit means a window over a slice, and a side elsewhere", () => {
   const { send, done, goOver } = keyboard();
   send("keydown", "1", { code: "Digit1" });

@@ -2,7 +2,7 @@
 import { isArea } from "../../../core/marks/area";
 import type { AreaValues } from "../../../core/marks/area_values";
 import type { Mark } from "../../../core/marks/measure";
-import { apiAddress } from "../../../live/connection";
+import { measureAtRest } from "../../state/measured";
 import type { Session } from "../../state/session.svelte";
 
 /** So long nothing changes before they are measured [ms]. */
@@ -30,37 +30,26 @@ export class AreaMeasures {
 
   /** Measures once nothing changes any more; returns what cancels it, as effects do. */
   follow(): () => void {
-    const cancelled = new AbortController();
-    const begun = setTimeout(() => void this.measure(cancelled.signal), rest);
-    return () => {
-      clearTimeout(begun);
-      cancelled.abort();
-    };
-  }
-
-  private async measure(signal: AbortSignal): Promise<void> {
-    const { areas } = this;
+    const { areas, token } = this;
     if (areas.length === 0) {
-      return;
+      return () => undefined;
     }
-    try {
-      const body = JSON.stringify({ areas: areas.map(({ kind, points }) => ({ kind, points })) });
-      const answer = await fetch(apiAddress("/api/areas", this.token), { method: "POST", body, signal });
-      if (!answer.ok) {
-        throw new Error(await answer.text());
-      }
-      const values = (await answer.json()) as readonly AreaValues[];
-      const known = areas.flatMap((mark, i) => {
-        const found = values[i];
-        return found === undefined ? [] : [[keyOf(mark), found] as const];
-      });
-      this.measured = Object.fromEntries(known);
-      this.failed = null;
-    } catch (error) {
-      if (!signal.aborted) {
-        this.failed = error instanceof Error ? error.message : String(error);
-      }
-    }
+    return measureAtRest({
+      path: "/api/areas",
+      token,
+      wanted: { areas: areas.map(({ kind, points }) => ({ kind, points })) },
+      rest,
+      take: (answer) => {
+        const values = JSON.parse(answer) as readonly AreaValues[];
+        const known = areas.flatMap((mark, i) => {
+          const found = values[i];
+          return found === undefined ? [] : [[keyOf(mark), found] as const];
+        });
+        this.measured = Object.fromEntries(known);
+        this.failed = null;
+      },
+      fail: (reason) => (this.failed = reason),
+    });
   }
 }
 

@@ -1,5 +1,5 @@
 /** Has the engine write segments or scan for other programs, and the browser keep the file. */
-import { fetchFile, savedAs } from "../../state/download";
+import { fetchFile, tellSaved } from "../../state/download";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
@@ -8,37 +8,49 @@ export const formats = [
     name: "slicer",
     label: "Segments for 3D Slicer",
     kind: "seg-nrrd",
+    fromDicom: false,
     says: "A .seg.nrrd with names, colours, codes and overlaps.",
   },
   {
     name: "labels",
     label: "Segments as NIfTI labels",
     kind: "labels",
+    fromDicom: false,
     says: "A zip with the label map and a table of names.",
   },
-  { name: "scan", label: "Scan with edits, NIfTI", kind: "scan", says: "The values as the tools have left them." },
+  {
+    name: "scan",
+    label: "Scan with edits, NIfTI",
+    kind: "scan",
+    fromDicom: false,
+    says: "The values as the tools have left them.",
+  },
   {
     name: "share",
     label: "De-identified DICOM",
     kind: "dicom",
+    fromDicom: true,
     says: "A zip with scan, SEG and RTSTRUCT, de-identified together: their references hold.",
   },
   {
     name: "seg",
     label: "DICOM SEG (names the patient)",
     kind: "dicom-seg",
+    fromDicom: true,
     says: "For the archive: refers to the scan in it.",
   },
   {
     name: "labelmap",
     label: "DICOM label map (names the patient)",
     kind: "dicom-labelmap",
+    fromDicom: true,
     says: "For the archive; segments may not overlap.",
   },
   {
     name: "rtstruct",
     label: "RTSTRUCT (names the patient)",
     kind: "rtstruct",
+    fromDicom: true,
     says: "For the archive: outlines in each slice.",
   },
 ] as const;
@@ -48,12 +60,24 @@ export type Format = (typeof formats)[number];
 export class Exporter {
   busy = $state.raw(false);
   private chosen = $state.raw(recall("export", { format: "slicer" }).format);
-  readonly format: Format = $derived(formats.find(({ name }) => name === this.chosen) ?? formats[0]);
+  /** What is exported: what was chosen last, where that can be made of this scan. */
+  readonly format: Format = $derived.by(
+    () => formats.find((format) => format.name === this.chosen && this.canMake(format)) ?? formats[0],
+  );
 
   constructor(
     private readonly session: Session,
     private readonly token: string,
   ) {}
+
+  /** Why nothing in DICOM can refer to the scan; null where something may. */
+  get noDicom(): string | null {
+    return this.session.scan?.no_dicom ?? null;
+  }
+
+  canMake({ fromDicom }: Format): boolean {
+    return !fromDicom || this.noDicom === null;
+  }
 
   choose(name: string): void {
     this.chosen = name;
@@ -68,7 +92,7 @@ export class Exporter {
     const { kind, label } = this.format;
     try {
       const { name, notes } = await fetchFile("/api/export", this.token, { kind }, "export");
-      this.session.notify("info", savedAs(name));
+      tellSaved(this.session, name);
       for (const note of notes) {
         this.session.notify("warning", `${label}: ${note}.`);
       }

@@ -5,7 +5,7 @@ import { saneCamera, type Camera } from "../../../core/geometry/camera";
 import type { Scan } from "../../../core/protocol";
 import { isPoint, type Vec3 } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
-import { fetchFile, savedAs } from "../../state/download";
+import { fetchFile, tellSaved } from "../../state/download";
 import { handOver, takeHandover } from "../../state/page_handover";
 import { bring, keptOf, recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
@@ -53,7 +53,7 @@ export class SceneKeeper {
     try {
       const view = this.viewOf(scan);
       const { name } = await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
-      this.session.notify("info", savedAs(name));
+      tellSaved(this.session, name);
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
       this.session.notify("error", `The scene was not saved: ${reason}`);

@@ -4,6 +4,7 @@
  */
 import {
   endOf,
+  forceBefore,
   holderOf,
   momentAt,
   parseRun,
@@ -13,7 +14,7 @@ import {
 } from "../../../core/scenario/scenario_run";
 import { addScaled } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
-import type { ShownTouch } from "../../../core/touch/shown_touch";
+import type { PlayedTouch } from "../../../core/touch/shown_touch";
 import type { Session } from "../../state/session.svelte";
 
 /** How fast a run is played, as a share of its own time. */
@@ -42,7 +43,7 @@ export class Player {
   readonly moment = $derived.by((): Moment | null => (this.run === null ? null : momentAt(this.run, this.time)));
 
   /** The tool as picture and slices show it in place of the probe; null while the probe is shown. */
-  readonly shown = $derived.by((): ShownTouch | null => {
+  readonly shown = $derived.by((): PlayedTouch | null => {
     const { run, moment } = this;
     if (run === null || moment === null || !this.showing) {
       return null;
@@ -57,6 +58,8 @@ export class Player {
       contact_point: addScaled(moment.tool, moment.way, run.radius),
       normal: back,
       force: moment.force,
+      words: `${run.scenario}: ${moment.layer === "" ? "outside" : `in ${moment.layer}`}`,
+      series: (seconds) => forceBefore(run, moment.time, seconds),
     };
   });
 

@@ -14,7 +14,7 @@ import type {
 import { apart, leastPairs, mostPairs, pairsOfDistances, sanePairs, seenAt } from "../../../core/second/registration";
 import { placeOf } from "../../../core/second/second_scan";
 import type { Vec3 } from "../../../core/geometry/vector";
-import { fetchFile, savedAs } from "../../state/download";
+import { fetchFile, tellSaved } from "../../state/download";
 import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
 import { recall, remember } from "../../state/remembered";
 import type { SecondControl } from "./second_control.svelte";
@@ -203,7 +203,7 @@ export class RegistrationControl implements StepOwner<Asked> {
     try {
       const wanted = { what, ending: this.habits.ending };
       const { name, notes } = await fetchFile("/api/registration", this.outside.token, wanted, what);
-      this.session.notify("info", savedAs(name));
+      tellSaved(this.session, name);
       for (const note of notes) {
         this.session.notify("warning", `${note}.`);
       }

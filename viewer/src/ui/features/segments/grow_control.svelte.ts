@@ -30,7 +30,12 @@ export class GrowControl {
   /** The level that was asked for last; null is the one that was found. */
   private asked = $state<number | null>(null);
 
-  constructor(private readonly session: Session) {}
+  constructor(private readonly session: Session) {
+    // what was dragged while it was looked for
+    session.onGrown(() => {
+      this.follow();
+    });
+  }
 
   /** The region that is shown; null where none is. */
   readonly shown = $derived.by((): Grown | null => {
@@ -42,7 +47,7 @@ export class GrowControl {
   readonly looking = $derived.by((): string | null => (this.session.growing ? this.session.segmentWork : null));
 
   /** The level that is shown, or will be next. */
-  readonly level = $derived(this.asked ?? this.shown?.level ?? 0);
+  readonly level = $derived.by(() => this.asked ?? this.session.grown?.level ?? 0);
 
   change(part: Partial<GrowHabits>): void {
     this.habits = { ...this.habits, ...part };
@@ -88,16 +93,17 @@ export class GrowControl {
 
   /** Shows the region as far as it was dragged meanwhile. */
   follow(): void {
-    if (this.shown !== null && this.dragged !== null) {
-      this.show(this.shown.usual + Math.round(this.dragged * levelsPerPixel));
+    const { grown } = this.session;
+    if (grown !== null && this.dragged !== null) {
+      this.show(grown.usual + Math.round(this.dragged * levelsPerPixel));
     }
   }
 
   /** Shows the region of another level. */
   show(level: number): void {
-    const { shown } = this;
-    if (shown !== null) {
-      const held = Math.min(shown.most, Math.max(shown.least, level));
+    const { grown } = this.session;
+    if (grown !== null) {
+      const held = Math.min(grown.most, Math.max(grown.least, level));
       if (held !== this.level) {
         this.asked = held;
         this.session.send({ type: "change_grown", level: held });

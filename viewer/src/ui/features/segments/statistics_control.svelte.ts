@@ -1,6 +1,6 @@
 /** Statistics of all segments, measured anew by the engine when they have changed. */
 import { statisticsOf, type StatisticsTable } from "../../../core/segments/segment_statistics";
-import { apiAddress } from "../../../live/connection";
+import { measureAtRest } from "../../state/measured";
 import type { Session } from "../../state/session.svelte";
 
 /** So long nothing changes before segments are measured [ms]. */
@@ -28,30 +28,20 @@ export class StatisticsControl {
 
   /** Measures once nothing changes any more; returns what cancels it, as effects do. */
   follow(): () => void {
-    const cancelled = new AbortController();
     this.stale = true;
-    const begun = setTimeout(() => void this.measure(cancelled.signal), rest);
-    return () => {
-      clearTimeout(begun);
-      cancelled.abort();
-    };
-  }
-
-  private async measure(signal: AbortSignal): Promise<void> {
-    try {
-      const answer = await fetch(apiAddress("/api/statistics", this.token), { method: "POST", signal });
-      const said = await answer.text();
-      if (!answer.ok) {
-        throw new Error(said);
-      }
-      this.table = statisticsOf(said);
-      this.failed = null;
-      this.stale = false;
-    } catch (error) {
-      if (!signal.aborted) {
-        this.failed = error instanceof Error ? error.message : String(error);
+    return measureAtRest({
+      path: "/api/statistics",
+      token: this.token,
+      rest,
+      take: (answer) => {
+        this.table = statisticsOf(answer);
+        this.failed = null;
         this.stale = false;
-      }
-    }
+      },
+      fail: (reason) => {
+        this.failed = reason;
+        this.stale = false;
+      },
+    });
   }
 }

@@ -1,6 +1,6 @@
 /** Has the engine write the surface of a segment as a mesh, and says what it keeps of the voxels. */
 import type { Segment } from "../../../core/protocol";
-import { fetchFile, savedAs } from "../../state/download";
+import { fetchFile, tellSaved } from "../../state/download";
 import type { Session } from "../../state/session.svelte";
 
 export class SurfaceExport {
@@ -27,7 +27,7 @@ export class SurfaceExport {
     try {
       const file = await fetchFile("/api/surface", this.token, { segment: id }, `${name}.stl`);
       const [written = "", ...warnings] = file.notes;
-      this.session.notify("info", savedAs(file.name));
+      tellSaved(this.session, file.name);
       this.told = { ...this.told, [id]: written };
       for (const warning of warnings) {
         this.session.notify("warning", `${warning}.`);

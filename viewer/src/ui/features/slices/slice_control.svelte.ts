@@ -63,6 +63,7 @@ const drawingNames: Readonly<Record<keyof Drawing, string>> = {
   fill: "fill of segments",
   outline: "outline of segments",
 };
+const drawingKeys = ["slab", "slabMode", "fill", "outline"] as const satisfies readonly (keyof Drawing)[];
 
 /** The probe has moved: less is the rest of a force that settles [mm]. */
 const leastMove = 0.05;
@@ -166,8 +167,9 @@ export class SliceControl {
   }
 
   /** Slabs and segments; what is chosen of a list is a step of its own. */
-  draw<Key extends keyof Drawing>(key: Key, value: Drawing[Key]): void {
-    this.state.change(drawingNames[key], { ...this.appearance, [key]: value }, key !== "slabMode");
+  draw(part: Partial<Drawing>): void {
+    const [changed = "slab"] = drawingKeys.filter((key) => key in part && part[key] !== this.appearance[key]);
+    this.state.change(drawingNames[changed], { ...this.appearance, ...part }, !("slabMode" in part));
   }
 
   nextLayout(): void {

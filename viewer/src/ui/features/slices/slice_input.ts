@@ -77,7 +77,9 @@ export class SliceInput {
   private pressed: readonly [number, number] | null = null;
   /** Where an area was begun. */
   private began: readonly [number, number] = [0, 0];
-  /** The last click has set a point of a mark: a second one makes no double click of it. */
+  /** The last press has set a corner of an area. */
+  private cornered = false;
+  /** The last click has set a point or a corner of a mark: a second one makes no double click of it. */
   private marked = false;
   private readonly slices: SliceControl;
   private readonly brush: BrushControl;
@@ -114,10 +116,8 @@ export class SliceInput {
       }
     });
     on("pointerleave", () => {
-      this.last = null;
-      this.pointed(null);
+      this.rest();
       this.slices.pointed = null;
-      this.outline?.leave();
     });
     on("click", this.click.bind(this));
     on("dblclick", this.doubleClick.bind(this));
@@ -158,6 +158,7 @@ export class SliceInput {
     if (isForControl(event)) {
       return;
     }
+    this.cornered = false;
     this.pane.focus({ preventScroll: true });
     this.pane.setPointerCapture(event.pointerId);
     if (event.button === 2) {
@@ -196,6 +197,10 @@ export class SliceInput {
   }
 
   private move(event: PointerEvent): void {
+    if (isForControl(event)) {
+      this.rest();
+      return;
+    }
     const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
     const [x, y] = [event.clientX - lastX, event.clientY - lastY];
     this.last = [event.clientX, event.clientY];
@@ -209,7 +214,8 @@ export class SliceInput {
     if (x === 0 && y === 0) {
       return;
     }
-    const corner = this.clicks.area === null ? null : this.pointAt(event);
+    const sets = this.clicks.area !== null && (this.drag === null || this.drag === "area");
+    const corner = sets ? this.pointAt(event) : null;
     if (this.drag === "grow") {
       this.clicks.growing.drag(x, y);
     } else if (corner !== null) {
@@ -230,6 +236,13 @@ export class SliceInput {
     }
   }
 
+  /** The mouse points at no place of the slice. */
+  private rest(): void {
+    this.last = null;
+    this.pointed(null);
+    this.outline?.leave();
+  }
+
   /** Shows where an outline would go. */
   private show(event: PointerEvent): void {
     const [{ plane }, point] = [this, this.pointAt(event)];
@@ -241,7 +254,7 @@ export class SliceInput {
   private release(event: PointerEvent): void {
     if (this.drag === "paint") {
       this.brush.end();
-    } else if (this.drag === "area" && this.movedFar(event)) {
+    } else if (this.drag === "area" && event.type === "pointerup" && this.movedFar(event)) {
       this.setCorner(event);
     } else if (this.drag === "grow") {
       if (event.type === "pointerup") this.clicks.growing.release();
@@ -259,8 +272,7 @@ export class SliceInput {
     const point = this.pointAt(event);
     if (plane !== null && point !== null) {
       this.clicks.area?.putCorner(point, plane);
-      // a second click makes no double click of it
-      this.marked = true;
+      this.cornered = true;
     }
   }
 
@@ -272,11 +284,14 @@ export class SliceInput {
   /** Says what is there, or sets a point of a mark. */
   private click(event: MouseEvent): void {
     const point = this.pointAt(event);
-    if (this.pressed === null || point === null || event.detail > 1) {
+    if (event.detail > 1) {
+      return;
+    }
+    this.marked = this.cornered || (this.pressed !== null && this.clicks.marking);
+    if (this.pressed === null || point === null) {
       return;
     }
     this.pressed = null;
-    this.marked = this.clicks.marking;
     if (this.clicks.put(point)) {
       return;
     }

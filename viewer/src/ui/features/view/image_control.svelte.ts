@@ -5,7 +5,7 @@ import type { Camera, Viewport } from "../../../core/geometry/camera";
 import { evenSize, fitsIntoCanvas, imageSize } from "../../../core/view/image_size";
 import { turntable } from "../../../core/view/turntable";
 import type { SnapshotWish } from "../../../gl/picture/snapshot";
-import { keep, savedAs } from "../../state/download";
+import { keep, tellSaved } from "../../state/download";
 import { AnimationRecorder, animationType } from "./animation";
 import { overlayOf } from "./overlay_text";
 import { recall, remember } from "../../state/remembered";
@@ -121,7 +121,7 @@ export class ImageControl {
     const { session } = this.source;
     const name = `${(session.scan?.name ?? "").replace(/[^\w.-]+/g, "_") || "palpate"}.${ending}`;
     keep(content, name);
-    session.notify("info", savedAs(name));
+    tellSaved(session, name);
   }
 
   private report(share: number): void {

@@ -58,8 +58,9 @@ test("each gesture is one step, in one order, and what is remembered is what is 
     () => { appearance.setInside(2, "tinted"); },
     () => { slices.setWindow({ window: 1400, level: -500 }); },
     () => { [1, 2].forEach(() => { slices.dragWindow(9, 9); }); },
-    () => { slices.draw("fill", 0.5); slices.draw("fill", 0.6); },
-    () => { slices.draw("slabMode", "largest"); },
+    () => { slices.draw({ fill: 0.5 }); slices.draw({ fill: 0.6 }); },
+    () => { slices.draw({ slabMode: "largest" }); },
+    () => { slices.draw({ slab: 10, slabMode: "least" }); },
     () => { appearance.reset(); },
   ];
   const states = [shown()];
