@@ -172,8 +172,8 @@ def test_the_engine_draws_both_as_the_browser_does(lungs: Browser) -> None:
     lungs.do("choose", testid="second-fusion", value="blend")
     lungs.do("choose", testid="second-tint", value="grey")
     lungs.do("slide", testid="second-opacity", value=0.6)
-    # both light volumes have cells of their own, which a mode of grey does without; by turns pixels on the
-    # sides of the cells may be those of the one scan or the other
+    # both light volumes have cells of their own, which a mode of grey does without; by turns pixels
+    # on the sides of the cells may be those of the one scan or the other
     for fusion, mode, within in (
         ("blend", "shaded", 0.98),
         ("blend", "mip", 0.999),

@@ -133,6 +133,19 @@ def test_shapes_change_by_one_step_of_undo(page: Browser) -> None:
         page.wait(f"{SHOWN_SIZE} === {size!r}")
 
 
+def show_again(page: Browser, found: str) -> None:
+    """Loads the page anew, which has a region that waits for a decision too, and drops that."""
+    page.read("void (window.__before = true, window.location.reload())")
+    page.wait(f"window.__before === undefined && {GROWN_VOLUME} !== undefined")
+    page.wait(f"{GROWN_VOLUME} !== {found!r}")
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "segment_grown_again.png"))
+    page.do("click", testid="grown-drop")
+    page.wait(f"!{REGION_IS_LISTED}")
+    if page.read("document.querySelector('[data-testid=grow-click]') === null"):
+        page.do("click", testid="find-segments")
+
+
 def test_a_pressed_region_is_shown_narrowed_and_kept_as_one_step(page: Browser) -> None:
     page.do("click", testid="find-segments")
     page.do("click", testid="layout-four")
@@ -158,16 +171,7 @@ def test_a_pressed_region_is_shown_narrowed_and_kept_as_one_step(page: Browser) 
     found = page.read(GROWN_VOLUME)
     page.do("slide", testid="grown-level", value=page.read(LEAST_LEVEL))
     page.wait(f"{GROWN_VOLUME} !== {found!r}")
-    # a page that is loaded anew has it too, and can decide
-    page.read("void (window.__before = true, window.location.reload())")
-    page.wait(f"window.__before === undefined && {GROWN_VOLUME} !== undefined")
-    page.wait(f"{GROWN_VOLUME} !== {found!r}")
-    page.finish()
-    page.do("screenshot", path=str(OUTPUT / "segment_grown_again.png"))
-    page.do("click", testid="grown-drop")
-    page.wait(f"!{REGION_IS_LISTED}")
-    if page.read("document.querySelector('[data-testid=grow-click]') === null"):
-        page.do("click", testid="find-segments")
+    show_again(page, found)
 
     page.do("click", testid="grow-click")
     left, top = page.read(PIXEL_OF_BALL)

@@ -83,9 +83,9 @@ class SecondAppearance(msgspec.Struct, frozen=True, kw_only=True):
     tint: Tint = "warm"
     """Its colours from black to white in modes of grey."""
     opacity: float = 0.5
-    """Of its colours in modes of grey, and of its iso-surface, 0 to 1; in turns nothing is seen through it."""
+    """Of its colours in modes of grey, and of its iso-surface, 0 to 1; by turns it is 1."""
     turns: Turns = "together"
-    """Both scans through one another, one or the other in cells, or the second alone, wherever it is."""
+    """Both scans through one another, one or the other in cells, or the second where it is."""
     cells: float = 20.0
     """Edge of a cell [mm], along the first scan's axes from its corner."""
 

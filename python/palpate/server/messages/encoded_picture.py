@@ -115,9 +115,9 @@ def _encoded_depths(
     if packing.quality is not None:
         # few steps are packed smaller
         span = max(span, packing.depth_step * MOST_STEPS)
-    steps = (depths - nearest) * (MOST_STEPS / span) + 0.5
-    steps = np.where(seen, steps, NOTHING).astype("<u2")
-    steps[seen & is_haze] |= HAZE
+    rounded = (depths - nearest) * (MOST_STEPS / span) + 0.5
+    steps = np.where(seen, rounded, NOTHING).astype("<u2")
+    steps[seen & is_haze] |= np.uint16(HAZE)
     return steps, nearest, nearest + span
 
 
