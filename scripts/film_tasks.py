@@ -132,7 +132,9 @@ class Task:
 def table_and_skin(person: Person) -> None:
     """Opens, removes the table, feels bone and skin."""
     page = person.page
-    person.clicks("[data-testid=find-table]")
+    if not page.read("document.querySelector('[data-testid=table-bar]') !== null"):
+        person.clicks("[data-testid=group-scan]")
+        person.clicks("[data-testid=find-table]")
     page.wait("document.querySelector('[data-testid=table-remove]') !== null", seconds=60)
     time.sleep(2 * LOOK)
     person.clicks("[data-testid=table-remove]")
@@ -141,6 +143,7 @@ def table_and_skin(person: Person) -> None:
     page.finish()
     person.presses("t")
     person.touches("bone")
+    person.clicks("[data-testid=group-segments]")
     person.clicks("[aria-label='Add a segment by threshold']")
     page.all_done()
     page.finish()
@@ -148,20 +151,25 @@ def table_and_skin(person: Person) -> None:
 
 
 def liver(person: Person) -> None:
-    """Finds the liver by one click in a slice, hides the bone, and feels the liver."""
+    """Finds the liver by one click in a slice, hides the bone, softens the liver and presses it."""
     page = person.page
     person.clicks("[data-testid=layout-four]")
+    person.clicks("[data-testid=group-segments]")
     person.clicks("[data-testid=find-segments]")
     person.clicks("[data-testid=grow-click]")
     person.goes_to(*_liver_in_pane(page, person.scan))
     page.do("mouse", down=True)
     page.do("mouse", down=False)
     person.acted()
-    page.wait("document.querySelector('[data-testid=segment-2]') !== null", seconds=120)
+    page.wait("document.querySelector('[data-testid=grown-keep]') !== null", seconds=120)
+    time.sleep(2 * LOOK)
+    person.clicks("[data-testid=grown-keep]")
     page.finish()
     person.clicks("[data-testid=visible-1]")
     person.clicks("[data-testid=layout-view]")
     page.finish()
+    person.clicks("[data-testid=soften-2]")
+    page.all_done()
     person.presses("t")
     person.touches("Region")
 
@@ -180,13 +188,35 @@ def drill(person: Person) -> None:
     page.finish()
 
 
+def measure(person: Person) -> None:
+    """Measures the liver in a slice, and copies the table of marks."""
+    page = person.page
+    person.clicks("[data-testid=layout-four]")
+    page.finish()
+    person.presses("m")
+    x, y = _liver_in_pane(page, person.scan)
+    for aside in (-30.0, 30.0):
+        person.goes_to(x + aside, y)
+        page.do("mouse", down=True)
+        page.do("mouse", down=False)
+        person.acted()
+    page.wait("window.palpate.marks.length === 1")
+    person.clicks("[data-testid=group-marks]")
+    person.clicks("[data-testid=marks-copy]")
+
+
 TASKS = [
     Task(f"{name}-{short}", scan, does)
     for short, scan in (
         ("amos", "amos_0336/amos_0336.mhd"),
         ("lidc", "lidc0001_totalseg/cxr.nii.gz"),
     )
-    for name, does in (("table", table_and_skin), ("liver", liver), ("drill", drill))
+    for name, does in (
+        ("table", table_and_skin),
+        ("liver", liver),
+        ("drill", drill),
+        ("measure", measure),
+    )
 ]
 
 
