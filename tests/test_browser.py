@@ -271,11 +271,11 @@ def test_a_wrong_token_gets_a_readable_page(demo: Command) -> None:
         assert "token" in page.read("document.body.innerText").lower()
 
 
-def test_a_lost_connection_is_said_and_the_page_stays() -> None:
+def test_the_end_of_the_session_is_said_and_the_page_stays() -> None:
     with palpate("demo", "--port", "0") as command, browser() as page:
         page.do("open", url=command.url)
         page.shows("contact", "text === 'free'")
         assert command.stop() == 0
         page.wait("document.querySelector('[data-testid=message]') !== null")
-        page.do("screenshot", path=str(OUTPUT / "lost_connection.png"))
-        assert "connection" in page.text("message").lower()
+        page.do("screenshot", path=str(OUTPUT / "session_ended.png"))
+        assert "session has ended" in page.text("message")
