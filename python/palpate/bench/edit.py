@@ -71,7 +71,7 @@ def measure(
             progress(case, done / 3)
             suspended = case != EDIT_DRAWN
             page.read(f"void window.palpate.suspendDrawing({str(suspended).lower()})")
-            _choose(page, "edit-pace", "1" if suspended else "auto")
+            _set(page, "edit-pace", "1" if suspended else "auto")
             found[case] = (pressed if case == EDIT_PRESSED else erased)(page, seconds)
     for case, times in found.items():
         if not times:
@@ -159,6 +159,14 @@ def _lead(
         ]
         page.read(f"window.palpate.hand({point})")
         time.sleep(0.005)
+
+
+def _set(page: Page, testid: str, value: str) -> None:
+    """Selects an entry of a list in the settings."""
+    page.read("document.querySelector('[data-testid=open-settings]').click()")
+    page.wait(f"document.querySelector('[data-testid={testid}]') !== null")
+    _choose(page, testid, value)
+    page.read("document.querySelector('[data-testid=close-settings]').click()")
 
 
 def _choose(page: Page, testid: str, value: str) -> None:
