@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec4};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::appearance::{Appearance, Blend, Plane};
@@ -18,8 +19,8 @@ pub struct Prepared {
     pub(crate) transfer: Transfer,
     pub(crate) segments: Segments,
     pub(crate) empty: EmptySpace,
-    /// Boxes of bricks in which the segments lie that are drawn as surfaces.
-    pub(crate) surfaces: Vec<VoxelBox>,
+    /// The same with the bricks of segments that are drawn as surfaces; none where there are none.
+    with_surfaces: Option<EmptySpace>,
     pub(crate) planes: Vec<Vec4>,
     /// Fraction of the window, or height over the iso-value, at a stored value: factor and term.
     pub(crate) grey: (f32, f32),
@@ -60,7 +61,6 @@ impl Prepared {
         if changed.is_empty() {
             return;
         }
-        self.surfaces = bricks_of_surfaces(scene, &self.appearance);
         let asked = by_voxels(&self.appearance);
         self.segments.renew(scene.voxels(), &asked, changed);
         // a brick's range tells of the voxels around it too
@@ -71,6 +71,7 @@ impl Prepared {
             segments,
             grey,
             empty,
+            with_surfaces,
             ..
         } = self;
         let drawn = Drawn {
@@ -81,6 +82,12 @@ impl Prepared {
             grey: *grey,
         };
         empty.renew(&region, |brick| drawn.is_in(brick));
+        if let Some(space) = with_surfaces {
+            let surfaces = surfaces_of(scene, appearance);
+            space.renew(&region, |brick| {
+                drawn.is_in(brick) || are_in(&surfaces, brick)
+            });
+        }
     }
 
     fn with_labels(scene: &Scene, appearance: Appearance, labels: Option<Labels>) -> Self {
@@ -97,10 +104,17 @@ impl Prepared {
             segments: &segments,
             grey,
         };
-        let empty = EmptySpace::new(scene.ranges.counts, |brick| drawn.is_in(brick));
+        let counts = scene.ranges.counts;
+        let empty = EmptySpace::new(counts, |brick| drawn.is_in(brick));
+        let with_surfaces = (!appearance.surfaces.is_empty()).then(|| {
+            let surfaces = surfaces_of(scene, &appearance);
+            EmptySpace::new(counts, |brick| {
+                drawn.is_in(brick) || are_in(&surfaces, brick)
+            })
+        });
         Self {
             planes: planes_in_grid(scene, &appearance.clip),
-            surfaces: bricks_of_surfaces(scene, &appearance),
+            with_surfaces,
             appearance,
             transfer,
             segments,
@@ -108,6 +122,11 @@ impl Prepared {
             grey,
             tissue_from: tissue_from as f32,
         }
+    }
+
+    /// Where nothing is that keeps off light or is lit.
+    pub(crate) fn unlit(&self) -> &EmptySpace {
+        self.with_surfaces.as_ref().unwrap_or(&self.empty)
     }
 
     /// How the scan is drawn.
@@ -143,12 +162,18 @@ impl Drawn<'_> {
     }
 }
 
-fn bricks_of_surfaces(scene: &Scene, appearance: &Appearance) -> Vec<VoxelBox> {
+/// Segments on the scan's grid that are drawn as surfaces.
+fn surfaces_of<'a>(scene: &'a Scene, appearance: &Appearance) -> Vec<&'a Segment> {
     let shown = appearance.surfaces.iter();
     shown
-        .filter_map(|shown| scene.voxels().segment(SegmentId(shown.id))?.bounding_box())
-        .map(|voxels| VoxelBox::new(voxels.min >> 3, ((voxels.max - 1) >> 3) + 1))
+        .filter_map(|shown| scene.voxels().segment(SegmentId(shown.id)))
+        .filter(|segment| segment.own_grid().is_none())
         .collect()
+}
+
+fn are_in(segments: &[&Segment], brick: usize) -> bool {
+    let holds = |segment: &&Segment| segment.occupancy().bricks().get(brick as u32).is_some();
+    segments.iter().any(holds)
 }
 
 fn grey_of(appearance: &Appearance, slope: f64, intercept: f64) -> (f32, f32) {

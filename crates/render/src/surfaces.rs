@@ -1,8 +1,9 @@
 //! Surfaces of segments: triangles, drawn into each pixel as fragments that a ray meets on its way through the scan.
 //!
-//! A [`SegmentSurface`] shares its triangles with whoever made them. For one picture their corners are taken to the
-//! screen (`on_screen.rs`), from where their tissue stands (`stood.rs`); each band of rows then draws those in it (`band.rs`): of what is opaque the nearest
-//! fragment of each pixel, of what can be seen through all of them, by depth. Rays go on from there (`march/layers.rs`).
+//! A [`SegmentSurface`] shares its triangles with whoever made them. For one picture their corners are taken from where
+//! their tissue stands (`stood.rs`) to the screen (`on_screen.rs`); each band of rows then draws those in it (`band.rs`):
+//! of what is opaque the nearest fragment of each pixel, of what can be seen through all of them, by depth. Rays go on
+//! from there (`march/layers.rs`).
 //! Frames: triangles in the patient, LPS mm; fragments by their depth along the direction of view [mm].
 
 mod band;

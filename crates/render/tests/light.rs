@@ -193,8 +193,9 @@ fn work_that_is_no_longer_wanted_gives_nothing() {
 
 #[test]
 fn a_surface_keeps_off_as_much_light_as_it_hides_over_10_mm_of_its_segment() {
-    let mut voxels = scan(&[]);
     let inside = slab();
+    // of no extinction in the scan itself: only the surface keeps off light
+    let mut voxels = scan(&[inside]);
     let segment = Segment::from_fn(UVec3::splat(SIZE), |voxel| inside.contains(voxel));
     voxels.insert_segment(SegmentId(3), segment).unwrap();
     let surface = SegmentSurface {
@@ -205,13 +206,13 @@ fn a_surface_keeps_off_as_much_light_as_it_hides_over_10_mm_of_its_segment() {
     };
     let lamp = LAMP.normalize();
     let below = [30.0, 30.0, 26.0];
-    let light_by = |opacity: f32, surfaces: Vec<SegmentSurface>| {
+    let light_by = |opacity: f32, surfaces: Vec<SegmentSurface>, range: Option<(f64, f64)>| {
         let mut scene = scene(&voxels);
         scene.set_surfaces(surfaces);
-        let mut look = look(Blend::Shaded, 9.0);
+        let mut look = look(Blend::Shaded, 0.0);
         look.segments.push(ShownSegment {
             id: 3,
-            range: None,
+            range,
             is_edited: false,
             shown: Shown::Hidden,
             colour: Vec3::ONE,
@@ -229,14 +230,17 @@ fn a_surface_keeps_off_as_much_light_as_it_hides_over_10_mm_of_its_segment() {
         at(&light_of(&scene, &look).1, below).1
     };
     let through = 6.0 / lamp.z / 10.0;
-    let half = f64::from(light_by(0.5, vec![surface.clone()]));
-    assert_near(half as f32, 0.5_f64.powf(through), 0.02);
-    assert!(light_by(1.0, vec![surface.clone()]) < 0.02);
+    // told by its voxels, and by its values in bricks in which nothing else is drawn
+    for range in [None, Some((500.0, 1500.0))] {
+        let half = light_by(0.5, vec![surface.clone()], range);
+        assert_near(half, 0.5_f64.powf(through), 0.02);
+        assert!(light_by(1.0, vec![surface.clone()], range) < 0.02);
+    }
     // one that was moved shades where it stands, which nobody works out
     let moved = SegmentSurface {
         pose: DAffine3::from_translation(DVec3::X),
         ..surface
     };
-    assert_eq!(light_by(1.0, vec![moved]), 1.0);
-    assert_eq!(light_by(1.0, Vec::new()), 1.0);
+    assert_eq!(light_by(1.0, vec![moved], None), 1.0);
+    assert_eq!(light_by(1.0, Vec::new(), None), 1.0);
 }

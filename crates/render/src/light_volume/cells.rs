@@ -85,19 +85,10 @@ impl CellGrid {
         asked: Range<usize>,
     ) -> SeenCells {
         let middle = |x: usize| (IVec3::new(x as i32, y, z).as_vec3() + 0.5) * self.voxels;
-        let reach = i32::from(self.empty_reach) - 1;
-        let surfaces: Vec<_> = prepared
-            .surfaces
-            .iter()
-            .map(|it| it.dilate(reach))
-            .collect();
-        let is_seen = |brick: IVec3| {
-            prepared.empty.distance(brick) < self.empty_reach
-                || surfaces.iter().any(|it| it.contains(brick))
-        };
+        let empty = prepared.unlit();
         let are_seen: Vec<_> = asked
             .clone()
-            .map(|x| is_seen(middle(x).as_ivec3() >> 3_i32))
+            .map(|x| empty.distance(middle(x).as_ivec3() >> 3_i32) < self.empty_reach)
             .collect();
         let first = are_seen.iter().position(|&is| is);
         let last = are_seen.iter().rposition(|&is| is);

@@ -112,12 +112,10 @@ impl Job<'_> {
             (cell as f32 * voxels) as i32 >> 3..=((cell + 1) as f32 * voxels) as i32 >> 3
         };
         let columns = self.scene.ranges.counts.x;
-        let is_drawn = |brick: IVec3| {
-            self.prepared.empty.distance(brick) == 0
-                || self.prepared.surfaces.iter().any(|it| it.contains(brick))
-        };
+        let empty = self.prepared.unlit();
         let is_filled = |x: i32| {
-            bricks(z, size.z).any(|z| bricks(y, size.y).any(|y| is_drawn(IVec3::new(x, y, z))))
+            bricks(z, size.z)
+                .any(|z| bricks(y, size.y).any(|y| empty.distance(IVec3::new(x, y, z)) == 0))
         };
         let filled: Vec<_> = (0..columns).map(is_filled).collect();
         cells

@@ -45,30 +45,37 @@ impl<'a> Moving<'a> {
 
     /// Corners where they stand; none where all do so where they are at rest.
     pub(super) fn corners(&self, triangles: &dyn Triangles) -> Option<Corners> {
-        let mut positions = triangles.positions().to_vec();
-        let mut normals = triangles.normals().to_vec();
-        let mut any = false;
-        for (positions, normals) in positions.chunks_mut(LANES).zip(normals.chunks_mut(LANES)) {
-            any |= self.stand(positions, normals);
+        let (positions, normals) = (triangles.positions(), triangles.normals());
+        // most patches are far from what is displaced, and stay shared
+        let mut stood: Option<Corners> = None;
+        let eights = positions.chunks(LANES).zip(normals.chunks(LANES));
+        for (number, (at, normal)) in eights.enumerate() {
+            if let Some((moved, turned)) = self.stand(at, normal) {
+                let (positions, normals) =
+                    stood.get_or_insert_with(|| (positions.to_vec(), normals.to_vec()));
+                for lane in 0..at.len() {
+                    let corner = number * LANES + lane;
+                    positions[corner] = (Vec3::from(at[lane]) + moved[lane]).into();
+                    normals[corner] = turned[lane].into();
+                }
+            }
         }
-        any.then_some((positions, normals))
+        stood
     }
 
-    /// Moves at most eight corners; returns whether any moved.
-    fn stand(&self, positions: &mut [[f32; 3]], normals: &mut [[f32; 3]]) -> bool {
+    /// How far at most eight corners move, and their normals then; none where none moves.
+    fn stand(
+        &self,
+        positions: &[[f32; 3]],
+        normals: &[[f32; 3]],
+    ) -> Option<([Vec3; LANES], [Vec3; LANES])> {
         let to_axes = self.axes.transpose();
         let rest = lanes(positions, |at| self.first + self.turn * at);
         let normal = lanes(normals, |at| to_axes * at);
-        let Some((place, normal)) = self.displaced.stood_at(rest, normal, self.spacing) else {
-            return false;
-        };
+        let (place, normal) = self.displaced.stood_at(rest, normal, self.spacing)?;
         let moved = (place - rest).times(Vector::splat(self.spacing));
-        for (lane, (position, to)) in positions.iter_mut().zip(apart(moved)).enumerate() {
-            let moved = self.axes * to;
-            *position = (Vec3::from(*position) + moved).into();
-            normals[lane] = (self.axes * apart(normal)[lane]).into();
-        }
-        true
+        let in_patient = |vectors| apart(vectors).map(|it| self.axes * it);
+        Some((in_patient(moved), in_patient(normal)))
     }
 }
 
