@@ -15,7 +15,7 @@ import vtkVolumeMapper from "@kitware/vtk.js/Rendering/Core/VolumeMapper";
 import vtkOpenGLRenderWindow from "@kitware/vtk.js/Rendering/OpenGL/RenderWindow";
 import { sample } from "../src/core/appearance/transfer_function";
 import type { TimedPicture, TimedWish } from "../src/gl/picture/timed_picture";
-import type { BenchScene } from "../src/ui/app/bench_hooks";
+import type { BenchScene } from "../src/ui/app/hooks/bench_hooks";
 
 export type VtkMode = "composite" | "shaded" | "mip";
 

@@ -3,7 +3,7 @@ import { afterEach, expect, test, vi } from "vitest";
 import { actionsOf, type ActionTargets } from "../../../src/ui/app/actions";
 import { windowPresets } from "../../../src/core/appearance/window_level";
 import type { HandControl } from "../../../src/ui/features/touch/hand_control.svelte";
-import { KeyboardInput } from "../../../src/ui/app/keyboard_input";
+import { KeyboardInput } from "../../../src/ui/app/input/keyboard_input";
 import type { Session } from "../../../src/ui/state/session.svelte";
 import type { ViewControl } from "../../../src/ui/features/view/view_control.svelte";
 

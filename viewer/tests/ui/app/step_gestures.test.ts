@@ -2,7 +2,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import { PageState } from "../../../src/ui/state/page_state.svelte";
 import { PageSteps } from "../../../src/ui/state/page_steps.svelte";
-import { followGestures } from "../../../src/ui/app/step_gestures";
+import { followGestures } from "../../../src/ui/app/input/step_gestures";
 
 afterEach(() => {
   vi.unstubAllGlobals();

@@ -1,10 +1,10 @@
 /**
  * `window.palpate`: what tests and curious people can read and do from the console.
  */
-import type { Letter } from "../../core/geometry/anatomy";
-import { pixelSizeAt, type Camera } from "../../core/geometry/camera";
-import type { Mark } from "../../core/marks/measure";
-import type { Picked } from "../../core/picking/pick_surface";
+import type { Letter } from "../../../core/geometry/anatomy";
+import { pixelSizeAt, type Camera } from "../../../core/geometry/camera";
+import type { Mark } from "../../../core/marks/measure";
+import type { Picked } from "../../../core/picking/pick_surface";
 import {
   decodeToPage,
   type Registration,
@@ -13,20 +13,20 @@ import {
   type Segment,
   type Settings,
   type State,
-} from "../../core/protocol";
-import type { Vec3 } from "../../core/geometry/vector";
+} from "../../../core/protocol";
+import type { Vec3 } from "../../../core/geometry/vector";
 import { benchHooks, type BenchHooks } from "./bench_hooks";
-import type { DrawerChoice } from "../../core/drawing/who_draws";
-import type { GpuSupport } from "../../gl/base/gpu_support";
-import type { FieldFilter } from "../../gl/march/field_filter";
-import type { Shown } from "../../gl/picture/refiner";
-import type { ShownSlice } from "../../gl/picture/slices";
-import type { HandControl } from "../features/touch/hand_control.svelte";
-import type { ContactAudio } from "../features/touch/contact_audio.svelte";
-import type { ShownTouch } from "../../core/touch/shown_touch";
-import type { Session } from "../state/session.svelte";
-import type { EditTimes } from "../features/scan/shown_edits.svelte";
-import type { Stage } from "./stage";
+import type { DrawerChoice } from "../../../core/drawing/who_draws";
+import type { GpuSupport } from "../../../gl/base/gpu_support";
+import type { FieldFilter } from "../../../gl/march/field_filter";
+import type { Shown } from "../../../gl/picture/refiner";
+import type { ShownSlice } from "../../../gl/picture/slices";
+import type { HandControl } from "../../features/touch/hand_control.svelte";
+import type { ContactAudio } from "../../features/touch/contact_audio.svelte";
+import type { ShownTouch } from "../../../core/touch/shown_touch";
+import type { Session } from "../../state/session.svelte";
+import type { EditTimes } from "../../features/scan/shown_edits.svelte";
+import type { Stage } from "../stage";
 
 export interface TestHooks {
   /** When the first picture stood on the screen [ms since the page was opened], or null; it may be coarse. */

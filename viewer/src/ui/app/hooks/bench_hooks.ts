@@ -1,14 +1,14 @@
 /**
  * `window.palpate.bench`: what `palpate bench render` measures and hands to another renderer.
  */
-import { transformPoint } from "../../core/geometry/affine";
-import { eyeOf, orbit } from "../../core/geometry/camera";
-import { smallestSpacing } from "../../core/scan/scan_volume";
-import { physical } from "../../core/scan/stored_values";
-import type { ControlPoint } from "../../core/appearance/transfer_function";
-import type { Vec3 } from "../../core/geometry/vector";
-import type { TimedPicture, TimedWish } from "../../gl/picture/timed_picture";
-import type { Stage } from "./stage";
+import { transformPoint } from "../../../core/geometry/affine";
+import { eyeOf, orbit } from "../../../core/geometry/camera";
+import { smallestSpacing } from "../../../core/scan/scan_volume";
+import { physical } from "../../../core/scan/stored_values";
+import type { ControlPoint } from "../../../core/appearance/transfer_function";
+import type { Vec3 } from "../../../core/geometry/vector";
+import type { TimedPicture, TimedWish } from "../../../gl/picture/timed_picture";
+import type { Stage } from "../stage";
 
 /** All that another renderer needs to draw the same. Lengths in mm, in the scene. */
 export interface BenchScene {

@@ -11,18 +11,18 @@
  * screen one finger is the left button; two move the picture and zoom as they go apart, in touch mode, where one finger
  * touches, they turn it and zoom.
  */
-import { orbit, pan, zoom } from "../../core/geometry/camera";
-import type { PickedOfTwo } from "../../core/picking/pick_scans";
-import { addScaled } from "../../core/geometry/vector";
-import { FingerPair, type PairMove } from "../../core/view/finger_pair";
-import { armedLine, paintedLine } from "../features/segments/painted_line.svelte";
-import type { HandControl } from "../features/touch/hand_control.svelte";
-import type { Reading } from "../features/picking/readout.svelte";
-import type { Session } from "../state/session.svelte";
-import type { Stage } from "./stage";
+import { orbit, pan, zoom } from "../../../core/geometry/camera";
+import type { PickedOfTwo } from "../../../core/picking/pick_scans";
+import { addScaled } from "../../../core/geometry/vector";
+import { FingerPair, type PairMove } from "../../../core/view/finger_pair";
+import { armedLine, paintedLine } from "../../features/segments/painted_line.svelte";
+import type { HandControl } from "../../features/touch/hand_control.svelte";
+import type { Reading } from "../../features/picking/readout.svelte";
+import type { Session } from "../../state/session.svelte";
+import type { Stage } from "../stage";
 import { TouchPointer } from "./touch_pointer";
-import { clickReach, wheelPixels } from "../widgets/mouse";
-import type { ToolHand } from "../features/tools/tool_hand.svelte";
+import { clickReach, wheelPixels } from "../../widgets/mouse";
+import type { ToolHand } from "../../features/tools/tool_hand.svelte";
 
 type Drag = "orbit" | "pan" | "fingers" | "hand" | "touch" | "tool" | "cut" | "look" | "grow";
 

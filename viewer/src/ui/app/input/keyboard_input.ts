@@ -2,11 +2,11 @@
  * Keys of the page. Arrow and page keys move the hand while they are held, with Shift turn the view and come nearer or
  * farther, with Ctrl move the picture; the others do what the table of actions says.
  */
-import { shortcutsOf, showsLatin } from "../../core/base/shortcuts";
-import type { Action } from "./actions";
-import type { HandControl } from "../features/touch/hand_control.svelte";
-import type { Session } from "../state/session.svelte";
-import type { ViewControl } from "../features/view/view_control.svelte";
+import { shortcutsOf, showsLatin } from "../../../core/base/shortcuts";
+import type { Action } from "../actions";
+import type { HandControl } from "../../features/touch/hand_control.svelte";
+import type { Session } from "../../state/session.svelte";
+import type { ViewControl } from "../../features/view/view_control.svelte";
 
 /** Direction for a key: right, down, away. */
 const moves: Readonly<Record<string, readonly [number, number, number]>> = {

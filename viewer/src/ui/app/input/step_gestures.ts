@@ -2,7 +2,7 @@
  * Tells steps of undo where gestures end: a press of the mouse or a key begins another one, and a control that was
  * let go has ended its own. A key that is held goes on.
  */
-import type { PageSteps } from "../state/page_steps.svelte";
+import type { PageSteps } from "../../state/page_steps.svelte";
 
 /** Listens until the returned function is called. */
 export function followGestures(steps: PageSteps): () => void {

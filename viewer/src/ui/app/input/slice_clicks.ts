@@ -2,8 +2,8 @@
  * Where a click in a slice goes: to a pair of points or a mark that waits for it; else it says what is there. A press
  * goes to a region that is to grow.
  */
-import type { SliceClicks } from "../features/slices/slice_input";
-import type { Stage } from "./stage";
+import type { SliceClicks } from "../../features/slices/slice_input";
+import type { Stage } from "../stage";
 
 export function sliceClicks({ growing, marks, picker, readout, registration }: Stage): SliceClicks {
   return {

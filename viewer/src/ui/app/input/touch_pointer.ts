@@ -2,13 +2,13 @@
  * The pointer as a finger on what is drawn: pressed it brings the probe onto the surface under it, moved it slides the
  * probe along, lifted it lifts the hand off.
  */
-import { rayThrough, type Ray } from "../../core/geometry/camera";
-import { addScaled } from "../../core/geometry/vector";
-import { keptSpan } from "../../core/view/clip";
-import type { HandControl } from "../features/touch/hand_control.svelte";
-import { strongest, weakest } from "../features/touch/mouse_touch.svelte";
-import type { Session } from "../state/session.svelte";
-import type { Stage } from "./stage";
+import { rayThrough, type Ray } from "../../../core/geometry/camera";
+import { addScaled } from "../../../core/geometry/vector";
+import { keptSpan } from "../../../core/view/clip";
+import type { HandControl } from "../../features/touch/hand_control.svelte";
+import { strongest, weakest } from "../../features/touch/mouse_touch.svelte";
+import type { Session } from "../../state/session.svelte";
+import type { Stage } from "../stage";
 
 /** The device that the mouse leads; another one is led by a person's own hand. */
 const ledByMouse = "simulated";
