@@ -23,7 +23,7 @@ def of(kind: str) -> dict[str, list[str]]:
 
 ADDED = {
     "state recent.json": ("[].frame",),
-    "scene keys": ("labels", "mark", "tears_by"),
+    "scene keys": ("labels", "save_id", "tears_by"),
     "scene members": ("steps.msgpack",),
 }
 """Names of newer versions, which readers of 0.1 pass over."""

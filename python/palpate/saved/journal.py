@@ -95,7 +95,7 @@ class Journal:
         Args:
             recover: Whether to recover what an earlier session left; False keeps it aside, None
                 asks.
-            scene: The mark of the scene that is open. Where it was saved after the last change of
+            scene: The ``save_id`` of the scene that is open. Where it was saved after the last change of
                 an earlier session there is nothing to ask: what that left is kept aside.
         """
         with self._lock:
@@ -147,7 +147,7 @@ class Journal:
                 self._tell(f"The second scan is not kept for a crash: {error}")
 
     def note_saved(self, scene: str) -> None:
-        """Notes that the scene file with a mark has all that the journal has now."""
+        """Notes that the scene file with this ``save_id`` has all that the journal has now."""
         if not self._running:
             return
         with self._lock:

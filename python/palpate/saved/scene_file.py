@@ -74,7 +74,7 @@ class _About(SavedSoftTissue, frozen=True, kw_only=True):
     """Numbers of locked segments."""
     labels: dict[int, int] = msgspec.field(default_factory=dict)
     """Labels of segments in the files that they were read from, by their numbers here."""
-    mark: str | None = None
+    save_id: str | None = None
     """What a journal knows this file by; None where none was written beside."""
 
 
@@ -152,7 +152,7 @@ def save_scene(
     looks: bytes = b"[]",
     view: Mapping[str, Any] | None = None,
     copy: bool = False,
-    mark: str | None = None,
+    save_id: str | None = None,
 ) -> SavedScan:
     """Writes the scene of a session, completely or not at all.
 
@@ -163,7 +163,7 @@ def save_scene(
         view: The page's view.
         copy: Whether the file contains the scans; it always contains those that were not read from
             a file.
-        mark: What the journal of the session knows the file by.
+        save_id: What the journal of the session knows the file by.
 
     Returns:
         The reference to the scan in the file.
@@ -184,7 +184,7 @@ def save_scene(
         second=None if second is None else saved_second(second, path, copied=second_copied),
         locked=tuple(each["id"] for each in session.segments() if each["locked"]),
         labels=dict(session.label_numbers),
-        mark=mark,
+        save_id=save_id,
         **msgspec.structs.asdict(saved_soft_tissue(session)),
     )
     with TemporaryDirectory(prefix="palpate-") as folder:

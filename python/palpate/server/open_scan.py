@@ -113,8 +113,8 @@ class OpenScan:
                 saved.restore(session)
             journal = Journal(session, tell=notify) if journalled else None
             if journal is not None:
-                mark = None if saved is None else saved.about.mark
-                journal.start(recover=recover, scene=mark)
+                save_id = None if saved is None else saved.about.save_id
+                journal.start(recover=recover, scene=save_id)
                 scene.second = journal.second or scene.second
             return cls(session, journal=journal, run=run, saved=saved, notify=notify)
         except BaseException:

@@ -50,12 +50,12 @@ def scene_response(
     def write(wanted: SceneRequest, folder: Path) -> tuple[Path, list[str]]:
         path = folder / f"{file_name(session.scene.volume.title, 'scene')}{ENDING}"
         copy = wanted.copy or passing
-        mark = uuid4().hex
+        save_id = uuid4().hex
         scan = save_scene(
-            path, session, looks=segments.kept(), view=wanted.view, copy=copy, mark=mark
+            path, session, looks=segments.kept(), view=wanted.view, copy=copy, save_id=save_id
         )
         if journal is not None:
-            journal.note_saved(mark)
+            journal.note_saved(save_id)
         # the browser puts it where only it knows
         note_scene(scan, path, passing=True)
         return path, []

@@ -224,6 +224,15 @@ def rewritten(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
     write_members(path, members)
 
 
+def older(scan: Path, folder: Path, of_before: Callable[[dict[str, Any]], None]) -> Path:
+    """Saves an edited scene, and has its file say of itself what older ones did."""
+    path = folder / "scene.palpate"
+    with edited(read(scan, unit="HU")) as session:
+        save_scene(path, session, copy=True)
+    rewritten(path, of_before)
+    return path
+
+
 def write_members(path: Path, members: dict[str, bytes]) -> None:
     """Writes a scene's file of these."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -257,11 +266,7 @@ def test_a_scene_of_before_options_has_its_box(scan: Path, tmp_path: Path) -> No
         del about["options"]
         about["edge"] = 11
 
-    path = tmp_path / "scene.palpate"
-    with edited(read(scan, unit="HU")) as session:
-        save_scene(path, session, copy=True)
-    rewritten(path, of_before)
-    saved = open_scene(path)
+    saved = open_scene(older(scan, tmp_path, of_before))
     with Session(Scene(saved.volume), options=STANDING) as session:
         saved.restore(session)
         session.run(0.01)
@@ -281,11 +286,7 @@ def test_the_strain_at_which_tissue_tore_in_older_scenes_becomes_the_energy_that
                     constants[3] = strain
         about["materials"][1]["constants"][3] = never
 
-    path = tmp_path / "scene.palpate"
-    with edited(read(scan, unit="HU")) as session:
-        save_scene(path, session, copy=True)
-    rewritten(path, of_before)
-    saved = open_scene(path)
+    saved = open_scene(older(scan, tmp_path, of_before))
     with Session(Scene(saved.volume), options=STANDING) as session:
         saved.restore(session)
         found: list[Any] = [each["material"] for each in session.segments()]
