@@ -95,8 +95,8 @@ class Journal:
         Args:
             recover: Whether to recover what an earlier session left; False keeps it aside, None
                 asks.
-            scene: The ``save_id`` of the scene that is open. Where it was saved after the last change of
-                an earlier session there is nothing to ask: what that left is kept aside.
+            scene: The ``save_id`` of the scene that is open. Where it was saved after the last
+                change of an earlier session there is nothing to ask: what that left is kept aside.
         """
         with self._lock:
             try:
