@@ -151,7 +151,7 @@ def table_and_skin(person: Person) -> None:
 
 
 def liver(person: Person) -> None:
-    """Finds the liver by one click in a slice, hides the bone, softens the liver and presses it."""
+    """Finds the liver by one click in a slice, hides the bone, makes the liver soft and presses it."""
     page = person.page
     person.clicks("[data-testid=layout-four]")
     person.clicks("[data-testid=group-segments]")
@@ -168,7 +168,11 @@ def liver(person: Person) -> None:
     person.clicks("[data-testid=visible-1]")
     person.clicks("[data-testid=layout-view]")
     page.finish()
-    person.clicks("[data-testid=soften-2]")
+    row = page.read(
+        "[...document.querySelectorAll('[data-testid^=matter-]')].at(-1).dataset.testid"
+    )
+    page.do("choose", testid=row.replace("matter", "material"), value="liver")
+    person.acted()
     page.all_done()
     person.presses("t")
     person.touches("Region")
