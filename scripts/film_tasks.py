@@ -151,7 +151,7 @@ def table_and_skin(person: Person) -> None:
 
 
 def liver(person: Person) -> None:
-    """Finds the liver by one click in a slice, hides the bone, makes the liver soft and presses it."""
+    """Finds the liver by one click in a slice, hides the bone, makes it soft and presses it."""
     page = person.page
     person.clicks("[data-testid=layout-four]")
     person.clicks("[data-testid=group-segments]")
