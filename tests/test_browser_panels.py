@@ -100,7 +100,7 @@ def test_a_setting_is_found_by_another_word_for_it(page: Browser) -> None:
     page.wait(f"{opened} && {shown}.join() === 'setting-stereo'")
     assert page.do("axe")["value"] == []
     page.do("press", key="Escape")
-    page.wait(f"!({opened})")
+    page.wait("document.querySelector('[data-testid=settings]') === null")
 
 
 def test_rates_are_under_diagnostics_and_who_draws_in_the_bar(page: Browser) -> None:

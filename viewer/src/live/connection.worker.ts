@@ -66,6 +66,8 @@ function open(url: string): void {
   };
   opening.onclose = (event) => {
     socket = null;
+    // delivered later, it would look like a sign of life
+    mailbox.drop();
     tellSilence(watch.forget());
     tell({ kind: "closed", code: event.code, reason: event.reason });
   };

@@ -34,6 +34,11 @@ export class Mailbox {
     this.state = ready ? null : this.state;
     return batch;
   }
+
+  /** Drops the state that waits: it came from an engine that is gone. */
+  drop(): void {
+    this.state = null;
+  }
 }
 
 /** The memory that letters with many bytes hold: it can be handed over instead of copied. */

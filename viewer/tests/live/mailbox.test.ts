@@ -79,3 +79,11 @@ test("the bytes of an edit are handed over once, however many lie in the same me
   };
   expect(memoryOf([{ message, arrived: 0 }, { message: state(1), arrived: 0 }])).toEqual([memory]);
 });
+
+test("no state of an engine that is gone is delivered to a page that was busy", () => {
+  const mailbox = new Mailbox();
+  mailbox.put(state(1));
+  expect(mailbox.take(false)).toEqual([]);
+  mailbox.drop();
+  expect(mailbox.take(true)).toEqual([]);
+});
