@@ -20,14 +20,13 @@ export interface PictureWish {
 export const fewestSamples = 4;
 
 /**
- * Rays for each pixel of a picture that is saved: for each pixel of the screen as many as are drawn there, and no fewer
- * than the quality says.
+ * Rays for each pixel of a picture that is saved: in sum as many for each pixel of the screen as the quality says.
  *
  * @param shown the view on the screen [pixels].
  */
 export function savedSamples(passes: number, size: Viewport, shown: Viewport): number {
   const finer = (size.width * size.height) / Math.max(1, shown.width * shown.height);
-  return Math.max(passes, Math.ceil(fewestSamples / Math.max(finer, 1)));
+  return Math.ceil(Math.max(fewestSamples, passes) / Math.max(1, finer));
 }
 
 /** Bytes of the length before each part. */
