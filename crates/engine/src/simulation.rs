@@ -217,6 +217,12 @@ impl Simulation {
         self.unpressed.voxels(self.scene.voxels())
     }
 
+    /// A box around all voxels that are pressed; empty where none is.
+    #[must_use]
+    pub fn moved(&self) -> VoxelBox {
+        self.unpressed.moved()
+    }
+
     /// The voxels of a segment with the threshold that made them.
     ///
     /// # Errors

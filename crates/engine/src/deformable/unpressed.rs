@@ -37,6 +37,12 @@ impl Unpressed {
         self.voxels.is_some()
     }
 
+    /// A box around all that is moved; empty while nothing is.
+    #[must_use]
+    pub fn moved(&self) -> VoxelBox {
+        box_around(self.known.voxels())
+    }
+
     /// To be called before a model first changes the true voxels.
     pub fn begin(&mut self, now: &Voxels) {
         self.voxels.get_or_insert_with(|| now.clone());
@@ -108,14 +114,18 @@ fn change(voxels: &mut Voxels, states: &[(IVec3, VoxelState)]) -> Option<Edit> {
 }
 
 fn edit_of(voxels: &Voxels, states: &[(IVec3, VoxelState)]) -> Edit {
-    let region = states.iter().fold(VoxelBox::EMPTY, |all, (voxel, _)| {
-        all.union(&VoxelBox::of_voxel(*voxel))
-    });
+    let region = box_around(states.iter().map(|(voxel, _)| *voxel));
     let states: BTreeMap<_, _> = states
         .iter()
         .map(|(voxel, state)| (voxel.to_array(), *state))
         .collect();
     voxels.voxel_edit(&region, |voxel, was| {
         states.get(&voxel.to_array()).copied().unwrap_or(was)
+    })
+}
+
+fn box_around(voxels: impl Iterator<Item = IVec3>) -> VoxelBox {
+    voxels.fold(VoxelBox::EMPTY, |all, voxel| {
+        all.union(&VoxelBox::of_voxel(voxel))
     })
 }

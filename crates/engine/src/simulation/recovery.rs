@@ -442,6 +442,7 @@ fn facts_of(properties: &Properties) -> Facts {
         made_by: properties.made_by,
         feel: [stiffness, friction_static, friction_kinetic],
         pose: properties.pose,
+        locked: properties.locked,
     }
 }
 
@@ -458,6 +459,6 @@ fn properties_of(facts: &Facts) -> Properties {
         },
         pose: facts.pose,
         law: None,
-        locked: false,
+        locked: facts.locked,
     }
 }

@@ -139,6 +139,7 @@ impl Simulation {
             // what is locked is rigid
             self.deformation.forget_displacements();
             self.segments_version += 1;
+            self.write_facts(id);
             self.publish();
         }
         Ok(())
