@@ -44,7 +44,7 @@ FOLDERS: dict[str, Sequence[Sequence[str]]] = {
         ("needle",),
     ),
     "deform": (
-        ("material", "potential"),
+        ("at_rest", "material", "potential"),
         ("model", "voxel_ledger"),
         ("displacement", "observed_voxels"),
         ("lattice", "particles"),
