@@ -10,6 +10,7 @@ import pytest
 from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.server.messages.soft_tissue import material_of, wanted_material
+from palpate.session.edited_values import EditedValues
 from palpate.session.model_options import ModelOptions, Prony, deformation_models, offered_models
 from palpate.session.recording import Recording
 from palpate.session.scripted_path import ScriptedPath
@@ -80,6 +81,29 @@ def test_a_point_presses_soft_tissue_as_a_ball_and_hard_tissue_as_a_point() -> N
         session.set_deformation(None)
         session.run(0.1)
         assert session.frame()["probe_radius"] == 0.0
+
+
+def test_files_hold_pressed_tissue_at_rest() -> None:
+    path = ScriptedPath((24.3, 24.4, TOP + BALL + 6.0))
+    path = path.move((24.3, 24.4, TOP + BALL - 3.0), seconds=1.0)
+    path = path.move((24.3, 24.4, TOP + BALL - 3.0), seconds=0.6)
+    given = scene()
+    values, mask = given.volume.array.copy(), next(iter(given)).segment.mask().copy()
+    with Session(given, device=path, options=OFFLINE) as session:
+        session.settings(TouchSettings(probe_radius=BALL))
+        session.set_material(1, GEL)
+        session.set_deformation("lattice")
+        session.picture_changes()
+        session.run(1.5)
+        shown = EditedValues(values)
+        for change in session.picture_changes():
+            for box in change["voxels"]:
+                if box["stored"] is not None:
+                    shown.write(box["low"], box["high"], box["stored"])
+        assert (shown.values != values).any()
+        now = session.scene_now(shown.values)
+        assert (now.volume.array == values).all()
+        assert (next(iter(now)).segment.mask() == mask).all()
 
 
 def test_what_is_locked_is_hard() -> None:
