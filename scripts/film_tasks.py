@@ -27,6 +27,8 @@ LOOK = 0.6
 """Time to look between two actions [s]."""
 AIR, BONE = -400.0, 200.0
 """Values below and above what a needle goes through [HU]."""
+WORK = 4.0
+"""Time that a tool works [s]."""
 LIVER = {"amos_0336": 6, "lidc0001_totalseg": 5}
 """Label of the liver in each scan's own segments."""
 
@@ -75,7 +77,7 @@ class Person:
     def touches(self, name: str, *, key: str | None = None) -> None:
         """Presses on a segment where it is seen, slides along it, and lifts off.
 
-        With a key held, a tool works meanwhile.
+        With a key held, a tool works meanwhile in one place.
         """
         self.page.wait(
             "[...document.querySelectorAll('li[data-testid^=segment-] .name')]"
@@ -85,13 +87,14 @@ class Person:
         self.goes_to(x, y)
         self.page.do("mouse", down=True)
         self.page.wait("window.palpate.state.contact", seconds=20)
-        if key is not None:
+        if key is None:
+            for _ in range(2):
+                self.goes_to(x + 14, y + 6)
+                self.goes_to(x, y)
+            time.sleep(2 * LOOK)
+        else:
             self.page.do("hold", key=key)
-        for _ in range(2):
-            self.goes_to(x + 14, y + 6)
-            self.goes_to(x, y)
-        time.sleep(2 * LOOK)
-        if key is not None:
+            time.sleep(WORK)
             self.page.do("hold", key=key, up=True)
         self.page.do("mouse", down=False)
         self.acted()
@@ -181,17 +184,29 @@ def liver(person: Person) -> None:
 
 
 def drill(person: Person) -> None:
-    """Drills a hole into bone, sees it, and takes it back."""
+    """Comes closer, drills a hole into bone, looks at it from aside, and takes it back."""
     page = person.page
+    person.goes_to(683.0, 384.0)
+    page.do("wheel", y=-600)
+    person.acted()
     person.presses("t")
     person.presses("d")
     person.touches("bone", key="x")
+    removed = page.read("window.palpate.state.tool.voxels")
+    if not removed:
+        raise SystemExit("no hole was drilled")
     page.all_done()
-    page.finish()
-    time.sleep(2 * LOOK)
+    # the tool stands before the hole
+    person.presses("Escape")
+    person.goes_to(440.0, 600.0)
+    page.do("mouse", down=True)
+    person.goes_to(600.0, 600.0)
+    page.do("mouse", down=False)
+    person.acted()
+    time.sleep(4 * LOOK)
     person.presses("Control+z")
     page.all_done()
-    page.finish()
+    time.sleep(2 * LOOK)
 
 
 def measure(person: Person) -> None:
@@ -259,10 +274,11 @@ TASKS = [
         ("table", table_and_skin),
         ("liver", liver),
         ("drill", drill),
-        ("needle", needle),
         ("measure", measure),
     )
 ]
+# the slices of the chest do not begin in the liver
+TASKS.append(Task("needle-amos", "amos_0336/amos_0336.mhd", needle))
 
 
 def main(data: Path, films: Path, wanted: list[str]) -> None:
