@@ -111,6 +111,19 @@ def click_at(page: Browser, point: tuple[float, float, float]) -> None:
     page.do("mouse", down=False)
 
 
+def push_from_entry(page: Browser) -> None:
+    """Pushes the needle from the planned entry into the block, with the mouse over the slice."""
+    pixel = page.read("window.palpate.slices[0].plane.pixel")
+    x, y = place_in_axial(page, (MIDDLE, SURFACE - 3, MIDDLE))
+    page.do("point", x=x, y=y)
+    page.do("hold", key="Shift")
+    page.do("mouse", down=True)
+    for moved in range(1, 22):
+        page.do("point", x=x, y=y + moved / pixel)
+    page.wait("window.palpate.state.tool.on")
+    page.wait(f"{NEEDLE}.inside && {NEEDLE}.depth > 5")
+
+
 def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page: Browser) -> None:
     page.do("press", key="Shift+I")
     page.wait("window.palpate.slices.length === 3")
@@ -133,14 +146,7 @@ def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page
     page.do("click", testid="needle-to-entry")
     page.wait(f"Math.abs(window.palpate.state.proxy[0] - {MIDDLE}) < 1")
     page.wait(f"Math.abs(window.palpate.state.proxy[1] - {SURFACE - 8}) < 1")
-    x, y = place_in_axial(page, (MIDDLE, SURFACE - 3, MIDDLE))
-    page.do("point", x=x, y=y)
-    page.do("hold", key="Shift")
-    page.do("mouse", down=True)
-    for moved in range(1, 22):
-        page.do("point", x=x, y=y + moved / pixel)
-    page.wait("window.palpate.state.tool.on")
-    page.wait(f"{NEEDLE}.inside && {NEEDLE}.depth > 5")
+    push_from_entry(page)
     page.wait("document.querySelector('[data-testid=needle-axial]') !== null")
     page.shows("tool-size", "text.endsWith('mm deep')")
     page.shows("needle-way-passed", "text.includes('threshold')")
