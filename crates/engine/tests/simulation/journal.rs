@@ -320,3 +320,20 @@ fn a_cut_comes_back_as_one_step_or_not_at_all() {
     }
     assert!(seen.iter().all(|count| *count > 3), "{seen:?}");
 }
+
+#[test]
+fn what_was_locked_is_locked_after_a_crash() {
+    let place = Place::new("locked");
+    let mut rig = rig_with_journal(&place);
+    let locked = |rig: &Rig| rig.simulation.segments()[0].locked;
+    rig.simulation.set_locked(BLOCK, true).unwrap();
+    drop(rig);
+    let mut rig = rig_of_scan();
+    rig.simulation.recover_journal(&place.0, HASH).unwrap();
+    assert!(locked(&rig));
+    rig.simulation.set_locked(BLOCK, false).unwrap();
+    drop(rig);
+    let mut rig = rig_of_scan();
+    rig.simulation.recover_journal(&place.0, HASH).unwrap();
+    assert!(!locked(&rig));
+}
