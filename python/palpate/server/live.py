@@ -137,6 +137,7 @@ class Live:
                 self._gaps.run(lambda: self._scene_of_now), name="measuring the gap"
             ),
             asyncio.create_task(self._follow_changes(), name="following changes"),
+            asyncio.create_task(self._settle_labels(), name="comparing segments"),
         ]
         for task in beside:
             task.add_done_callback(self._tell_failure)
@@ -287,7 +288,9 @@ class Live:
             return False
         self._scene_of_now = (frame["edit"], frame["poses"])
         versions, voxels = frame["segments_version"], frame["voxels_version"]
-        if self.segments.refresh(versions, voxels_version=voxels, pending=frame["pending"]):
+        if self.segments.refresh(
+            versions, voxels_version=voxels, pending=frame["pending"], edit=frame["edit"]
+        ):
             self._publish(self.segments.message)
             for text in self.segments.take_notices():
                 self._publish(protocol.Notice(level="info", text=text))
@@ -314,6 +317,15 @@ class Live:
         while True:
             heard = await asyncio.to_thread(self.session.wait_for_changes, heard, PATIENCE)
             self._publish_changes()
+
+    async def _settle_labels(self) -> None:
+        """Finds out whether pages need other labels, where segments came before others."""
+        while True:
+            if self.segments.is_unsure_of_labels:
+                # a session that has ended, or a segment that has gone meanwhile
+                with suppress(PalpateError, RuntimeError):
+                    await asyncio.to_thread(self.segments.labels)
+            await asyncio.sleep(1.0 / STATES_HZ)
 
     def _publish_changes(self) -> None:
         for change in self.session.picture_changes():

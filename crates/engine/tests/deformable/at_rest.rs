@@ -1,8 +1,6 @@
 //! What is pressed is not changed: files, journal and undo hold tissue as it is at rest.
 
-#[path = "../../../tools/tests/support/place.rs"]
-mod place;
-
+use crate::place::Place;
 use glam::{DVec3, IVec3};
 use palpate_deform::registry::ModelOptions;
 use palpate_tools::factory::{ToolKind, ToolSettings};
@@ -10,7 +8,6 @@ use palpate_tools::journal::ScanHash;
 use palpate_tools::specific_energy::SpecificEnergy;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
-use place::Place;
 
 use super::soft_block::{SIZE, SOFT, go, lattice_rig, soft_voxels};
 use crate::common::{OBSTACLE, Rig, box_segment};

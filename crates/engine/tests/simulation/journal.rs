@@ -1,11 +1,9 @@
 //! A session's journal on disk: what a crash leaves is done again, undo included.
 
-#[path = "../../../tools/tests/support/place.rs"]
-mod place;
-
 use std::fs;
 
 use crate::common::*;
+use crate::place::Place;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::scene::Plane;
 use palpate_engine::simulation::SegmentState;
@@ -16,7 +14,6 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use place::Place;
 
 const DIMENSIONS: UVec3 = UVec3::splat(32);
 const HASH: ScanHash = ScanHash([3; 32]);
