@@ -95,3 +95,27 @@ def test_a_short_standstill_drops_nothing(shown: tuple[Command, Browser]) -> Non
     assert page.read(VISIBLE) == "false"
     page.do("click", testid="visible-1")
     page.all_done()
+
+
+def test_a_page_that_was_long_hidden_shows_force_and_contact_as_they_are_now(
+    shown: tuple[Command, Browser],
+) -> None:
+    command, page = shown
+    free = [127, 1, 80]
+    page.read(f"window.palpate.place({free})")
+    page.all_done()
+    page.read("window.palpate.hand([127, 128, 80])")
+    page.shows("force", "parseFloat(text) > 0.1")
+    page.wait("window.palpate.state.contact")
+    page.do("freeze", on=True)
+    # meanwhile another page takes the hand away, and it stays there
+    with browser() as other:
+        other.do("open", url=command.url, width=640, height=480)
+        other.read(f"window.palpate.place({free})")
+        other.wait("!window.palpate.state.contact")
+        other.all_done()
+    page.do("freeze", on=False)
+    page.shows("force", "parseFloat(text) === 0")
+    page.shows("touched", "text.includes('nothing is touched')")
+    page.wait(f"{LIGHT} === 'green' && {OLD} === 0 && {MESSAGE} === null")
+    assert page.read("window.palpate.state.contact") is False

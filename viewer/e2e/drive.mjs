@@ -38,6 +38,7 @@
  *   {"do": "key", "key": "я", "code": "KeyZ", "alt": true}    as on a keyboard of another layout; "repeats": so often
  *   {"do": "requests", "about": "/api/labels"}                → {"value": how many were made so far, by workers too}
  *   {"do": "beforeOpen", "script": …}                         runs in every page opened from now on, before its own
+ *   {"do": "freeze", "on": true}                              as a browser does with a page that is long hidden
  *   {"do": "media", "forcedColors": "active", "media": "print"}  as the system has it; null: as it is
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
@@ -403,6 +404,10 @@ const actions = {
   },
   async beforeOpen({ script }) {
     await page.addInitScript(script);
+    return {};
+  },
+  async freeze({ on }) {
+    await devtools.send("Page.setWebLifecycleState", { state: on ? "frozen" : "active" });
     return {};
   },
   async media(options) {

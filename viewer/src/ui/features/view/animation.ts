@@ -5,8 +5,8 @@
 import type { Viewport } from "../../../core/geometry/camera";
 
 const types = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"] as const;
-/** Bits for each pixel of a frame. */
-const bitsPerPixel = 0.25;
+/** Bits for each pixel of a frame, at most: with fewer the first frames are blocky, since codecs begin carefully. */
+const bitsPerPixel = 3;
 
 /** What this browser records; null where it makes no WebM. */
 export function animationType(): string | null {

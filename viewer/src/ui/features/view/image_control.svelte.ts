@@ -15,6 +15,9 @@ import type { ViewControl } from "./view_control.svelte";
 
 const firstChoice = { magnification: 2, transparent: false, marks: true, seconds: 6, turns: 1 };
 
+/** Lengths of an animation that are offered [s]. */
+export const filmSeconds = { least: 2, most: 30 } as const;
+
 /** Of an animation: each frame is drawn to the end, so a slow machine only takes longer. */
 const framesPerSecond = { gpu: 20, software: 10 } as const;
 
@@ -38,7 +41,7 @@ interface Source {
 }
 
 export class ImageControl {
-  choice = $state.raw(recall("image", firstChoice));
+  choice = $state.raw(sane(recall("image", firstChoice)));
   /** What is being made, and the share that is done; null where nothing is. */
   job = $state.raw<{ readonly name: string; readonly share: number } | null>(null);
   /** What of the page holds all that is written over the view. */
@@ -150,6 +153,11 @@ export class ImageControl {
       this.job = null;
     }
   }
+}
+
+/** What was chosen at a visit when a film could be shorter. */
+function sane(choice: typeof firstChoice): typeof firstChoice {
+  return { ...choice, seconds: Math.max(filmSeconds.least, choice.seconds) };
 }
 
 function contextOf({ width, height }: Viewport): CanvasRenderingContext2D {
