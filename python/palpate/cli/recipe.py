@@ -51,7 +51,7 @@ Paths are relative to the recipe. The whole recipe is checked before anything is
 """
 
 
-def run_file(  # noqa: PLR0913  # its options
+def run_file(  # noqa: PLR0913  # one per option of the command line
     recipe: Annotated[Path, typer.Argument(help="Recipe (YAML).", metavar="RECIPE")],
     *,
     check: Annotated[

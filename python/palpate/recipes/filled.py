@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -88,7 +88,7 @@ def _name_of(path: Path, source: Source) -> str:
     return path.name
 
 
-def _each_file(request: Any, change: Any) -> Any:  # noqa: ANN401  # requests of any kind
+def _each_file(request: Request, change: Callable[..., Path]) -> Any:  # noqa: ANN401  # as given
     """Returns a request, and those in it, with each of its files changed."""
     changed = {}
     for option in options_of(type(request)):
