@@ -73,9 +73,12 @@ def placed(recipe: Recipe, source: Source, folder: Path) -> Recipe:
             written[path] = folder / _name_of(path, source)
         return path
 
+    def place(path: Path, *, writes: bool) -> Path:  # noqa: ARG001  # as ``note``
+        # what another step of this recipe writes is read from there
+        return written.get(path, path)
+
     _each_file(recipe, note)
-    # what another step of this recipe writes is read from there
-    made: Recipe = _each_file(recipe, lambda path, *, writes: written.get(path, path))  # noqa: ARG005
+    made: Recipe = _each_file(recipe, place)
     return made
 
 
