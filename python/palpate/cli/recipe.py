@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
+from palpate.base.errors import OptionError
 
 __all__ = ["EXAMPLES", "run_file"]
 
@@ -50,7 +51,7 @@ Paths are relative to the recipe. The whole recipe is checked before anything is
 """
 
 
-def run_file(
+def run_file(  # noqa: PLR0913  # one per option of the command line
     recipe: Annotated[Path, typer.Argument(help="Recipe (YAML).", metavar="RECIPE")],
     *,
     check: Annotated[
@@ -59,8 +60,64 @@ def run_file(
             "--check", help="Check the recipe and the files that it reads; write nothing."
         ),
     ] = False,
+    over: Annotated[
+        str | None,
+        typer.Option(
+            help="Run it over each scan that matches, in the place of import: path.",
+            metavar="PATTERN",
+        ),
+    ] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option(
+            help="Run it over each row of a CSV file; columns fill {column} in the recipe, the "
+            "column case names the row."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="Folder with one folder for each case.", metavar="FOLDER"
+        ),
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(help="Run the i-th of n shares of all cases.", metavar="I/N")
+    ] = None,
+    only_failed: Annotated[
+        bool, typer.Option("--only-failed", help="Run only cases that failed before.")
+    ] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say which cases would run; write nothing.")
+    ] = False,
+    timeout: Annotated[
+        float | None, typer.Option(help="Longest time of a case in s.", min=0.001)
+    ] = None,
+    memory: Annotated[
+        float | None,
+        typer.Option(help="Most memory of a case for data in GiB (Linux).", min=0.001),
+    ] = None,
+    retry: Annotated[
+        int, typer.Option(help="How often a case that failed is tried again.", min=0)
+    ] = 0,
 ) -> None:
     """Run a recipe: import, registration, segments, surfaces, export, report."""
+    if over is not None or table is not None:
+        from palpate.cli.recipe_over import OverOptions, run_over
+        from palpate.cohort.run import Limits
+
+        room = None if memory is None else int(memory * 2**30)
+        options = OverOptions(
+            over=over,
+            table=table,
+            output=output,
+            shard=shard,
+            only_failed=only_failed,
+            dry_run=dry_run or check,
+            limits=Limits(seconds=timeout, memory=room, retry=retry),
+        )
+        raise typer.Exit(run_over(recipe, options))
+    if output is not None or shard is not None or only_failed or dry_run:
+        raise OptionError("no scans given for these options; allowed: with --over or --table")
     from palpate.recipes.check import read_inputs
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe

@@ -17,7 +17,7 @@ from palpate.recipes.check import check_options
 from palpate.recipes.source import Source, read_source
 from palpate.recipes.steps import Recipe
 
-__all__ = ["Recipe", "read_recipe"]
+__all__ = ["Recipe", "read_recipe", "recipe_of"]
 
 Made = TypeVar("Made", bound=Request)
 
@@ -30,9 +30,18 @@ def read_recipe(path: Path) -> tuple[Recipe, Source]:
         OptionError: Something in it is wrong; the message says where.
     """
     source = read_source(path)
-    recipe = _made(Recipe, source.given, "$", source=source)
+    recipe = recipe_of(source)
     check_options(recipe, source)
     return recipe, source
+
+
+def recipe_of(source: Source) -> Recipe:
+    """Returns the recipe that a text says; types of its values are checked, and no more.
+
+    Raises:
+        OptionError: Something in it is wrong; the message says where.
+    """
+    return _made(Recipe, source.given, "$", source=source)
 
 
 def _made(kind: type[Made], given: object, where: str, *, source: Source) -> Made:

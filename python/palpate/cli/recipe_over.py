@@ -1,0 +1,110 @@
+"""``palpate run --over`` and ``--table``: a recipe over many scans."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+
+from palpate.base.console import warn
+from palpate.base.errors import OptionError
+from palpate.cohort.case import Case, share_of
+from palpate.cohort.matches import cases_over
+from palpate.cohort.output_folder import CohortFolder
+from palpate.cohort.run import Limits, Outcome, run_cases, wanted_cases
+from palpate.cohort.table import cases_of_table
+
+__all__ = ["SOME_FAILED", "OverOptions", "run_over"]
+
+SOME_FAILED = 3
+"""Exit code where some cases failed."""
+STOPPED = 130
+
+
+@dataclass(frozen=True, kw_only=True)
+class OverOptions:
+    """Which cases are run, where to, and how."""
+
+    over: str | None
+    table: Path | None
+    output: Path | None
+    shard: str | None
+    only_failed: bool
+    dry_run: bool
+    limits: Limits
+
+
+def run_over(recipe: Path, options: OverOptions) -> int:
+    """Runs a recipe over many scans; returns the exit code.
+
+    Raises:
+        OptionError: Something given is wrong; nothing was written.
+        OSError: The output folder cannot be written.
+    """
+    if (options.over is None) == (options.table is None):
+        raise OptionError("--over and --table given; allowed: one of both")
+    if options.output is None:
+        raise OptionError("no output folder given; allowed: --output FOLDER")
+    cases = _cases(options)
+    folder = CohortFolder(options.output)
+    wanted = wanted_cases(recipe, cases, folder, only_failed=options.only_failed)
+    kept = len(cases) - len(wanted)
+    if options.dry_run:
+        for case in wanted:
+            typer.echo(case.name)
+        typer.echo(f"{len(wanted)} to run, {kept} kept")
+        return 0
+    outcome = _run(recipe, wanted, folder, limits=options.limits)
+    left = len(wanted) - len(outcome.done) - len(outcome.failed)
+    typer.echo(
+        f"{len(outcome.done)} done, {len(outcome.failed)} failed, {kept} kept"
+        + (f", {left} left: the same command goes on" if left else "")
+    )
+    if outcome.stopped:
+        return STOPPED
+    return SOME_FAILED if outcome.failed else 0
+
+
+def _cases(options: OverOptions) -> list[Case]:
+    if options.table is not None:
+        cases = cases_of_table(options.table)
+    else:
+        cases = cases_over(options.over or "")
+    return cases if options.shard is None else share_of(cases, options.shard)
+
+
+def _run(recipe: Path, cases: list[Case], folder: CohortFolder, *, limits: Limits) -> Outcome:
+    stopping: list[bool] = []
+    begun = time.monotonic()
+
+    def stop(*_: object) -> None:
+        if stopping:
+            raise KeyboardInterrupt
+        stopping.append(True)
+        warn("stopping once this case is done; Ctrl-C again stops at once")
+
+    def told(outcome: Outcome, case: Case, reason: str | None) -> None:
+        if reason is not None:
+            warn(f"{case.name} failed: {reason}")
+        if sys.stderr.isatty():
+            ended = len(outcome.done) + len(outcome.failed)
+            rate = ended / (time.monotonic() - begun)
+            left = len(cases) - ended
+            sys.stderr.write(
+                f"\r{len(outcome.done)} done, {len(outcome.failed)} failed, {left} left, "
+                f"{rate * 60:.1f} a minute, {left / rate / 60:.0f} min to go\x1b[K"
+                + ("" if left else "\n")
+            )
+            sys.stderr.flush()
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        return run_cases(
+            recipe, cases, folder, limits=limits, told=told, stop=lambda: bool(stopping)
+        )
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,79 @@
+"""Starts the process of a case and waits for it; a case that ends it harms no other one."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+__all__ = ["CaseProcess"]
+
+
+class CaseProcess:
+    """A process that waits for one case; started early, it has its modules ready by then."""
+
+    def __init__(self) -> None:
+        """Starts it.
+
+        Raises:
+            OSError: No process can be started.
+        """
+        folders = os.pathsep.join(folder for folder in sys.path if folder)
+        # Ctrl-C is for the one that waits: it ends this one in its own time
+        self._process = subprocess.Popen(  # of this interpreter
+            [sys.executable, "-P", "-m", "palpate.cohort.worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env={**os.environ, "PYTHONPATH": folders},
+            start_new_session=True,
+        )
+
+    def run(self, request: dict[str, Any], part: Path, *, timeout: float | None) -> str | None:
+        """Runs a case into its folder.
+
+        Returns:
+            Why it failed; None where it is done.
+        """
+        assert self._process.stdin is not None  # noqa: S101  # it is a pipe
+        try:
+            with suppress(OSError):
+                self._process.stdin.write(json.dumps(request).encode() + b"\n")
+                self._process.stdin.flush()
+            code = self._process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            return f"took longer than {timeout:g} s; allowed: more with --timeout"
+        finally:
+            self.end()
+        if (part / "failed.json").is_file():
+            told = json.loads((part / "failed.json").read_text("utf-8"))
+            return str(told["reason"])
+        if code == 0 and (part / "done.json").is_file():
+            return None
+        return _ended(code)
+
+    def end(self) -> None:
+        """Ends it and what it started."""
+        with suppress(OSError):
+            if sys.platform == "win32":
+                self._process.kill()
+            else:
+                os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+        with suppress(OSError):
+            self._process.stdin.close()  # type: ignore[union-attr]  # it is a pipe
+
+
+def _ended(code: int) -> str:
+    if code >= 0:
+        return f"its process ended with code {code}, without a reason; the disk may be full"
+    try:
+        how = signal.Signals(-code).name
+    except ValueError:
+        how = f"signal {-code}"
+    return f"its process was ended by {how}; the system does so where memory runs out"

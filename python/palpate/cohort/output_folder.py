@@ -1,0 +1,93 @@
+"""The output folder of a cohort: a folder a case, which appears once it is whole.
+
+All that a cohort writes or takes away is below this folder; ``CohortFolder.of`` gives the places.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+from palpate.base.errors import OptionError
+from palpate.base.whole_file import whole_file
+
+__all__ = ["CohortFolder"]
+
+MARK = "cohort.json"
+"""Says that a folder is a cohort's: in others nothing is replaced."""
+
+
+class CohortFolder:
+    """The output folder."""
+
+    def __init__(self, path: Path) -> None:
+        """Takes a folder that is new, empty, or of an earlier run.
+
+        Raises:
+            OptionError: It holds something else.
+        """
+        self._path = path.absolute()
+        known = (path / MARK).is_file()
+        if path.exists() and not known and not (path.is_dir() and not any(path.iterdir())):
+            raise OptionError(
+                f"{path} holds something else; allowed: a new folder, an empty one, or that of an "
+                "earlier run"
+            )
+
+    def begin(self) -> None:
+        """Makes the folder, marked as a cohort's.
+
+        Raises:
+            OSError: It cannot be made.
+        """
+        self._path.mkdir(parents=True, exist_ok=True)
+        with whole_file(self.of(MARK)) as unfinished:
+            unfinished.write_text('{"kind": "palpate cohort"}\n', "utf-8")
+
+    def of(self, *names: str) -> Path:
+        """Returns a place within the folder."""
+        return self._path.joinpath(*names)
+
+    def told(self, name: str) -> dict[str, Any] | None:
+        """Returns what is told of a case that is done; None where it is not."""
+        try:
+            told = json.loads(self.of(name, "done.json").read_text("utf-8"))
+        except (OSError, ValueError):
+            return None
+        whole = isinstance(told, dict) and all(
+            self.of(name, file).exists() for file in told.get("files", [])
+        )
+        return told if whole else None
+
+    def failed(self, name: str) -> bool:
+        """Says whether a case has failed the last time."""
+        return self.of(name, "failed.json").is_file()
+
+    def part(self, name: str) -> Path:
+        """Returns an empty folder for a case in the making."""
+        part, old, place = self.of(f"{name}.part"), self.of(f"{name}.old"), self.of(name)
+        shutil.rmtree(part, ignore_errors=True)
+        # a run that was ended between two renames
+        if old.exists() and not place.exists():
+            old.rename(place)
+        shutil.rmtree(old, ignore_errors=True)
+        part.mkdir()
+        return part
+
+    def keep(self, name: str) -> None:
+        """Gives a whole case its name; what an earlier run made of it goes."""
+        place, old = self.of(name), self.of(f"{name}.old")
+        if place.exists():
+            place.rename(old)
+        self.of(f"{name}.part").rename(place)
+        shutil.rmtree(old, ignore_errors=True)
+
+    def fail(self, name: str, reason: str) -> None:
+        """Tells why a case failed; what an earlier run made of it stays beside that."""
+        shutil.rmtree(self.of(f"{name}.part"), ignore_errors=True)
+        self.of(name).mkdir(exist_ok=True)
+        with whole_file(self.of(name, "failed.json")) as unfinished:
+            text = json.dumps({"reason": reason}, indent=1, ensure_ascii=False)
+            unfinished.write_text(text + "\n", "utf-8")
