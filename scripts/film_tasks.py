@@ -25,6 +25,10 @@ RATE = 12.0
 """Pictures a second of a film."""
 LOOK = 0.6
 """Time to look between two actions [s]."""
+AIR, BONE = -400.0, 200.0
+"""Values below and above what a needle goes through [HU]."""
+WORK = 4.0
+"""Time that a tool works [s]."""
 LIVER = {"amos_0336": 6, "lidc0001_totalseg": 5}
 """Label of the liver in each scan's own segments."""
 
@@ -73,7 +77,7 @@ class Person:
     def touches(self, name: str, *, key: str | None = None) -> None:
         """Presses on a segment where it is seen, slides along it, and lifts off.
 
-        With a key held, a tool works meanwhile.
+        With a key held, a tool works meanwhile in one place.
         """
         self.page.wait(
             "[...document.querySelectorAll('li[data-testid^=segment-] .name')]"
@@ -83,13 +87,14 @@ class Person:
         self.goes_to(x, y)
         self.page.do("mouse", down=True)
         self.page.wait("window.palpate.state.contact", seconds=20)
-        if key is not None:
+        if key is None:
+            for _ in range(2):
+                self.goes_to(x + 14, y + 6)
+                self.goes_to(x, y)
+            time.sleep(2 * LOOK)
+        else:
             self.page.do("hold", key=key)
-        for _ in range(2):
-            self.goes_to(x + 14, y + 6)
-            self.goes_to(x, y)
-        time.sleep(2 * LOOK)
-        if key is not None:
+            time.sleep(WORK)
             self.page.do("hold", key=key, up=True)
         self.page.do("mouse", down=False)
         self.acted()
@@ -179,17 +184,29 @@ def liver(person: Person) -> None:
 
 
 def drill(person: Person) -> None:
-    """Drills a hole into bone, sees it, and takes it back."""
+    """Comes closer, drills a hole into bone, looks at it from aside, and takes it back."""
     page = person.page
+    person.goes_to(683.0, 384.0)
+    page.do("wheel", y=-600)
+    person.acted()
     person.presses("t")
     person.presses("d")
     person.touches("bone", key="x")
+    removed = page.read("window.palpate.state.tool.voxels")
+    if not removed:
+        raise SystemExit("no hole was drilled")
     page.all_done()
-    page.finish()
-    time.sleep(2 * LOOK)
+    # the tool stands before the hole
+    person.presses("Escape")
+    person.goes_to(440.0, 600.0)
+    page.do("mouse", down=True)
+    person.goes_to(600.0, 600.0)
+    page.do("mouse", down=False)
+    person.acted()
+    time.sleep(4 * LOOK)
     person.presses("Control+z")
     page.all_done()
-    page.finish()
+    time.sleep(2 * LOOK)
 
 
 def measure(person: Person) -> None:
@@ -209,6 +226,44 @@ def measure(person: Person) -> None:
     person.clicks("[data-testid=marks-copy]")
 
 
+def needle(person: Person) -> None:
+    """Plans a path to the liver in a slice, brings a needle to the entry and pushes it in."""
+    page = person.page
+    person.clicks("[data-testid=layout-four]")
+    person.presses("i")
+    person.clicks("[data-testid=needle-skin]")
+    page.all_done()
+    page.finish()
+    person.clicks("[data-testid=needle-plan]")
+    target, entry = _way_to_liver(page, person.scan)
+    for place in (target, entry):
+        person.goes_to(*place)
+        page.do("mouse", down=True)
+        page.do("mouse", down=False)
+        person.acted()
+    time.sleep(2 * LOOK)
+    person.clicks("[data-testid=needle-to-entry]")
+    page.all_done()
+    tip = _in_pane(page, "axial", page.read("window.palpate.state.proxy"))
+    person.goes_to(*tip)
+    page.do("hold", key="Shift")
+    page.do("mouse", down=True)
+    # as far as the needle still has to go, which its card tells
+    for _ in range(12):
+        now = _in_pane(page, "axial", page.read("window.palpate.state.proxy"))
+        left = np.subtract(target, now)
+        if np.hypot(*left) < 1.0:
+            break
+        person.goes_to(*(person.at + left / 2))
+        time.sleep(LOOK / 2)
+    page.wait("window.palpate.state.needle.inside")
+    time.sleep(3 * LOOK)
+    page.do("mouse", down=False)
+    page.do("hold", key="Shift", up=True)
+    person.acted()
+    print(f"  {page.text('needle-ahead')} to the target, {page.text('needle-off')} off the line")
+
+
 TASKS = [
     Task(f"{name}-{short}", scan, does)
     for short, scan in (
@@ -222,6 +277,8 @@ TASKS = [
         ("measure", measure),
     )
 ]
+# the slices of the chest do not begin in the liver
+TASKS.append(Task("needle-amos", "amos_0336/amos_0336.mhd", needle))
 
 
 def main(data: Path, films: Path, wanted: list[str]) -> None:
@@ -268,20 +325,58 @@ def _write(path: Path, frames: list[tuple[float, Path]]) -> None:
     write_film(pictures(), path, fps=RATE, count=count)
 
 
-def _liver_in_pane(page: Browser, scan: Path) -> tuple[float, float]:
-    """Returns the middle of the liver in the coronal slice [pixels of the page].
+def _in_pane(page: Browser, name: str, point: list[float]) -> tuple[float, float]:
+    """Returns where a slice has a point of the scene [pixels of the page]."""
+    plane, box = _pane(page, name)
+    off = np.subtract(point, plane["centre"])
+    return (
+        box["x"] + box["width"] / 2 + float(off @ plane["right"]) / plane["pixel"],
+        box["y"] + box["height"] / 2 - float(off @ plane["up"]) / plane["pixel"],
+    )
+
+
+def _pane(page: Browser, name: str) -> tuple[dict[str, Any], dict[str, float]]:
+    """Returns the plane of a slice, and its box on the page."""
+    shown: dict[str, Any] = page.read(
+        f"(({{ plane }}) => ({{ plane, box: document.querySelector('[data-testid=slice-{name}]')"
+        ".getBoundingClientRect().toJSON() }))"
+        f"(window.palpate.slices.find((slice) => slice.name === {name!r}))"
+    )
+    return shown["plane"], shown["box"]
+
+
+def _way_to_liver(page: Browser, scan: Path) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Returns a target in the liver and an entry in the axial slice [pixels of the page].
+
+    The way is straight from the patient's right, and meets no bone.
+    """
+    image = SimpleITK.ReadImage(str(scan))
+    plane, box = _pane(page, "axial")
+    x, middle = _liver_in_pane(page, scan, "axial")
+    for y in sorted(np.arange(middle - 60, middle + 60, 4), key=lambda y: abs(y - middle)):
+        off = np.arange(x, box["x"], -1.0) - box["x"] - box["width"] / 2
+        points = (
+            np.array(plane["centre"])
+            + off[:, None] * plane["pixel"] * np.array(plane["right"])
+            + (box["y"] + box["height"] / 2 - y) * plane["pixel"] * np.array(plane["up"])
+        )
+        places = [image.TransformPhysicalPointToIndex(point.tolist()) for point in points]
+        values = np.array([image[p] if min(p) >= 0 else -1000 for p in places])
+        outside = int(np.argmax(values < AIR))
+        if values[0] > 0 and values[:outside].max() < BONE:
+            return (x, float(y)), (x - outside - 2, float(y))
+    raise SystemExit("every way to the liver meets bone")
+
+
+def _liver_in_pane(page: Browser, scan: Path, pane: str = "coronal") -> tuple[float, float]:
+    """Returns the middle of the liver in a slice [pixels of the page].
 
     It is where the scan's own labels have it.
     """
     folder = scan.parent
     name = "labels_from_meshes.nii.gz" if folder.name == "amos_0336" else "mask.nii.gz"
     labels = SimpleITK.ReadImage(str(folder / name))
-    shown: dict[str, Any] = page.read(
-        "(({ plane }) => ({ plane, box: document.querySelector('[data-testid=slice-coronal]')"
-        ".getBoundingClientRect().toJSON() }))"
-        "(window.palpate.slices.find(({ name }) => name === 'coronal'))"
-    )
-    plane, box = shown["plane"], shown["box"]
+    plane, box = _pane(page, pane)
     off = np.stack(np.meshgrid(np.arange(8, box["width"], 8), np.arange(8, box["height"], 8)), -1)
     middle = np.array([box["width"], box["height"]]) / 2
     across, down = np.moveaxis((off - middle) * plane["pixel"], -1, 0)

@@ -157,6 +157,29 @@ def test_constants_and_regions_are_chosen_and_taken_back(page: Browser) -> None:
     page.wait(f"{MATTER}.model === null")
 
 
+def test_a_segment_whose_name_tells_of_no_tissue_is_softened_by_two_clicks(page: Browser) -> None:
+    asked = "document.querySelector('[data-testid=which-tissue-1]')"
+    page.do("click", testid="soften-1")
+    page.wait(f"{asked} !== null")
+    # the first choice has the focus; Escape asks no more
+    assert page.read("document.activeElement.dataset.testid") == "tissue-1-liver"
+    page.do("screenshot", path=str(OUTPUT / "matter_which_tissue.png"))
+    page.do("press", key="Escape")
+    page.wait(f"{asked} === null")
+    assert page.read("window.palpate.segments[0].material") is None
+
+    page.do("click", testid="soften-1")
+    page.do("click", testid="tissue-1-muscle")
+    page.wait(f"{MATTER}.model === 'lattice'")
+    page.wait("window.palpate.segments[0].material.preset === 'muscle'")
+    page.wait(f"{asked} === null")
+    assert page.read("document.querySelector('[data-testid=soften-1]')") is None
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.segments[0].material === null")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null")
+
+
 def test_options_of_a_model_are_chosen_and_taken_back(page: Browser) -> None:
     page.do("choose", testid="material-1", value="liver")
     page.wait(f"{MATTER}.model === 'lattice'")

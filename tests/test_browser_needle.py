@@ -54,6 +54,12 @@ def test_a_needle_goes_into_tissue_tells_of_it_and_is_withdrawn(page: Browser) -
     page.do("click", testid="tool-needle")
     # a threshold may be bone: nobody has said what it is
     page.wait("document.body.textContent.includes('Nothing here is soft for the needle')")
+    # soft tissue is added by a button, and taken back
+    page.do("click", testid="needle-skin")
+    page.wait("window.palpate.segments.some(({ name }) => name === 'Skin')")
+    page.wait("document.querySelector('[data-testid=needle-skin]') === null")
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.segments.length === 1")
     page.read(
         f"void (() => {{ {TISSUE}.value = 'liver';"
         f" {TISSUE}.dispatchEvent(new Event('change', {{ bubbles: true }})); }})()"
@@ -82,18 +88,40 @@ def test_a_needle_goes_into_tissue_tells_of_it_and_is_withdrawn(page: Browser) -
     page.wait(f"window.palpate.state.proxy[1] < {SURFACE}")
 
 
+def place_in_axial(page: Browser, point: tuple[float, float, float]) -> tuple[float, float]:
+    """Returns where a point is in the axial slice [pixels of the page]."""
+    x, y = page.read(
+        "(() => { const { plane } = window.palpate.slices.find(({name}) => name === 'axial');"
+        " const box = document.querySelector('[data-testid=slice-axial]').getBoundingClientRect();"
+        f" const off = {list(point)}.map((c, axis) => c - plane.centre[axis]);"
+        " const along = (axis) => off.reduce((sum, c, i) => sum + c * axis[i], 0) / plane.pixel;"
+        " return [box.x + box.width / 2 + along(plane.right),"
+        " box.y + box.height / 2 - along(plane.up)]; })()"
+    )
+    return x, y
+
+
 def click_at(page: Browser, point: tuple[float, float, float]) -> None:
     """Clicks a point of the axial slice through it."""
     page.read(f"window.palpate.cross({list(point)})")
     page.frames()
-    x, y = page.read(
-        "(() => { const { plane, rect } = window.palpate.slices.find(({name}) => name === 'axial');"
-        f" const off = {list(point)}.map((c, axis) => c - plane.centre[axis]);"
-        " const along = (axis) => off.reduce((sum, c, i) => sum + c * axis[i], 0) / plane.pixel;"
-        " return [0.5 + along(plane.right) / rect.width, 0.5 - along(plane.up) / rect.height];"
-        " })()"
-    )
-    page.do("clickAt", testid="slice-axial", x=x, y=y)
+    x, y = place_in_axial(page, point)
+    page.do("point", x=x, y=y)
+    page.do("mouse", down=True)
+    page.do("mouse", down=False)
+
+
+def push_from_entry(page: Browser) -> None:
+    """Pushes the needle from the planned entry into the block, with the mouse over the slice."""
+    pixel = page.read("window.palpate.slices[0].plane.pixel")
+    x, y = place_in_axial(page, (MIDDLE, SURFACE - 3, MIDDLE))
+    page.do("point", x=x, y=y)
+    page.do("hold", key="Shift")
+    page.do("mouse", down=True)
+    for moved in range(1, 22):
+        page.do("point", x=x, y=y + moved / pixel)
+    page.wait("window.palpate.state.tool.on")
+    page.wait(f"{NEEDLE}.inside && {NEEDLE}.depth > 5")
 
 
 def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page: Browser) -> None:
@@ -108,15 +136,17 @@ def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page
     pixel = page.read("window.palpate.slices[0].plane.pixel")
     page.shows("mark-value-1", "text.endsWith('mm')")
     assert abs(float(page.text("mark-value-1").split()[0]) - 18.0) < 2.0 * pixel + 0.05
+    entry = page.read("window.palpate.marks[0].points[1]")
     # all of the way before it goes in: air, then the block
     page.shows("needle-way-planned", "text.includes('threshold')")
 
-    page.read(f"window.palpate.place({[MIDDLE, SURFACE - 2, MIDDLE]})")
+    # to the entry, and in along the slice, where the point of the mark lies under the mouse
+    page.read(f"window.palpate.place({[4, 4, 4]})")
     page.all_done()
-    hold(page, on=True)
-    page.wait("window.palpate.state.tool.on")
-    page.read(f"window.palpate.hand({[MIDDLE, SURFACE + 13, MIDDLE]})")
-    page.wait(f"{NEEDLE}.inside && {NEEDLE}.depth > 5")
+    page.do("click", testid="needle-to-entry")
+    page.wait(f"Math.abs(window.palpate.state.proxy[0] - {MIDDLE}) < 1")
+    page.wait(f"Math.abs(window.palpate.state.proxy[1] - {SURFACE - 8}) < 1")
+    push_from_entry(page)
     page.wait("document.querySelector('[data-testid=needle-axial]') !== null")
     page.shows("tool-size", "text.endsWith('mm deep')")
     page.shows("needle-way-passed", "text.includes('threshold')")
@@ -127,7 +157,10 @@ def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page
     ahead = SURFACE + 15 - page.read("window.palpate.state.proxy[1]")
     page.shows("needle-ahead", f"Math.abs(parseFloat(text) - {ahead}) < 1.5")
     page.do("screenshot", path=str(OUTPUT / "needle-planned.png"))
-    hold(page, on=False)
+    page.do("mouse", down=False)
+    page.do("hold", key="Shift", up=True)
+    page.wait("!window.palpate.state.tool.on")
+    assert page.read("window.palpate.marks[0].points[1]") == entry, "it was not dragged"
     page.do("click", testid="needle-withdraw")
     page.wait(f"!{NEEDLE}.inside")
     page.wait("document.querySelector('[data-testid=needle-axial]') === null")

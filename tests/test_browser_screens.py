@@ -100,6 +100,38 @@ def test_enlarged_to_twice_its_size_the_page_has_all_panels_and_tools(page: Brow
     page.wait(f"{left} && {right}")
 
 
+def test_the_page_is_as_tall_as_its_window(page: Browser) -> None:
+    tall = "document.documentElement.scrollHeight === window.innerHeight"
+    assert page.read(tall)
+
+
+def test_on_a_phone_the_picture_has_the_whole_width_and_panels_lie_below(page: Browser) -> None:
+    canvas = "document.querySelector('main canvas').getBoundingClientRect()"
+    panel = "document.querySelector('aside.right').getBoundingClientRect()"
+    toggles = "[...document.querySelectorAll('header button')]"
+    page.do("resize", width=480, height=800)
+    page.wait("document.querySelectorAll('aside').length === 1")
+    page.wait(f"{canvas}.width === 480")
+    assert page.read(f"{panel}.top >= {canvas}.bottom && {panel}.bottom <= 800")
+    assert page.read(f"{canvas}.height > 250 && {panel}.width === 480")
+    page.do("screenshot", path=str(OUTPUT / "screens-phone-tools.png"))
+    # closed, its tools are a strip in one row; the other one comes in its place
+    page.read(f"{toggles}.at(-1).click()")
+    page.wait(f"{panel}.height < 60 && {canvas}.height > 600")
+    strip = "[...document.querySelectorAll('aside.right [data-testid^=tool-]')]"
+    tops = page.read(f"{strip}.map((tool) => tool.getBoundingClientRect().top)")
+    assert (len(tops), len(set(tops))) == (len(TOOLS), 1)
+    page.read(f"{toggles}[0].click()")
+    page.wait("document.querySelector('aside.left') !== null")
+    left = "document.querySelector('aside.left').getBoundingClientRect()"
+    assert page.read(f"{left}.width === 480 && {left}.top >= {canvas}.bottom")
+    page.do("screenshot", path=str(OUTPUT / "screens-phone-scan.png"))
+    page.read(f"{toggles}.at(-1).click()")
+    page.do("resize", width=1366, height=768)
+    page.wait("document.querySelectorAll('aside').length === 2")
+    page.wait(f"{panel}.width > 200")
+
+
 def test_the_whole_name_of_a_segment_is_its_tooltip(page: Browser) -> None:
     name = "document.querySelector('li[data-testid=segment-1] .name')"
     assert page.read(f"{name}.title") == page.read(f"{name}.querySelector('.text').textContent")

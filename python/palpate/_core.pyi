@@ -24,7 +24,7 @@ from palpate.pictures.camera import Camera
 from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun
 from palpate.session.deformation_state import DeformationState, ModelOffer, ModelParts
 from palpate.session.frame_state import FrameState, LatenessState
-from palpate.session.picture_change import PictureChange
+from palpate.session.picture_change import PictureChange, VoxelChange
 from palpate.session.recording_columns import ReplayResult, TapeColumns, TickColumns
 from palpate.session.segment_state import EngineSegmentState, SettingsState
 
@@ -331,6 +331,9 @@ class Session:
 
     def picture_changes(self) -> list[PictureChange]:
         """Changes of the picture since the previous call."""
+
+    def values_at_rest(self) -> VoxelChange | None:
+        """Stored values at rest of a box around all pressed tissue; None where none is pressed."""
 
     def whole_surfaces(self) -> PictureChange:
         """All current surfaces, in the same form."""

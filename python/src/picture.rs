@@ -59,7 +59,7 @@ fn seconds_since_1970(moment: SystemTime) -> f64 {
     since.map_or(0.0, |since| since.as_secs_f64())
 }
 
-fn voxels_dict<'py>(py: Python<'py>, voxels: &VoxelChange) -> PyResult<Bound<'py, PyDict>> {
+pub fn voxels_dict<'py>(py: Python<'py>, voxels: &VoxelChange) -> PyResult<Bound<'py, PyDict>> {
     let VoxelBox { min, max } = voxels.region;
     let little_endian = |stored: &Vec<i16>| -> Vec<u8> {
         stored

@@ -28,7 +28,7 @@ use crate::material::{
 };
 use crate::painted::{GivenLine, painted};
 use crate::parallel::is_forked;
-use crate::picture::change_dict;
+use crate::picture::{change_dict, voxels_dict};
 use crate::recording::{recording_dict, tape_dict};
 use crate::running::note;
 use crate::segment::PySegment;
@@ -443,6 +443,13 @@ impl PySession {
             .iter()
             .map(|change| change_dict(py, change))
             .collect()
+    }
+
+    /// Stored values at rest of a box around all tissue that tools press; none where none is pressed.
+    fn values_at_rest<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let values = py.detach(|| self.session.values_at_rest());
+        let values = values.map_err(CoreError::from)?;
+        values.map(|values| voxels_dict(py, &values)).transpose()
     }
 
     /// All surfaces as they are now.

@@ -11,6 +11,7 @@
 //! This crate depends on `palpate-volume` only. It will not depend on touch, devices, tools
 //! or the engine's threads.
 
+pub mod at_rest;
 mod displacement;
 pub mod lattice;
 pub mod material;

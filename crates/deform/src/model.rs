@@ -16,6 +16,7 @@ use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
 use palpate_volume::voxels::Voxels;
 
+use crate::at_rest::AtRest;
 use crate::material::Materials;
 
 /// Sizes of tools that make sense [mm].
@@ -236,6 +237,9 @@ pub struct Effort {
 pub struct ModelAnswer {
     /// Voxels that moved, with their intensities; none where nothing changed.
     pub edit: Option<Edit>,
+    /// What all voxels that the model has moved by then, this edit's among them, are without a tool;
+    /// none from a model all of whose edits stay.
+    pub at_rest: Option<AtRest>,
     /// One for each tool, in order.
     pub contacts: Vec<ToolContact>,
     /// Displacement that the voxels do not show; none where they show all.

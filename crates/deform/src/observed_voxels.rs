@@ -4,7 +4,7 @@ use glam::IVec3;
 use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
-use crate::voxel_ledger::{Ledger, state_of};
+use crate::voxel_ledger::Ledger;
 
 /// The voxels as they were after an answer.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ impl ObservedVoxels {
     }
 
     fn was_taken(&self, voxels: &Voxels) -> bool {
-        let is_written = |(voxel, matter)| state_of(voxels, voxel) == Some(matter);
+        let is_written = |(voxel, matter)| voxels.state(voxel) == Some(matter);
         voxels.edit_number() == self.edit_number + 1 && self.wrote.is_some_and(is_written)
     }
 }

@@ -4,31 +4,19 @@
 //! ledger keeps what these were, so that tissue comes back to the bit, and notices where
 //! somebody else has changed them since: that counts from then on.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
-use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
+use crate::at_rest::AtRest;
 use crate::material::{Materials, Region, SegmentMaterial, Solid, Treatment};
 
 /// Voxels along a side of what one edit covers, at most: it looks at each in between.
 const WIDEST: u32 = 128;
-
-/// What a voxel is as the scan and all edits say.
-pub fn state_of(voxels: &Voxels, voxel: IVec3) -> Option<VoxelState> {
-    let stored = voxels.stored(voxel)?;
-    let holds = voxels
-        .segments()
-        .filter(|(_, segment)| segment.contains(voxel));
-    Some(VoxelState {
-        stored,
-        segments: holds.map(|(id, _)| id).collect::<SegmentSet>(),
-    })
-}
 
 /// The solid of some tissue and how it takes part; none where nothing of it does. The last of
 /// the materials that holds it counts.
@@ -81,9 +69,11 @@ pub type Wanted = BTreeMap<[i32; 3], (VoxelState, Option<DVec3>)>;
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     changed: BTreeMap<[i32; 3], Changed>,
-    /// Those of them that stay displaced although no tool presses them (plastic set).
-    plastic: BTreeSet<[i32; 3]>,
+    /// Those of them that stay displaced although no tool presses them (plastic set), as they are then.
+    plastic: BTreeMap<[i32; 3], VoxelState>,
     last: Option<(IVec3, VoxelState)>,
+    /// All voxels of the last edit, until it is known whether it was taken.
+    unsettled: Vec<[i32; 3]>,
 }
 
 impl Ledger {
@@ -113,33 +103,49 @@ impl Ledger {
     /// Notes that what the voxels of a region show stays, as no tool presses it.
     pub fn note_plastic(&mut self, region: &VoxelBox) {
         self.plastic
-            .retain(|key| !region.contains(IVec3::from_array(*key)));
+            .retain(|key, _| !region.contains(IVec3::from_array(*key)));
         let stays = |(key, changed): &(&[i32; 3], &Changed)| {
             region.contains(IVec3::from_array(**key)) && changed.written != changed.rest
         };
-        let stay = self.changed.iter().filter(stays).map(|(key, _)| *key);
-        self.plastic.extend(stay);
+        let stay = self.changed.iter().filter(stays);
+        self.plastic
+            .extend(stay.map(|(key, changed)| (*key, changed.written)));
+    }
+
+    /// What the voxels that the model changed are without a tool: as at rest, or as they stay where
+    /// their tissue has yielded.
+    pub fn at_rest(&self) -> AtRest {
+        let without = |(key, changed): (&[i32; 3], &Changed)| {
+            let lasting = self.plastic.get(key);
+            (*key, lasting.copied().unwrap_or(changed.rest))
+        };
+        AtRest(self.changed.iter().map(without).collect())
     }
 
     /// Notes that what the voxels show stays which a box leaves. Some of them become what is
     /// wanted, which may be what they are at rest; the others stay as they are.
     pub fn note_left(&mut self, voxels: &Voxels, left: impl Fn(IVec3) -> bool, wanted: &Wanted) {
         let in_left = |key: &[i32; 3]| left(IVec3::from_array(*key));
-        self.plastic.retain(|key| !in_left(key));
+        self.plastic.retain(|key, _| !in_left(key));
         let keys = self.changed.keys().chain(wanted.keys());
         let stays = |key: &&[i32; 3]| {
             let rest = self.rest(voxels, IVec3::from_array(**key));
             let to_be = wanted.get(*key).map(|(matter, _)| *matter);
             in_left(key) && to_be.is_none_or(|to_be| rest != Some(to_be))
         };
-        let stay: Vec<_> = keys.filter(stays).copied().collect();
+        let lasting = |key: &[i32; 3]| {
+            let to_be = wanted.get(key).map(|(matter, _)| *matter);
+            to_be.or_else(|| voxels.state(IVec3::from_array(*key)))
+        };
+        let stay = keys.filter(stays);
+        let stay: Vec<_> = stay.filter_map(|key| Some((*key, lasting(key)?))).collect();
         self.plastic.extend(stay);
     }
 
     /// From now on voxels that stay as they are count as they are, as any other edit does.
     pub fn settle_plastic(&mut self) {
-        for key in std::mem::take(&mut self.plastic) {
-            self.changed.remove(&key);
+        for key in std::mem::take(&mut self.plastic).keys() {
+            self.changed.remove(key);
         }
     }
 
@@ -150,18 +156,39 @@ impl Ledger {
 
     /// What a voxel is at rest. Where somebody else has changed it since, that counts.
     pub fn rest(&self, voxels: &Voxels, voxel: IVec3) -> Option<VoxelState> {
-        let now = state_of(voxels, voxel)?;
+        let now = voxels.state(voxel)?;
         let changed = self.changed(voxel).filter(|changed| changed.explains(&now));
         Some(changed.map_or(now, |changed| changed.rest))
+    }
+
+    /// Once the last edit was taken, what voxels were before it explains them no more: what became so
+    /// since was cut.
+    fn settle_last(&mut self, voxels: &Voxels) {
+        let last = std::mem::take(&mut self.unsettled);
+        let shows_it = |key: &[i32; 3]| {
+            let changed = self.changed.get(key);
+            changed.is_some_and(|changed| {
+                voxels.state(IVec3::from_array(*key)) == Some(changed.written)
+            })
+        };
+        if !last.iter().any(shows_it) {
+            return;
+        }
+        for key in last {
+            if let Some(changed) = self.changed.get_mut(&key) {
+                changed.before = changed.written;
+            }
+        }
     }
 
     /// Forgets what somebody else has changed since, and tells it: where, what the model had
     /// made of it, and what it is now.
     pub fn take_overruled(&mut self, voxels: &Voxels) -> Vec<(IVec3, Changed, VoxelState)> {
+        self.settle_last(voxels);
         let mut overruled = Vec::new();
         self.changed.retain(|key, changed| {
             let voxel = IVec3::from_array(*key);
-            let now = state_of(voxels, voxel);
+            let now = voxels.state(voxel);
             let stays = now.is_none_or(|now| changed.explains(&now));
             if let (false, Some(now)) = (stays, now) {
                 overruled.push((voxel, *changed, now));
@@ -176,7 +203,7 @@ impl Ledger {
     /// into a voxel counts from now on.
     pub fn follow_cuts(&mut self, voxels: &Voxels) {
         for (voxel, mut changed, now) in self.take_overruled(voxels) {
-            let lasts = self.plastic.remove(&voxel.to_array());
+            let lasts = self.plastic.remove(&voxel.to_array()).is_some();
             if now == changed.rest || !now.segments.is_empty() {
                 continue;
             }
@@ -184,18 +211,18 @@ impl Ledger {
             (changed.before, changed.written, changed.shown) = (now, now, None);
             if from != Some(voxel) {
                 self.changed.insert(voxel.to_array(), changed);
-                self.plastic.extend(lasts.then(|| voxel.to_array()));
+                self.plastic.extend(lasts.then(|| (voxel.to_array(), now)));
             }
             if let Some(from) = from.filter(|from| *from != voxel) {
                 self.change_rest(voxels, from, now);
-                self.plastic.extend(lasts.then(|| from.to_array()));
+                self.plastic.extend(lasts.then(|| (from.to_array(), now)));
             }
         }
     }
 
     /// Has a voxel be something else at rest than it was; the next edit shows it.
     fn change_rest(&mut self, voxels: &Voxels, voxel: IVec3, rest: VoxelState) {
-        let Some(now) = state_of(voxels, voxel) else {
+        let Some(now) = voxels.state(voxel) else {
             return;
         };
         let as_it_is = Changed {
@@ -212,7 +239,7 @@ impl Ledger {
     pub fn give_back_outside(&self, voxels: &Voxels, region: &VoxelBox, wanted: &mut Wanted) {
         for key in self.changed.keys() {
             let voxel = IVec3::from_array(*key);
-            if region.contains(voxel) || self.plastic.contains(key) {
+            if region.contains(voxel) || self.plastic.contains_key(key) {
                 continue;
             }
             if let Some(rest) = self.rest(voxels, voxel) {
@@ -224,12 +251,12 @@ impl Ledger {
     /// The edit by which voxels become what is wanted, remembered; none where they are. What
     /// lies too far from the rest for one edit waits for the next.
     pub fn write(&mut self, voxels: &Voxels, wanted: &Wanted) -> Option<Edit> {
+        self.settle_last(voxels);
         let mut region = VoxelBox::EMPTY;
         self.last = None;
         for (&key, &(matter, shown)) in wanted {
             let voxel = IVec3::from_array(key);
-            let (Some(rest), Some(before)) = (self.rest(voxels, voxel), state_of(voxels, voxel))
-            else {
+            let (Some(rest), Some(before)) = (self.rest(voxels, voxel), voxels.state(voxel)) else {
                 continue;
             };
             if matter == before {
@@ -246,6 +273,7 @@ impl Ledger {
             region = grown;
             let written = matter;
             self.last = Some((voxel, written));
+            self.unsettled.push(key);
             self.changed.insert(
                 key,
                 Changed {

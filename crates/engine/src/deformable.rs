@@ -8,6 +8,7 @@ mod deformation;
 mod deformation_loop;
 mod displacements;
 mod rigid_regions;
+mod unpressed;
 
 pub use deformable_segments::has_soft_segments;
 pub use deformable_view::{DeformableView, ShownParts};
@@ -15,3 +16,4 @@ pub use deformation::{Deformation, DeformationStatus, ForceSource};
 pub use deformation_loop::{DeformationLoop, WakeUp};
 pub use displacements::Displacements;
 pub use rigid_regions::{Regions, SharedChange, SharedRegionChanges, changed_bricks, rigid_mask};
+pub use unpressed::Unpressed;

@@ -154,8 +154,10 @@ impl ServoLoop {
             snapshots,
         } = channels;
         state.poses.follow_root(&mut touchable, &grid);
-        // who starts a session or reads a tape has checked that it fits
-        let _ = touchable.set_radius(state.radius);
+        // too large for the voxels, the probe is as large as touch was made for
+        if touchable.set_radius(state.radius).is_err() {
+            state.radius = touchable.radius;
+        }
         let hard = RigidObstacles::new(&touchable);
         let mut occupancy = TouchOccupancy::new(touchable, garbage);
         occupancy.want_radius(state.settings.probe_radius);

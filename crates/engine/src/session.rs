@@ -256,6 +256,14 @@ impl Session {
         self.ask(|simulation| simulation.voxels().clone())
     }
 
+    /// The same without what tools press of soft tissue: what is saved, and what people change.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn voxels_at_rest(&self) -> Result<Voxels, SessionError> {
+        self.ask(|simulation| simulation.voxels_at_rest().clone())
+    }
+
     /// Has the simulation answer; waits for it.
     fn ask<R: Send + 'static>(
         &self,
@@ -286,11 +294,11 @@ impl Session {
         commit: impl Fn(&mut Simulation, C) -> Result<R, SessionError> + Copy + Send + 'static,
     ) -> Result<R, SessionError> {
         for _ in 0..BUILDS {
-            let snapshot = self.voxels()?;
+            let snapshot = self.voxels_at_rest()?;
             let number = snapshot.edit_number();
             let change = build(&snapshot)?;
             let committed = self.ask(move |simulation| {
-                let same = simulation.voxels().edit_number() == number;
+                let same = simulation.voxels_at_rest().edit_number() == number;
                 same.then(|| commit(simulation, change))
             })?;
             if let Some(result) = committed {
@@ -299,7 +307,7 @@ impl Session {
         }
         // under edits without end the simulation waits once
         self.ask(move |simulation| {
-            let change = build(simulation.voxels())?;
+            let change = build(simulation.voxels_at_rest())?;
             commit(simulation, change)
         })?
     }

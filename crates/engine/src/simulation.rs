@@ -18,7 +18,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::deformable::{Deformation, Displacements, SharedRegionChanges};
+use crate::deformable::{Deformation, Displacements, SharedRegionChanges, Unpressed};
 use crate::error::SessionError;
 use crate::notice::Notice;
 use crate::picture::{PictureEnds, SceneUpdate, SimulationStatus};
@@ -114,6 +114,11 @@ pub struct Simulation {
     dragged: Option<SegmentId>,
     clutched: bool,
     deformation: Deformation,
+    /// What of the voxels is no change, but pressed.
+    unpressed: Unpressed,
+    /// Whether what a stroke did ends as a step with the next answer, which takes cuts to where their
+    /// tissue is at rest.
+    closes_with_answer: bool,
     /// What was changed of segments that regions are shared with.
     shared_changes: SharedRegionChanges,
     /// As the picture was told it last.
@@ -167,6 +172,8 @@ impl Simulation {
             dragged: None,
             clutched: false,
             deformation,
+            unpressed: Unpressed::default(),
+            closes_with_answer: false,
             shared_changes: SharedRegionChanges::default(),
             displacements: None,
             fractions,
@@ -202,6 +209,18 @@ impl Simulation {
     #[must_use]
     pub fn settings(&self) -> Settings {
         self.settings
+    }
+
+    /// The voxels without what tools press of soft tissue: those that are saved, and changed by people.
+    #[must_use]
+    pub fn voxels_at_rest(&self) -> &Voxels {
+        self.unpressed.voxels(self.scene.voxels())
+    }
+
+    /// A box around all voxels that are pressed; empty where none is.
+    #[must_use]
+    pub fn moved(&self) -> VoxelBox {
+        self.unpressed.moved()
     }
 
     /// The voxels of a segment with the threshold that made them.

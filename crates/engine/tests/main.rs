@@ -11,6 +11,8 @@ mod deformable;
 #[path = "../../../tests/support/length.rs"]
 mod length;
 mod picture;
+#[path = "../../tools/tests/support/place.rs"]
+mod place;
 mod replay;
 mod scenario;
 mod scene;

@@ -61,6 +61,7 @@ fn moves_facts_and_segments_with_a_grid_of_their_own_come_back_to_the_bit() {
         made_by: None,
         feel: [Some(0.3), None, Some(0.1)],
         pose: Some(DAffine3::from_rotation_x(0.7)),
+        locked: true,
     };
     let pose = DAffine3::from_translation(DVec3::new(0.1, -2.0, 1e-9));
     let mut file = JournalFile::create(&place.0, HASH, &voxels).expect("a new file");

@@ -90,6 +90,41 @@ fn a_full_disk_is_told_of_once_and_the_session_goes_on() {
     assert!(found.steps > 0 && found.valid_bytes <= 4000, "{found:?}");
 }
 
+/// A disk whose driver panics at the first record.
+struct Broken {
+    head: bool,
+}
+
+impl Write for Broken {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        assert!(self.head, "the driver is broken");
+        self.head = false;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Storage for Broken {
+    fn sync(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_writer_that_panics_is_told_of_once_also_if_nothing_changes_any_more() {
+    let voxels = start(UVec3::new(26, 23, 17));
+    let broken = Broken { head: true };
+    let mut file = JournalFile::begin(broken, HASH, &voxels).expect("room for the head");
+    file.note(b"name".to_vec());
+    let problem = wait_for(|| file.take_problem());
+    assert!(problem.contains("has failed"), "{problem}");
+    file.note(b"another".to_vec());
+    assert_eq!(file.take_problem(), None);
+}
+
 /// A disk that takes nothing more until it is told to.
 struct Stuck {
     go_on: Receiver<()>,

@@ -105,6 +105,18 @@ impl Voxels {
         self.overlay.stored(&self.intensities, voxel)
     }
 
+    /// Intensity and segments of a voxel, edits included; none outside the grid. Segments on a grid of
+    /// their own hold no voxel of it.
+    pub fn state(&self, voxel: IVec3) -> Option<VoxelState> {
+        let stored = self.stored(voxel)?;
+        let holds = |segment: &Segment| segment.own_grid().is_none() && segment.contains(voxel);
+        let ids = self.segments().filter(|(_, segment)| holds(segment));
+        Some(VoxelState {
+            stored,
+            segments: ids.map(|(id, _)| id).collect(),
+        })
+    }
+
     /// Physical value of a voxel, edits included; none outside the grid.
     pub fn value(&self, voxel: IVec3) -> Option<f64> {
         let stored = self.stored(voxel)?;

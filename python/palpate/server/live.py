@@ -146,6 +146,7 @@ class Live:
             ),
             asyncio.create_task(self._follow_changes(), name="following changes"),
             asyncio.create_task(self._write_kept(), name="keeping marks and looks"),
+            asyncio.create_task(self._settle_labels(), name="comparing segments"),
         ]
         for task in beside:
             task.add_done_callback(self._tell_failure)
@@ -297,7 +298,9 @@ class Live:
             return False
         self._scene_of_now = (frame["edit"], frame["poses"])
         versions, voxels = frame["segments_version"], frame["voxels_version"]
-        if self.segments.refresh(versions, voxels_version=voxels, pending=frame["pending"]):
+        if self.segments.refresh(
+            versions, voxels_version=voxels, pending=frame["pending"], edit=frame["edit"]
+        ):
             self._publish(self.segments.message)
             for text in self.segments.take_notices():
                 self._publish(protocol.Notice(level="info", text=text))
@@ -330,6 +333,15 @@ class Live:
         while True:
             await asyncio.sleep(KEEPING_PAUSE)
             await asyncio.to_thread(self.kept.write)
+
+    async def _settle_labels(self) -> None:
+        """Finds out whether pages need other labels, where segments came before others."""
+        while True:
+            if self.segments.is_unsure_of_labels:
+                # a session that has ended, or a segment that has gone meanwhile
+                with suppress(PalpateError, RuntimeError):
+                    await asyncio.to_thread(self.segments.labels)
+            await asyncio.sleep(1.0 / STATES_HZ)
 
     def _publish_changes(self) -> None:
         for change in self.session.picture_changes():

@@ -63,13 +63,23 @@ def _little_endian(part: NDArray[Any]) -> bytes:
     return part.astype(part.dtype.newbyteorder("<"), copy=False).tobytes()
 
 
-def labels_of(segments: dict[int, Segment], shape: tuple[int, int, int]) -> NDArray[np.uint8]:
-    """Returns the number of a voxel's segment, 0 where it has none; the last of several."""
+def labels_of(
+    segments: dict[int, Segment], shape: tuple[int, int, int]
+) -> tuple[NDArray[np.uint8], frozenset[int]]:
+    """Returns the number of a voxel's segment, 0 where it has none; the last of several.
+
+    Also returns the numbers of those that share voxels with others.
+    """
     labels = np.zeros(shape, np.uint8)
+    overlapping: set[int] = set()
     for segment_id, segment in segments.items():
         box = segment.bounding_box
         if box is not None:
             # most are small: the rest of their masks is never looked at
             x, y, z = (slice(low, high) for low, high in zip(*box, strict=True))
-            labels[z, y, x][segment.mask()[z, y, x] != 0] = segment_id
-    return labels
+            inside = segment.mask()[z, y, x] != 0
+            below = np.flatnonzero(np.bincount(labels[z, y, x][inside], minlength=256)[1:]) + 1
+            if below.size > 0:
+                overlapping.update(below.tolist(), (segment_id,))
+            labels[z, y, x][inside] = segment_id
+    return labels, frozenset(overlapping)

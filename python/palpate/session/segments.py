@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.session.air import air_of
+from palpate.session.edited_values import EditedValues
 from palpate.session.engine import Engine, Point, option_errors, triple
 from palpate.session.felt import FeltSegments, TouchWish
 from palpate.session.gap import Gap
@@ -332,14 +333,33 @@ class SessionSegments:
         made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
         return Segment(internal, name=name, volume=volume, range=None, made_by=made_by)
 
+    def values_at_rest(self, values: NDArray[np.int16]) -> NDArray[np.int16]:
+        """Returns a scan's stored values with soft tissue as it is when no tool presses it.
+
+        Args:
+            values: The values as the picture shows them, shape [z, y, x]; they are not changed.
+
+        Raises:
+            OptionError: The session has ended.
+        """
+        with option_errors():
+            pressed = self._engine.values_at_rest()
+        at_rest = EditedValues(values)
+        if pressed is not None and pressed["stored"] is not None:
+            at_rest.write(pressed["low"], pressed["high"], pressed["stored"])
+        return at_rest.values
+
     def scene_now(self, values: NDArray[np.int16] | None = None) -> Scene:
         """Returns the scan and its current segments, for example for ``export_scene``.
+
+        Soft tissue is as it is when no tool presses it.
 
         Args:
             values: Stored values of the scan where edits have changed them (``picture_changes``
                 reports these), shape [depth, height, width].
         """
-        volume = self._volume if values is None else self._volume.with_values(values)
+        at_rest = None if values is None else self.values_at_rest(values)
+        volume = self._volume if at_rest is None else self._volume.with_values(at_rest)
         now = Scene(volume)
         for state in self.segments():
             shown = self._first.get(state["id"])

@@ -27,7 +27,7 @@ def shown(ball_scene: Scene) -> Iterator[SegmentList]:
 
 def now(shown: SegmentList, number: int) -> protocol.Segment:
     """A segment as pages are told."""
-    shown.refresh(next(VERSIONS), voxels_version=0, pending=0)
+    shown.refresh(next(VERSIONS), voxels_version=0, pending=0, edit=0)
     return next(one for one in shown.message.segments if one.id == number)
 
 

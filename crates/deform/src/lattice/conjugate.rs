@@ -143,6 +143,15 @@ impl Conjugate {
         self.first_left
     }
 
+    /// Forces along the whole step [N·mm]: those at its beginning, and others there.
+    pub fn along_step(&self, force: &Field) -> [f64; 2] {
+        [&self.force, force].map(|force| {
+            let mut along = 0.0;
+            dot(&self.chunks, force, &self.step, &mut along);
+            along
+        })
+    }
+
     /// Puts the nodes at a share of the step.
     pub fn go(&self, share: f64, moved: &mut Field) {
         place_along(&self.chunks, &self.place, share, &self.step, moved);

@@ -21,7 +21,7 @@ use crate::model::{
     ToolState,
 };
 use crate::observed_voxels::ObservedVoxels;
-use crate::voxel_ledger::{Ledger, Wanted, state_of};
+use crate::voxel_ledger::{Ledger, Wanted};
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
@@ -192,7 +192,7 @@ impl LatticeModel {
         let region = region.map_or(VoxelBox::EMPTY, |matter| matter.region_from(matter.origin));
         self.left_behind.retain(|key, (matter, _)| {
             let voxel = IVec3::from_array(*key);
-            !region.contains(voxel) && state_of(voxels, voxel) != Some(*matter)
+            !region.contains(voxel) && voxels.state(voxel) != Some(*matter)
         });
         let field = self.matter.as_ref().map(MovingBox::displacement);
         // where nothing was pressed since, what lasts is as it was to the voxel
@@ -212,6 +212,7 @@ impl LatticeModel {
             let least = VISIBLE * field.spacing;
             answer.displacement = field.residual(voxels, &self.ledger, least);
         }
+        answer.at_rest = Some(self.ledger.at_rest());
         answer.report.moved_voxels = self.ledger.len() as u32;
         answer.report.plastic_voxels = self.ledger.plastic_len() as u32;
     }

@@ -1,7 +1,8 @@
 //! Brings a lattice to rest under its tools: Newton's method from where the nodes are, each step
 //! found by conjugate gradients as far as it pays.
 //!
-//! A step that is too long for the contacts is cut in half until the forces fall.
+//! A step that is too long for the contacts is cut in half until the forces fall, all of them or those
+//! along it. Where they do with no part of it, the nodes stay where they are, and whoever asked is told how far from rest that is.
 //! Source: Nocedal & Wright, Numerical Optimization (2006), section 7.1 (line search Newton-CG).
 
 use super::coarse::CoarseFactor;
@@ -38,8 +39,19 @@ const GAINS: [f64; 2] = [0.05, 0.5];
 const MOST: u32 = 60;
 /// A node moves so far at most in one step [spacings].
 const FARTHEST: f64 = 0.5;
+/// Forces along a step of which no more than this share is left, either way, have lost energy on it:
+/// then others may grow, as where tissue buckles (Crisfield, Non-linear Finite Element Analysis,
+/// 1991, section 9.2).
+const LESS_ALONG: f64 = 0.8;
 /// Most times that a step is cut in half.
 const HALVES: u32 = 4;
+
+/// What came of a step.
+struct Taken {
+    evaluations: u32,
+    /// Whether the forces fell, and the nodes moved.
+    falls: bool,
+}
 
 /// Accuracy with which one step is to be found.
 pub(super) struct Wish {
@@ -109,7 +121,14 @@ impl Relaxer {
             };
             iterations += self.find_step(lattice, tools, &wish, is_late);
             let most = settings.iterations.saturating_sub(iterations);
-            iterations += self.take_step(lattice, tools, most);
+            let taken = self.take_step(lattice, tools, most);
+            iterations += taken.evaluations;
+            if !taken.falls {
+                return RelaxReport {
+                    iterations,
+                    residual,
+                };
+            }
             self.look_for_nodes(lattice, tools);
         }
     }
@@ -154,8 +173,9 @@ impl Relaxer {
         wish.most
     }
 
-    /// Takes the step, or a part of it so small that the forces fall.
-    fn take_step(&mut self, lattice: &mut Lattice, tools: &[LatticeTool], most: u32) -> u32 {
+    /// Takes the step, or a part of it so small that the forces fall, or at least those along it, so that
+    /// energy does; none where no part is so small.
+    fn take_step(&mut self, lattice: &mut Lattice, tools: &[LatticeTool], most: u32) -> Taken {
         let longest = self.problem.longest_step() / lattice.spacing;
         let mut share = (FARTHEST / longest.max(f64::MIN_POSITIVE)).min(1.0);
         let before = self.problem.first_left();
@@ -164,9 +184,22 @@ impl Relaxer {
             self.problem.go(share, &mut lattice.moved);
             self.evaluate(lattice, tools);
             tried += 1;
-            let falls = unbalanced(&self.mobility, &lattice.force) < before;
-            if falls || tried > HALVES || tried >= most {
-                return tried;
+            let [first, now] = self.problem.along_step(&lattice.force);
+            let falls = unbalanced(&self.mobility, &lattice.force) < before
+                || now.abs() < LESS_ALONG * first;
+            if falls {
+                return Taken {
+                    evaluations: tried,
+                    falls,
+                };
+            }
+            if tried > HALVES || tried >= most {
+                self.problem.go(0.0, &mut lattice.moved);
+                self.evaluate(lattice, tools);
+                return Taken {
+                    evaluations: tried + 1,
+                    falls,
+                };
             }
             share *= 0.5;
         }

@@ -177,6 +177,7 @@ impl DeformationModel for GlobalModel {
         };
         answer.edit = state.following.advance(&rule, ledger, effort);
         state.observed.note(ledger);
+        answer.at_rest = Some(ledger.at_rest());
         answer.report.moved_voxels = ledger.len() as u32;
         let field = field.map(|field| field.on_nodes(middle));
         answer.displacement =
@@ -213,6 +214,7 @@ impl GlobalModel {
         };
         ModelAnswer {
             edit,
+            at_rest: Some(self.ledger.at_rest()),
             contacts: input.tools.iter().map(none).collect(),
             report: ModelReport {
                 moved_voxels: self.ledger.len() as u32,

@@ -9,7 +9,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use super::state::Origin;
 use crate::material::{Solid, Treatment};
 use crate::model::ModelInput;
-use crate::voxel_ledger::{solid_of, state_of};
+use crate::voxel_ledger::solid_of;
 
 /// Share of the voxels around a place that must be solid for a particle to stand there.
 const SOLID_SHARE: f64 = 0.5;
@@ -44,7 +44,7 @@ pub(super) fn matter_around(
         .filter(|voxel| distance(*voxel) <= reach || *voxel == own);
     for voxel in near {
         all += 1;
-        let Some(matter) = state_of(input.voxels, voxel) else {
+        let Some(matter) = input.voxels.state(voxel) else {
             continue;
         };
         let Some((of, treatment)) = solid_of(input.voxels, input.materials, voxel, &matter) else {

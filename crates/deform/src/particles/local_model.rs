@@ -242,6 +242,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
         answer.events.extend(unlike);
         answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);
+        answer.at_rest = Some(state.at_rest());
         answer.report.moved_voxels = state.moved_voxels();
         answer.displacement = state.displacement(input.voxels);
         answer

@@ -16,6 +16,7 @@ use super::slips::Slips;
 use super::state::{Origin, Particles};
 use super::tool_push::ParticleTool;
 use super::write_back::WriteBack;
+use crate::at_rest::AtRest;
 use crate::displacement::Displacement;
 use crate::material::Treatment;
 use crate::model::{Budget, DisplacementField, ModelEvent, ModelInput};
@@ -65,6 +66,11 @@ impl<L: LocalLaw> LocalState<L> {
             filled: vec![false; cells],
             slips: Slips::default(),
         }
+    }
+
+    /// What moved voxels are without a tool.
+    pub fn at_rest(&self) -> AtRest {
+        self.ledger.at_rest()
     }
 
     /// Voxels that are not as at rest.

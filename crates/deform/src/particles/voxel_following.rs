@@ -19,7 +19,7 @@ use palpate_volume::voxels::Voxels;
 use super::global_field::GlobalField;
 use crate::material::Treatment;
 use crate::model::{Budget, Effort, ModelInput};
-use crate::voxel_ledger::{Ledger, Wanted, solid_of, state_of};
+use crate::voxel_ledger::{Ledger, Wanted, solid_of};
 
 /// Voxels along each edge of a tile.
 const TILE: i32 = 16;
@@ -200,7 +200,7 @@ fn is_done(change: &Change, wanted: &Wanted, voxels: &Voxels, ledger: &Ledger) -
     };
     match ledger.changed(change.voxel) {
         Some(changed) => change.come != [0; 3] && changed.written == *matter,
-        None => state_of(voxels, change.voxel) == Some(*matter),
+        None => voxels.state(change.voxel) == Some(*matter),
     }
 }
 

@@ -15,7 +15,7 @@ use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
 
 use super::state::Particles;
-use crate::voxel_ledger::{Ledger, Wanted, state_of};
+use crate::voxel_ledger::{Ledger, Wanted};
 
 /// Share of its particles below which a voxel is cleared.
 const CLEAR_BELOW: f64 = 0.5;
@@ -82,8 +82,7 @@ impl WriteBack {
             if standing.is_as_at_rest() && ledger.changed(voxel).is_none() {
                 continue;
             }
-            let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), state_of(voxels, voxel))
-            else {
+            let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), voxels.state(voxel)) else {
                 continue;
             };
             let matter = self.matter(standing, &rest, &now);

@@ -7,6 +7,7 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::Duration;
 
 use glam::{DMat3, DQuat, DVec3};
+use palpate_deform::at_rest::AtRest;
 use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
@@ -67,6 +68,8 @@ pub struct DeformationStatus {
 pub struct Outcome {
     /// Voxels that moved.
     pub edit: Option<Edit>,
+    /// What all moved voxels are without a tool; none where that is not known, or as before.
+    pub at_rest: Option<AtRest>,
     /// What the servo is to follow.
     pub deformable_contact: Option<DeformableContact>,
     /// Where tissue stands beside its voxels.
@@ -261,6 +264,7 @@ impl Deformation {
         };
         Outcome {
             edit,
+            at_rest: answer.at_rest.filter(|_| is_current),
             deformable_contact: Some(deformable_contact),
             displacement: answer.displacement,
             events: answer.events,

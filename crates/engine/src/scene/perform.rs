@@ -193,7 +193,8 @@ impl Scene {
         Ok((Step::Material { id, law }, TouchChange::Nothing))
     }
 
-    fn exchange_range(
+    /// Takes the threshold that a segment is from now on, and gives that of before.
+    pub fn exchange_range(
         &mut self,
         id: SegmentId,
         range: Option<ThresholdRange>,

@@ -110,6 +110,17 @@ impl Step {
         Self::Edit { edit, ranges }
     }
 
+    /// An edit that comes back: what its segments are made by stays known.
+    #[must_use]
+    pub fn of_elastic_edit(
+        edit: Edit,
+        range_of: impl Fn(SegmentId) -> Option<ThresholdRange>,
+    ) -> Self {
+        let ids = edit.segments.iter().map(|(id, _)| *id);
+        let ranges = ids.map(|id| (id, range_of(id))).collect();
+        Self::Edit { edit, ranges }
+    }
+
     /// Whether the step would change any voxel or anything beside edits.
     #[must_use]
     pub fn would_change(&self, voxels: &Voxels) -> bool {

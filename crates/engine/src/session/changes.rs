@@ -129,7 +129,7 @@ impl Session {
         hash: ScanHash,
     ) -> Result<Option<Kept>, SessionError> {
         // the file may be long: only the voxels come from the simulation
-        let voxels = self.ask(|simulation| simulation.voxels().clone())?;
+        let voxels = self.voxels_at_rest()?;
         Kept::at(&path, hash, &voxels)
     }
 

@@ -169,7 +169,7 @@ impl Session {
         made: &Segment,
         range: ThresholdRange,
     ) -> Result<Segment, SessionError> {
-        Ok(self.voxels()?.as_edited(made, range.0, range.1)?)
+        Ok(self.voxels_at_rest()?.as_edited(made, range.0, range.1)?)
     }
 
     /// Takes the newest change back; false where there is none.
@@ -188,13 +188,13 @@ impl Session {
         self.ask(Simulation::redo)?
     }
 
-    /// The true voxels of a segment.
+    /// The voxels of a segment, soft tissue at rest.
     ///
     /// # Errors
     /// Where there is no such segment or the session has ended.
     pub fn segment(&self, id: SegmentId) -> Result<Segment, SessionError> {
         self.ask(move |simulation| {
-            let segment = simulation.voxels().segment(id).cloned();
+            let segment = simulation.voxels_at_rest().segment(id).cloned();
             segment.ok_or(VoxelsError::UnknownSegment(id.0).into())
         })?
     }

@@ -6,7 +6,7 @@ use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
 use crate::error::SessionError;
-use crate::picture::{Frame, PictureChange, Rates, ShownSurface};
+use crate::picture::{Frame, PictureChange, Rates, ShownSurface, VoxelChange};
 use crate::replay::{Recording, Tape};
 use crate::scene::SurfaceOptions;
 use crate::simulation::Simulation;
@@ -53,6 +53,21 @@ impl Session {
             .try_lock()
             .map(|mut surfaces| surfaces.changes())
             .unwrap_or_default()
+    }
+
+    /// Stored values at rest of a box around all tissue that tools press; none where none is pressed.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn values_at_rest(&self) -> Result<Option<VoxelChange>, SessionError> {
+        self.ask(|simulation| {
+            let region = simulation.moved();
+            (!region.is_empty()).then(|| VoxelChange {
+                region,
+                stored: Some(simulation.voxels_at_rest().stored_in(&region)),
+                labels: None,
+            })
+        })
     }
 
     /// All surfaces as they are now; waits until they follow the voxels.

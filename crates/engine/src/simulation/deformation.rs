@@ -1,10 +1,11 @@
 //! Soft tissue under the probe.
 
+use palpate_deform::at_rest::AtRest;
 use palpate_deform::material::MaterialLaw;
 use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent};
 use palpate_deform::registry::{ModelOptions, model_from_name};
 use palpate_tools::journal::Action;
-use palpate_volume::edit::SegmentId;
+use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
@@ -166,10 +167,10 @@ impl Simulation {
         let mut seen = Vec::new();
         let has_edit = outcome.edit.is_some();
         if let Some(edit) = outcome.edit {
-            match self.perform_unpublished(Step::of_edit(edit), Action::Do, false) {
-                Ok((inverse, updates)) => {
+            let comes_back = outcome.at_rest.is_some();
+            match self.move_tissue(edit, comes_back) {
+                Ok(updates) => {
                     seen = updates;
-                    self.stroke.note(inverse);
                     self.deformation.followed(self.voxels().edit_number());
                 }
                 Err(error) => {
@@ -178,6 +179,9 @@ impl Simulation {
                 }
             }
         }
+        if let Some(at_rest) = outcome.at_rest {
+            self.keep_what_stays(at_rest);
+        }
         if let Some(deformable_contact) = outcome.deformable_contact {
             self.give_way(deformable_contact, outcome.displacement.as_ref(), seen);
         }
@@ -185,6 +189,60 @@ impl Simulation {
             self.report_event(event);
         }
         has_edit
+    }
+
+    /// Applies what a model moves, and gives what the picture is to be told. Where it `comes_back` it is
+    /// no change of the scan: neither undo nor the journal know of it.
+    fn move_tissue(
+        &mut self,
+        edit: Edit,
+        comes_back: bool,
+    ) -> Result<Vec<SceneUpdate>, SessionError> {
+        if !comes_back {
+            let step = Step::of_edit(edit);
+            let (inverse, updates) = self.perform_unpublished(step, Action::Do, false)?;
+            self.stroke.note(inverse);
+            return Ok(updates);
+        }
+        self.unpressed.begin(self.scene.voxels());
+        self.perform_unnoted(self.elastic(edit))
+            .map(|(_, updates)| updates)
+    }
+
+    fn elastic(&self, edit: Edit) -> Step {
+        Step::of_elastic_edit(edit, |id| self.scene.properties_of(id).range)
+    }
+
+    /// Notes what a model leaves changed without a tool: what has yielded, and where cut tissue was.
+    fn keep_what_stays(&mut self, at_rest: AtRest) {
+        let stays = self.unpressed.follow_model(at_rest, self.scene.voxels());
+        if let Some(edit) = stays {
+            let ids = edit.segments.iter().map(|(id, _)| *id);
+            let ranges = ids.map(|id| (id, self.scene.exchange_range(id, None)));
+            let ranges = ranges.collect();
+            let inverse = Step::Edit { edit, ranges };
+            self.write_down(Action::Do, &inverse, false);
+            self.stroke.note(inverse);
+        }
+        if self.closes_with_answer {
+            self.close_step();
+        }
+    }
+
+    /// Has pressed tissue come to rest at once, so that a change is made of that; where a tool still
+    /// presses, the next answers move it again.
+    pub(super) fn release_tissue(&mut self) {
+        let Some(edit) = self.unpressed.release(self.scene.voxels()) else {
+            return;
+        };
+        match self.perform_unnoted(self.elastic(edit)) {
+            Ok((_, updates)) => {
+                for update in updates {
+                    self.publish_update(update);
+                }
+            }
+            Err(error) => self.report(Notice::warning(format!("Tissue stays pressed: {error}."))),
+        }
     }
 
     /// Has touch follow what is deformable, and tells the picture, with what it is to see at once.
@@ -217,15 +275,11 @@ impl Simulation {
         let Some(inverse) = self.stroke.take_inverse() else {
             return;
         };
-        if inverse.would_change(self.voxels()) {
+        if inverse.would_change(self.voxels_at_rest()) {
             self.done(inverse);
             return;
         }
-        // nothing is left to take back but what the voxels are stored in
-        let known = self.deformation.knows(self.voxels().edit_number());
-        if self.perform(inverse, Action::Do).is_ok() && known {
-            self.deformation.followed(self.voxels().edit_number());
-        }
+        // nothing is left to take back
         if let Some(file) = &mut self.file {
             file.end_step();
         }

@@ -68,7 +68,7 @@ impl Simulation {
     /// Where the file exists already, or the disk says no.
     pub fn begin_journal(&mut self, path: &Path, hash: ScanHash) -> Result<(), SessionError> {
         self.end_stroke();
-        self.file = Some(JournalFile::create(path, hash, self.voxels())?);
+        self.file = Some(JournalFile::create(path, hash, self.voxels_at_rest())?);
         let ids: Vec<_> = self.voxels().segments().map(|(id, _)| id).collect();
         for id in ids {
             self.write_facts(id);
@@ -82,6 +82,8 @@ impl Simulation {
     /// # Errors
     /// Where the file exists already, or the disk says no.
     pub fn keep_state(&mut self, path: &Path, hash: ScanHash) -> Result<(), SessionError> {
+        self.end_stroke();
+        self.close_step();
         let running = self.file.take();
         let written = self.begin_journal(path, hash);
         // what is closed is written
@@ -125,6 +127,7 @@ impl Simulation {
     /// Writes what waits and closes the journal.
     pub fn end_journal(&mut self) {
         self.end_stroke();
+        self.close_step();
         self.file = None;
     }
 
@@ -144,7 +147,7 @@ impl Simulation {
         let Some(file) = &mut self.file else {
             return;
         };
-        let voxels = self.scene.voxels();
+        let voxels = self.unpressed.voxels(self.scene.voxels());
         let known_anew = match inverse {
             Step::Edit { edit, .. } => {
                 file.edit(action, edit, voxels);
@@ -439,6 +442,7 @@ fn facts_of(properties: &Properties) -> Facts {
         made_by: properties.made_by,
         feel: [stiffness, friction_static, friction_kinetic],
         pose: properties.pose,
+        locked: properties.locked,
     }
 }
 
@@ -455,6 +459,6 @@ fn properties_of(facts: &Facts) -> Properties {
         },
         pose: facts.pose,
         law: None,
-        locked: false,
+        locked: facts.locked,
     }
 }

@@ -29,6 +29,7 @@ impl Simulation {
         undoable: bool,
     ) -> Result<SegmentId, SessionError> {
         self.close_step();
+        self.release_tissue();
         let own_grid = segment.own_grid();
         if let Some(grid) = own_grid {
             check_radius(self.settings.probe_radius, grid)?;
@@ -138,6 +139,7 @@ impl Simulation {
             // what is locked is rigid
             self.deformation.forget_displacements();
             self.segments_version += 1;
+            self.write_facts(id);
             self.publish();
         }
         Ok(())
@@ -202,7 +204,7 @@ impl Simulation {
         region: &VoxelBox,
         solid: bool,
     ) -> Result<(), SessionError> {
-        let edit = self.voxels().label_edit(id, region, |_, _| solid)?;
+        let edit = self.voxels_at_rest().label_edit(id, region, |_, _| solid)?;
         self.apply(edit)
     }
 

@@ -1,7 +1,7 @@
 //! Steps of the simulation: performed, written down, taken back and done again.
 
 use palpate_tools::journal::Action;
-use palpate_volume::edit::SegmentId;
+use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
@@ -17,6 +17,7 @@ impl Simulation {
     pub fn undo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.release_tissue();
         self.forget_deformation();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
@@ -35,6 +36,7 @@ impl Simulation {
     pub fn redo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.release_tissue();
         self.forget_deformation();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
@@ -48,6 +50,7 @@ impl Simulation {
 
     pub(super) fn change(&mut self, step: Step) -> Result<(), SessionError> {
         self.close_step();
+        self.release_tissue();
         let inverse = self.perform(step, Action::Do)?;
         self.done(inverse);
         self.publish();
@@ -74,13 +77,36 @@ impl Simulation {
         Ok(inverse)
     }
 
-    /// Performs a step, or a part of one that `goes_on` with the step before, and gives what the
-    /// picture is to be told of it.
+    /// Performs a step, or a part of one that `goes_on` with the step before, and gives its inverse, as
+    /// soft tissue is at rest, and what the picture is to be told of it.
     pub(super) fn perform_unpublished(
         &mut self,
         step: Step,
         action: Action,
         goes_on: bool,
+    ) -> Result<(Step, Vec<SceneUpdate>), SessionError> {
+        let before = match &step {
+            Step::Edit { edit, .. } => self.unpressed.before(edit.dirty, self.scene.voxels()),
+            _ => None,
+        };
+        let (inverse, updates) = self.perform_unnoted(step)?;
+        let inverse = match (before, inverse) {
+            (Some(before), Step::Edit { edit, ranges }) => {
+                let at_rest = self.unpressed.follow_edit(&before, self.scene.voxels());
+                let edit = at_rest.unwrap_or_else(|| Edit::empty(edit.kind));
+                Step::Edit { edit, ranges }
+            }
+            (_, inverse) => inverse,
+        };
+        self.write_down(action, &inverse, goes_on);
+        Ok((inverse, updates))
+    }
+
+    /// Performs a step that is not written down, and gives its inverse and what the picture is to be
+    /// told of it.
+    pub(super) fn perform_unnoted(
+        &mut self,
+        step: Step,
     ) -> Result<(Step, Vec<SceneUpdate>), SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
         self.send_change(&change);
@@ -93,7 +119,6 @@ impl Simulation {
             .filter(|updates| updates.needs_labels())
             .count();
         self.voxels_version += anew as u64;
-        self.write_down(action, &inverse, goes_on);
         Ok((inverse, updates))
     }
 

@@ -48,6 +48,9 @@ impl Simulation {
             self.end_stroke();
             return Ok(());
         }
+        if self.closes_with_answer {
+            self.close_step();
+        }
         let left_out = self.stroke.begin(&self.scene)?;
         if left_out > 0 {
             self.report(Notice::info(format!(
@@ -134,7 +137,11 @@ impl Simulation {
     }
 
     pub(super) fn end_stroke(&mut self) {
-        self.close_step();
+        if self.unpressed.is_moved() && self.stroke.is_on() {
+            self.closes_with_answer = true;
+        } else {
+            self.close_step();
+        }
         if self.stroke.needle().is_some() {
             self.touch.send(ServoCommand::Needle(false, Box::default()));
         }
@@ -144,6 +151,7 @@ impl Simulation {
 
     /// Makes a step of what the stroke has changed so far: another change follows.
     pub(super) fn close_step(&mut self) {
+        self.closes_with_answer = false;
         if let Some(inverse) = self.stroke.take_inverse() {
             self.done(inverse);
         }

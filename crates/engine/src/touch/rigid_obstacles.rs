@@ -134,7 +134,7 @@ impl RigidObstacles {
         } else {
             self.ball.solid_near(hard, solid.voxel)?
         };
-        hard.owner(voxel)
+        hard.owners(voxel).last()
     }
 }
 
@@ -159,17 +159,18 @@ impl<'a> HardVoxels<'a> {
         self.parts().next().is_some()
     }
 
-    fn owner(&self, voxel: IVec3) -> Option<SegmentId> {
-        let is_hard = |(part, rigid): &(&Part, Option<&Bits>)| {
+    /// All that have a voxel.
+    fn owners(&self, voxel: IVec3) -> impl Iterator<Item = SegmentId> {
+        let is_hard = move |(part, rigid): &(&Part, Option<&Bits>)| {
             part.bits.is_solid(voxel) && rigid.is_none_or(|rigid| rigid.is_solid(voxel))
         };
-        self.parts().find(is_hard).map(|(part, _)| part.id)
+        self.parts().filter(is_hard).map(|(part, _)| part.id)
     }
 }
 
 impl Occupancy for HardVoxels<'_> {
     fn is_solid(&self, voxel: IVec3) -> bool {
-        self.owner(voxel).is_some()
+        self.owners(voxel).next().is_some()
     }
 
     fn block(&self, min: IVec3) -> BitBrick {

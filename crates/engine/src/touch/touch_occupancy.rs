@@ -177,8 +177,6 @@ impl TouchOccupancy {
         mut touchable: Box<Touchable>,
         probe: &mut Probe<'_>,
     ) {
-        // it is made for the radius that is wanted, which the probe may not have yet
-        let _ = touchable.set_radius(self.touchable.radius);
         let first = self.first_held().unwrap_or(sequence);
         self.forget_held_edits();
         let overtaken = self.held_root.take();
@@ -187,7 +185,7 @@ impl TouchOccupancy {
         }
         // what is held is something else now
         self.refused_at = None;
-        if self.admits_root(&touchable, probe) {
+        if self.admits_root(&mut touchable, probe) {
             self.put_root(touchable);
         } else {
             self.begin_turns();
@@ -263,10 +261,10 @@ impl TouchOccupancy {
     }
 
     fn retry_root(&mut self, probe: &mut Probe<'_>) {
-        let Some(held) = self.held_root.take() else {
+        let Some(mut held) = self.held_root.take() else {
             return;
         };
-        if self.admits_root(&held.touchable, probe) {
+        if self.admits_root(&mut held.touchable, probe) {
             self.put_root(held.touchable);
             // the root has followed every edit that came after it
             self.forget_held_edits();
@@ -295,10 +293,9 @@ impl TouchOccupancy {
     }
 
     fn put_radius(&mut self, radius: f64) {
-        let held = self.held_root.as_mut().map(|held| &mut *held.touchable);
-        for touchable in held.into_iter().chain([&mut self.touchable]) {
-            // it fits the one that it was admitted in; of the other it was asked when it was made
-            let _ = touchable.set_radius(radius);
+        if self.touchable.set_radius(radius).is_err() {
+            // too large for the voxels: the probe stays as it is
+            return;
         }
         self.version += 1;
         self.refused_at = None;
@@ -317,9 +314,12 @@ impl TouchOccupancy {
         self.held.swap(place, last);
     }
 
-    fn admits_root(&self, new: &Touchable, probe: &mut Probe<'_>) -> bool {
+    /// It was made for the radius that is wanted, which the probe may not have yet; where the probe's is
+    /// too large for it, it waits.
+    fn admits_root(&self, new: &mut Touchable, probe: &mut Probe<'_>) -> bool {
         let grid = probe.grid;
-        probe.admits(&self.touchable.scene(grid), &new.scene(grid))
+        new.set_radius(self.touchable.radius).is_ok()
+            && probe.admits(&self.touchable.scene(grid), &new.scene(grid))
     }
 
     fn admits(&mut self, change: &BrickChange, probe: &mut Probe<'_>) -> bool {

@@ -155,8 +155,8 @@ impl Touchable {
         step
     }
 
-    /// The segment to which a voxel belongs that is solid for the probe: of the world's, the
-    /// first that has it.
+    /// The segment to which a voxel belongs that is solid for the probe: where the world's overlap,
+    /// the last, as in the picture, and as materials and needles have it.
     #[must_use]
     pub fn owner(&self, solid: Solid) -> Option<SegmentId> {
         match usize::from(solid.body).checked_sub(1) {
@@ -173,8 +173,8 @@ impl Touchable {
             return Some(first.id);
         }
         let voxel = self.world.solid_near(voxel)?;
-        let owner = unmoved(&self.parts).find(|part| part.bits.is_solid(voxel));
-        owner.map(|part| part.id)
+        let owner = unmoved(&self.parts).filter(|part| part.bits.is_solid(voxel));
+        owner.last().map(|part| part.id)
     }
 
     /// Gives the probe another radius [mm] at once; whether the probe admits it is asked before.

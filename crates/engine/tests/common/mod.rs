@@ -328,6 +328,29 @@ impl Rig {
         self.records.pop().expect("every tick is recorded")
     }
 
+    /// 10 ms: ten ticks with the device at a point, which sends so much [N], and a pass of the
+    /// simulation.
+    pub fn pass(&mut self, device: DVec3, sent: f64) -> TickRecord {
+        let mut last = TickRecord::default();
+        for _ in 0..10 {
+            self.readings += 1;
+            self.device.write(DeviceSample {
+                number: self.readings,
+                time: self.now,
+                state: DeviceState {
+                    position: device,
+                    ..DeviceState::default()
+                },
+                sent_in_device: DVec3::Z * sent,
+            });
+            self.servo.step(self.now);
+            self.now += 1e-3;
+            last = self.records.pop().expect("every tick is recorded");
+        }
+        self.simulation.step();
+        last
+    }
+
     /// Ticks with the simulation between them, as a session has it; gives the last record.
     pub fn ticks(&mut self, count: u32, device: DVec3) -> TickRecord {
         let mut last = None;

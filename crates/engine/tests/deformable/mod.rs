@@ -1,5 +1,6 @@
 //! Soft tissue under the probe.
 
+mod at_rest;
 mod floor;
 mod friction;
 mod lattice;

@@ -1,11 +1,9 @@
 //! A session's journal on disk: what a crash leaves is done again, undo included.
 
-#[path = "../../../tools/tests/support/place.rs"]
-mod place;
-
 use std::fs;
 
 use crate::common::*;
+use crate::place::Place;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::scene::Plane;
 use palpate_engine::simulation::SegmentState;
@@ -16,7 +14,6 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use place::Place;
 
 const DIMENSIONS: UVec3 = UVec3::splat(32);
 const HASH: ScanHash = ScanHash([3; 32]);
@@ -319,4 +316,21 @@ fn a_cut_comes_back_as_one_step_or_not_at_all() {
         assert_eq!(states(&again), now, "{length}");
     }
     assert!(seen.iter().all(|count| *count > 3), "{seen:?}");
+}
+
+#[test]
+fn what_was_locked_is_locked_after_a_crash() {
+    let place = Place::new("locked");
+    let mut rig = rig_with_journal(&place);
+    let locked = |rig: &Rig| rig.simulation.segments()[0].locked;
+    rig.simulation.set_locked(BLOCK, true).unwrap();
+    drop(rig);
+    let mut rig = rig_of_scan();
+    rig.simulation.recover_journal(&place.0, HASH).unwrap();
+    assert!(locked(&rig));
+    rig.simulation.set_locked(BLOCK, false).unwrap();
+    drop(rig);
+    let mut rig = rig_of_scan();
+    rig.simulation.recover_journal(&place.0, HASH).unwrap();
+    assert!(!locked(&rig));
 }

@@ -2,10 +2,9 @@
 
 use crate::common::*;
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_device::DeviceState;
 use palpate_engine::error::SessionError;
 use palpate_engine::scene::Properties;
-use palpate_engine::servo::{DeviceSample, TickRecord};
+
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
@@ -27,30 +26,8 @@ fn rig() -> Rig {
         ..OBSTACLE
     };
     rig.simulation.add_segment(block, properties, true).unwrap();
-    pass(&mut rig, DVec3::new(20.3, 20.4, 26.0), 0.0);
+    rig.pass(DVec3::new(20.3, 20.4, 26.0), 0.0);
     rig
-}
-
-/// 10 ms: ten ticks with the device at a point, and a pass of the simulation.
-fn pass(rig: &mut Rig, device: DVec3, sent: f64) -> TickRecord {
-    let mut last = TickRecord::default();
-    for _ in 0..10 {
-        rig.readings += 1;
-        rig.device.write(DeviceSample {
-            number: rig.readings,
-            time: rig.now,
-            state: DeviceState {
-                position: device,
-                ..DeviceState::default()
-            },
-            sent_in_device: DVec3::Z * sent,
-        });
-        rig.servo.step(rig.now);
-        rig.now += 1e-3;
-        last = rig.records.pop().expect("every tick is recorded");
-    }
-    rig.simulation.step();
-    last
 }
 
 fn mask(rig: &Rig, id: SegmentId) -> Vec<u8> {
@@ -67,7 +44,7 @@ fn an_erasers_stroke_frees_its_way_and_is_one_step() {
     // over the block, half a millimetre above it
     for step in 0..=40 {
         let x = 10.0 + 0.5 * f64::from(step);
-        pass(&mut rig, DVec3::new(x, 20.4, 20.5), 0.0);
+        rig.pass(DVec3::new(x, 20.4, 20.5), 0.0);
     }
     rig.simulation.stroke(false).unwrap();
 
@@ -107,7 +84,7 @@ fn a_drill_through_two_segments_leaves_the_locked_one_whole() {
     rig.simulation.set_tool(Some(settings)).unwrap();
     rig.simulation.stroke(true).unwrap();
     for _ in 0..60 {
-        pass(&mut rig, DVec3::new(20.0, 20.4, 18.0), 5.0);
+        rig.pass(DVec3::new(20.0, 20.4, 18.0), 5.0);
     }
     rig.simulation.stroke(false).unwrap();
     let block = rig.simulation.voxels().segment(BLOCK).unwrap();
@@ -152,9 +129,9 @@ fn a_drill_that_presses_sinks_in_and_spends_what_it_says() {
     rig.simulation.set_tool(Some(settings)).unwrap();
     let press = DVec3::new(20.3, 20.4, 18.0);
     for _ in 0..20 {
-        pass(&mut rig, press, 5.0);
+        rig.pass(press, 5.0);
     }
-    let surface = pass(&mut rig, press, 5.0).proxy.z;
+    let surface = rig.pass(press, 5.0).proxy.z;
     assert!((surface - 20.0).abs() < 0.1, "{surface}");
 
     rig.simulation.stroke(true).unwrap();
@@ -162,7 +139,7 @@ fn a_drill_that_presses_sinks_in_and_spends_what_it_says() {
     for step in 0..150 {
         // the hand follows, two millimetres into what is left
         let device = press.with_z(surface - 2.0 - 0.02 * f64::from(step));
-        deepest = pass(&mut rig, device, 5.0).proxy.z.min(deepest);
+        deepest = rig.pass(device, 5.0).proxy.z.min(deepest);
     }
     rig.simulation.stroke(false).unwrap();
     assert!(deepest < surface - 2.0, "sank to {deepest}");
@@ -181,15 +158,15 @@ fn a_drill_that_presses_sinks_in_and_spends_what_it_says() {
 
     // undone while the probe is in the hole: held until it is out
     rig.simulation.undo().unwrap();
-    pass(&mut rig, press.with_z(10.0), 0.0);
+    rig.pass(press.with_z(10.0), 0.0);
     assert_eq!(
         rig.simulation.voxels().segment(BLOCK).unwrap().count(),
         40 * 40 * 20
     );
     for _ in 0..100 {
-        pass(&mut rig, press.with_z(26.0), 0.0);
+        rig.pass(press.with_z(26.0), 0.0);
     }
-    let after = pass(&mut rig, press, 0.0);
+    let after = rig.pass(press, 0.0);
     assert!((after.proxy.z - surface).abs() < 0.1, "{}", after.proxy);
     assert_eq!(rig.violations(), 0);
 }
@@ -207,7 +184,7 @@ fn what_an_adder_fills_is_never_held_back() {
         let to = random.point(6.0, 34.0).with_z(random.between(24.0, 36.0));
         for _ in 0..25 {
             at = at.lerp(to, 0.1);
-            pass(&mut rig, at, 0.0);
+            rig.pass(at, 0.0);
             // a pass later touch has taken it in
             let status = *rig.status.read();
             assert!(status.pending <= 1, "{status:?}");
@@ -231,14 +208,14 @@ fn a_change_in_the_middle_of_a_stroke_makes_two_steps_of_it() {
     rig.simulation.set_tool(Some(settings)).unwrap();
     rig.simulation.stroke(true).unwrap();
     let mut states = vec![mask(&rig, BLOCK)];
-    pass(&mut rig, DVec3::new(12.0, 20.0, 20.5), 0.0);
-    pass(&mut rig, DVec3::new(12.5, 20.0, 20.5), 0.0);
+    rig.pass(DVec3::new(12.0, 20.0, 20.5), 0.0);
+    rig.pass(DVec3::new(12.5, 20.0, 20.5), 0.0);
     states.push(mask(&rig, BLOCK));
     let region = palpate_volume::voxel_box::VoxelBox::new(IVec3::splat(2), IVec3::splat(5));
     rig.simulation.fill_box(BLOCK, &region, false).unwrap();
     states.push(mask(&rig, BLOCK));
     for x in 14..20 {
-        pass(&mut rig, DVec3::new(f64::from(x), 20.0, 20.5), 0.0);
+        rig.pass(DVec3::new(f64::from(x), 20.0, 20.5), 0.0);
     }
     states.push(mask(&rig, BLOCK));
     assert!(states.windows(2).all(|pair| pair[0] != pair[1]));
@@ -264,7 +241,7 @@ fn a_moved_segment_is_worked_on_where_it_stands() {
     rig.simulation.set_tool(Some(settings)).unwrap();
     rig.simulation.stroke(true).unwrap();
     for _ in 0..3 {
-        pass(&mut rig, DVec3::new(20.5, 20.5, 30.5), 0.0);
+        rig.pass(DVec3::new(20.5, 20.5, 30.5), 0.0);
     }
     let told = rig
         .notices
@@ -302,10 +279,10 @@ fn wrong_tools_are_refused_and_a_lost_segment_ends_the_stroke() {
     rig.simulation.set_tool(Some(settings)).unwrap();
     rig.simulation.stroke(true).unwrap();
     rig.simulation.remove_segment(BLOCK).unwrap();
-    pass(&mut rig, DVec3::new(12.0, 20.0, 20.5), 0.0);
+    rig.pass(DVec3::new(12.0, 20.0, 20.5), 0.0);
     let stops = |notice: &palpate_engine::notice::Notice| notice.text.contains("The tool stops");
     assert_eq!(rig.notices.try_iter().filter(stops).count(), 1);
-    pass(&mut rig, DVec3::new(12.0, 20.0, 20.5), 0.0);
+    rig.pass(DVec3::new(12.0, 20.0, 20.5), 0.0);
     assert_eq!(rig.notices.try_iter().filter(stops).count(), 0);
     assert!(rig.simulation.undo().unwrap());
 }
@@ -317,11 +294,11 @@ fn a_placement_is_no_part_of_a_stroke() {
     rig.simulation.set_tool(Some(settings)).unwrap();
     rig.simulation.stroke(true).unwrap();
     let start = DVec3::new(8.0, 20.5, 20.5);
-    pass(&mut rig, start, 0.0);
+    rig.pass(start, 0.0);
     let there = DVec3::new(32.0, 20.5, 20.5);
     rig.simulation.place(there, 0, true).unwrap();
     for _ in 0..3 {
-        pass(&mut rig, start, 0.0);
+        rig.pass(start, 0.0);
     }
     let segment = rig.simulation.voxels().segment(BLOCK).unwrap();
     let erased = |x| !segment.contains(IVec3::new(x, 20, 19));

@@ -76,3 +76,16 @@ fn moved_parts_stand_where_their_pose_has_them() {
     assert!(scene.solid_at(DVec3::new(21.5, 9.5, 1.5)).is_some());
     assert!(scene.solid_at(DVec3::new(9.5, 9.5, 4.5)).is_none());
 }
+
+#[test]
+fn where_segments_overlap_the_last_is_touched_as_it_is_seen() {
+    for radius in [0.0, 1.5] {
+        let parts = vec![
+            part(3, 4, 20, None),
+            part(8, 4, 20, None),
+            part(9, 24, 28, None),
+        ];
+        let touchable = Touchable::new(&grid(DIMENSIONS), parts, radius).unwrap();
+        assert_eq!(owner_along_x(&touchable, 12), Some(SegmentId(8)));
+    }
+}

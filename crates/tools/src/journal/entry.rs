@@ -40,6 +40,8 @@ pub struct Facts {
     pub feel: [Option<f64>; 3],
     /// Pose of a moved segment [mm, scene from scan]; none where it was not moved.
     pub pose: Option<DAffine3>,
+    /// Whether its voxels are locked.
+    pub locked: bool,
 }
 
 /// One entry as it is read.

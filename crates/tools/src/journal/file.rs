@@ -35,9 +35,9 @@ use crate::journal::error::JournalError;
 use crate::journal::reader::Recovery;
 use crate::journal::record::{Record, encode};
 
-/// The format that is written. Version 1 is read too: it knows neither moves nor what is known of
-/// segments beside their voxels.
-pub const VERSION: u32 = 2;
+/// The format that is written. Older ones are read too: version 1 knows neither moves nor what is known
+/// of segments beside their voxels, version 2 not which of them are locked.
+pub const VERSION: u32 = 3;
 /// The oldest format that is read.
 pub const OLDEST_VERSION: u32 = 1;
 /// First bytes of a journal.
@@ -102,6 +102,7 @@ impl JournalFile {
             _ => disk(error),
         })?;
         lock(&file, path)?;
+        sync_folder_of(path).map_err(&disk)?;
         Self::begin(file, hash, voxels).map_err(|error| {
             // a file without its whole head would only be in the way
             let _ = std::fs::remove_file(path);
@@ -223,6 +224,10 @@ impl JournalFile {
         if self.problem_was_taken {
             return None;
         }
+        let ended = self.writer.as_ref().is_none_or(JoinHandle::is_finished);
+        if ended && self.sender.is_some() {
+            self.writer_failed();
+        }
         let problem = self.told.problem.get()?.clone();
         self.problem_was_taken = true;
         Some(problem)
@@ -245,8 +250,17 @@ impl JournalFile {
                 let _ = self.told.problem.set(problem);
                 self.sender = None;
             }
-            Err(TrySendError::Disconnected(_)) => self.sender = None,
+            Err(TrySendError::Disconnected(_)) => self.writer_failed(),
         }
+    }
+
+    /// The writer is gone, and has said why unless it panicked.
+    fn writer_failed(&mut self) {
+        let problem = "The writer of the journal has failed. It ends here; changes from now on are \
+                       lost in a crash.";
+        // a problem with the disk was told of before
+        let _ = self.told.problem.set(problem.to_owned());
+        self.sender = None;
     }
 }
 
@@ -258,6 +272,16 @@ impl Drop for JournalFile {
             let _ = writer.join();
         }
     }
+}
+
+/// Waits until a new file would survive a power cut under its name: its folder is written too.
+fn sync_folder_of(path: &Path) -> io::Result<()> {
+    // elsewhere folders cannot be opened, and names are written with the file
+    if cfg!(unix) {
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        File::open(folder.unwrap_or(Path::new(".")))?.sync_all()?;
+    }
+    Ok(())
 }
 
 /// Makes sure that no other session writes the file; the system lets go when a process ends.

@@ -15,7 +15,7 @@
 //! remove   action u8, id u8
 //! move     action u8, id u8, goes on u8, pose 12 × f64 by columns
 //! facts    id u8, touchable u8, range, made by: 2 × (exists u8, 2 × f64),
-//!          feel 3 × (exists u8, f64), pose (exists u8, 12 × f64)
+//!          feel 3 × (exists u8, f64), pose (exists u8, 12 × f64), since version 3: locked u8
 //! together changes u32
 //! note     bytes of the caller
 //! end      nothing
@@ -218,6 +218,7 @@ fn facts_bytes(id: SegmentId, facts: &Facts) -> Vec<u8> {
     }
     bytes.push(u8::from(facts.pose.is_some()));
     push_affine(&mut bytes, &facts.pose.unwrap_or_default());
+    bytes.push(u8::from(facts.locked));
     bytes
 }
 
@@ -238,6 +239,8 @@ fn facts_of(bytes: &[u8]) -> Result<Entry, Wrong> {
     }
     let exists = reader.flag()?;
     let pose = reader.affine()?;
+    let has_more = !reader.0.is_empty();
+    let locked = has_more && reader.flag()?;
     reader.end()?;
     let facts = Facts {
         touchable,
@@ -245,6 +248,7 @@ fn facts_of(bytes: &[u8]) -> Result<Entry, Wrong> {
         made_by,
         feel,
         pose: exists.then_some(pose),
+        locked,
     };
     Ok(Entry::Facts(id, facts))
 }

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import product
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from msgspec.structs import replace
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
+from palpate.server.messages.labels_version import LabelsVersion
 from palpate.server.messages.part_name import part_name
 from palpate.server.messages.segment_steps import steps_message
 from palpate.server.messages.soft_tissue import material_of, regions_of
@@ -55,26 +56,33 @@ class SegmentList:
         self._seen: tuple[int, ...] | None = None
         self._notices: list[str] = []
         self._appearances_version = 0
-        self._labels_key: Any = None
-        self._labels = 0
+        self._labels = LabelsVersion()
         self._made: dict[int, MadeSurface | None] = {}
-        self.message = self._make_message(0)
+        self.message = self._make_message(voxels_version=0, edit=0)
 
-    def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:
+    def refresh(
+        self, segments_version: int, *, voxels_version: int, pending: int, edit: int
+    ) -> bool:
         """Makes the list again if something changed; says whether it did.
 
         Args:
             segments_version: Rises with each change of voxels or of the list.
             voxels_version: Rises where voxels change that ``picture_changes`` does not have.
             pending: How many changes touch does not follow yet.
+            edit: Number of the newest edit of voxels.
         """
         with self._lock:
             seen = (segments_version, self._appearances_version, pending)
             if seen == self._seen:
                 return False
             self._seen = seen
-        self.message = self._make_message(voxels_version)
+        self.message = self._make_message(voxels_version=voxels_version, edit=edit)
         return True
+
+    @property
+    def is_unsure_of_labels(self) -> bool:
+        """Whether pages may need other labels than they have; making ``labels`` tells."""
+        return self._labels.is_unsure
 
     def change(self, wanted: protocol.SegmentProperties) -> None:
         """Changes how a segment looks and whether it can be touched, and its voxels changed."""
@@ -301,13 +309,20 @@ class SegmentList:
             self._made[segment_id] = wanted
 
     def labels(self) -> NDArray[np.uint8]:
-        """Returns the number of each voxel's segment, for visible segments without a range."""
-        segments = {
-            segment.id: self._session.segment(segment.id)
-            for segment in self.message.segments
-            if _is_labelled(segment)
-        }
-        return labels_of(segments, self._session.scene.volume.shape)
+        """Returns the number of each voxel's segment, for segments without a range.
+
+        Visible ones are before hidden ones, where they overlap.
+        """
+        with self._lock:
+            order, edit = self._labels.order, self._labels.edit
+        segments = {each: self._session.segment(each) for each in order}
+        labels, overlapping = labels_of(segments, self._session.scene.volume.shape)
+        with self._lock:
+            number = self._labels.number
+            self._labels.learn(overlapping, order=order, edit=edit)
+            if self._labels.number != number:
+                self._appearances_version += 1
+        return labels
 
     def _set_appearance(self, segment_id: int, look: ShownAppearance) -> None:
         """Shows a segment that is there in this way, with a surface where it has one."""
@@ -341,21 +356,21 @@ class SegmentList:
         others = [look.name for other, look in self._appearances.items() if other != segment_id]
         return first_colour(name, others, otherwise=colour_of_number(segment_id))
 
-    def _make_message(self, voxels_version: int) -> protocol.Segments:
+    def _make_message(self, *, voxels_version: int, edit: int) -> protocol.Segments:
         states = self._session.segments()
         for state in states:
             self._show_moved_as_surface(state)
             self._show(state["id"], self._appearance_of(state["id"]))
         segments = [self._segment(state) for state in states]
-        labelled = [segment.id for segment in segments if _is_labelled(segment)]
-        # labels change with their voxels, and with which segments have them
-        key = (labelled, voxels_version if labelled else 0)
-        if key != self._labels_key:
+        labelled = sorted(filter(_is_labelled, segments), key=lambda segment: segment.visible)
+        order = [segment.id for segment in labelled]
+        with self._lock:
+            changed = self._labels.follow(order, voxels_version=voxels_version, edit=edit)
+            number = self._labels.number
+        if changed:
             # changes have the labels of these from now on, before pages ask for them
-            self._session.set_labelled(labelled)
-            self._labels_key = key
-            self._labels += 1
-        return protocol.Segments(segments=segments, labels=self._labels)
+            self._session.set_labelled(order)
+        return protocol.Segments(segments=segments, labels=number)
 
     def _segment(self, state: SegmentState) -> protocol.Segment:
         segment_id = state["id"]
@@ -392,8 +407,8 @@ def _box_of(
 
 
 def _is_labelled(segment: protocol.Segment) -> bool:
-    """Says whether the picture shows a segment by the labels of the scan's voxels."""
-    return segment.visible and segment.range is None and segment.grid is None
+    """Says whether the picture can show a segment by the labels of the scan's voxels."""
+    return segment.range is None and segment.grid is None
 
 
 class MadeSurface(NamedTuple):

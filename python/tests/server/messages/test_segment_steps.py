@@ -114,7 +114,7 @@ def test_a_threshold_whose_steps_follow_can_be_stopped(ball_scene: Scene) -> Non
         segments = SegmentList(session)
         session.change_shape(1, ShapeStep(kind="grow", amount=3.0))
         segments.steps_changed()
-        assert segments.refresh(1, voxels_version=0, pending=0)
+        assert segments.refresh(1, voxels_version=0, pending=0, edit=0)
         before = session.steps(1)
 
         async def ask() -> None:

@@ -1,13 +1,21 @@
 /** Which range a segment has first that is added by a threshold. */
 import type { Scan, Segment } from "../protocol";
 
+type Values = Pick<Scan, "bone" | "range" | "soft_tissue">;
+type Threshold = { readonly name: string; readonly low: number; readonly high: number };
+
+/** A segment of all that is not air. */
+export function skinThreshold({ bone, range: [least, most], soft_tissue: softTissue }: Values): Threshold {
+  return { name: "Skin", low: Math.max(least, Math.round(softTissue - 1.4 * (bone - softTissue))), high: most };
+}
+
 /** A segment that is made by a threshold: from bone upward, or, where there is one, from skin upward. */
 export function newThreshold(
-  { bone, range: [least, most], soft_tissue: softTissue }: Pick<Scan, "bone" | "range" | "soft_tissue">,
+  scan: Values,
   segments: readonly Pick<Segment, "range" | "made_by">[],
-): { readonly name: string; readonly low: number; readonly high: number } {
+): Threshold {
+  const { bone, range } = scan;
   // one that was edited since is bone still
-  const hasBone = segments.some(({ range, made_by: madeBy }) => (range ?? madeBy)?.[0] === bone);
-  const skin = Math.round(softTissue - 1.4 * (bone - softTissue));
-  return { name: hasBone ? "Skin" : "Bone", low: hasBone ? Math.max(least, skin) : bone, high: most };
+  const hasBone = segments.some((segment) => (segment.range ?? segment.made_by)?.[0] === bone);
+  return hasBone ? skinThreshold(scan) : { name: "Bone", low: bone, high: range[1] };
 }

@@ -98,6 +98,25 @@ export function suggestedPreset(name: string, presets: readonly MaterialPreset[]
   return presets.find((preset) => preset.name === suggested)?.name ?? null;
 }
 
+/** Stiffer than this [Pa] is no soft tissue: cartilage has less, the softest bone more. */
+const softest = 1e7;
+
+/** Organs whose names tell of no preset, and the one that is most like each: the first that fits. */
+const alike: readonly (readonly [RegExp, string])[] = [
+  [/stomach|o?esophag|bladder|duoden|bowel|colon|intestin|rect(um|al)|uter(us|ine)|heart|myocard/i, "muscle"],
+  [/aorta|vein|vena|arter|vessel/i, "muscle"],
+  [/lymph|breast|mamm/i, "fat"],
+  [/menisc|disc\b|larynx|trachea/i, "cartilage"],
+];
+
+/** The tissues that a segment can be made of where its name tells of none: the one most like it first. */
+export function softTissues(name: string, presets: readonly MaterialPreset[]): readonly MaterialPreset[] {
+  const soft = presets.filter(({ needs_hounsfield, high }) => !needs_hounsfield && high.young < softest);
+  // most organs are as soft as the liver
+  const first = alike.find(([word]) => word.test(name))?.[1] ?? "liver";
+  return [...soft.filter((preset) => preset.name === first), ...soft.filter((preset) => preset.name !== first)];
+}
+
 /** Materials that a scan with values of this unit can have. */
 export function presetsFor(presets: readonly MaterialPreset[], unit: string): readonly MaterialPreset[] {
   return presets.filter(({ needs_hounsfield }) => unit === "HU" || !needs_hounsfield);

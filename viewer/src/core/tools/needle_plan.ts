@@ -25,6 +25,28 @@ export function deviationFrom([target, entry]: NeedlePlan, tip: Vec3, direction:
   return { lateral: length(addScaled(toTarget, planned, -ahead)), angle, ahead };
 }
 
+/** From the skin to the tip of a needle that is about to go in [mm]. */
+const standoff = 5;
+/** Farther outward than this from a planned entry nothing free is looked for [mm]. */
+const farthest = 100;
+
+/**
+ * Where the tip stands before it goes in: on the planned line, in what is free, a little outside of the entry.
+ *
+ * @param isFree whether a place is none of what is touched.
+ * @returns null where nothing near the entry is free.
+ */
+export function beforeEntry([target, entry]: NeedlePlan, isFree: (point: Vec3) => boolean): Vec3 | null {
+  const outward = normalize(subtract(entry, target));
+  for (let away = 0; away <= farthest; away += 1) {
+    if (isFree(addScaled(entry, outward, away))) {
+      const point = addScaled(entry, outward, away + standoff);
+      return isFree(point) ? point : addScaled(entry, outward, away);
+    }
+  }
+  return null;
+}
+
 /** What a line leads through, and for how long. */
 export interface Passage {
   readonly name: string;

@@ -22,7 +22,7 @@ import type { Box, LabelVolume } from "../../core/scan/voxel_change";
 import { Compositor } from "./compositor";
 import { EngineDrawing } from "../engine_pictures/engine_drawing";
 import type { EngineFrame } from "../engine_pictures/engine_pictures";
-import { EngineSnapshot, type AskSaved } from "./engine_snapshot";
+import type { AskSaved } from "./engine_snapshot";
 import { DrawnScan } from "../textures/drawn_scan";
 import { DrawnScreen } from "./drawn_screen";
 import type { FieldFormat } from "../textures/field_texture";
@@ -37,8 +37,8 @@ import type { PictureTarget } from "../base/picture_target";
 import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "../textures/second_texture";
-import { Snapshot, type SnapshotWish } from "./snapshot";
-import type { SnapshotTile } from "./snapshot_tile";
+import { PictureSaving } from "./picture_saving";
+import type { SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
@@ -76,7 +76,6 @@ export class Picture {
   private readonly pane: ViewPane;
   private readonly slices: Slices;
   private readonly screen: DrawnScreen;
-  private readonly support: GpuSupport;
   /** How the GPU filters the scan's values. */
   readonly filter: FieldFilter;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
@@ -97,11 +96,7 @@ export class Picture {
   /** What was last drawn, or is. */
   private aimed: { readonly camera: Camera; readonly extent: Extent } | null = null;
   private readonly eyeCamera = new ThreeCamera();
-  /** A snapshot is drawn: the screen waits. */
-  private snapping = false;
-  /** One is drawn by the engine: the screen goes on. */
-  private saving = false;
-  private readonly askSaved: AskSaved;
+  private readonly saving: PictureSaving;
   private readonly closing = new AbortController();
   private labels: LabelTexture | null = null;
   private second: ShownSecond | null = null;
@@ -109,7 +104,6 @@ export class Picture {
 
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
-    this.support = support;
     this.marcher = new RayMarcher({
       software: support.software,
       lightCells: support.software ? lightCells.software : lightCells.gpu,
@@ -134,7 +128,6 @@ export class Picture {
     this.engine = new EngineDrawing(this.renderer, this.marcher, support.halfFloatTarget, askEngine);
     this.engine.pictures.onAnswer = options.engineAnswered ?? (() => undefined);
     this.byEngine = options.engineDraws ?? false;
-    this.askSaved = options.askSaved ?? noneSaved;
     this.quality = firstQuality(support.software);
     const means = { software: support.software, halfFloat: support.halfFloatTarget };
     this.refiner = new Refiner(
@@ -146,7 +139,7 @@ export class Picture {
       {
         aim: (eye) => { this.aimEye(eye); },
         present: () => { this.present(); },
-        mayGoOn: () => this.begun && !this.byEngine && !this.suspended && !this.snapping,
+        mayGoOn: () => this.begun && !this.byEngine && !this.suspended && !this.saving.holdsScreen,
         isLoaded: () => this.begun && !this.scan.isLoading,
       },
     );
@@ -154,6 +147,22 @@ export class Picture {
     const shown = (eye: number): PictureTarget => this.engine.standIn(eye) ?? this.refiner.pictureOf(eye);
     this.pane = new ViewPane(this.renderer, this.compositor, shown);
     this.screen = new DrawnScreen(this.renderer, this.pane, this.slices, support.software, options.mostPixelRatio);
+    this.saving = new PictureSaving({
+      renderer: this.renderer,
+      marcher: this.marcher,
+      surfaces: this.surfaces,
+      compositor: this.compositor,
+      refiner: this.refiner,
+      pane: this.pane,
+      engine: this.engine,
+      support,
+      askSaved: options.askSaved ?? noneSaved,
+      aim: (camera, extent, aspect) => {
+        this.aim(camera, extent, aspect);
+        return this.eyeCamera.camera;
+      },
+      redraw: () => { this.screen.stale = true; },
+    });
     const programs = [this.engine.prepare(), this.compositor.prepare(this.renderer)];
     void Promise.allSettled(programs).then(() => {
       this.composes = true;
@@ -484,7 +493,7 @@ export class Picture {
     }
     this.engine.pictures.watch();
     this.prepare();
-    if (!this.scan.ready || this.view === null || this.suspended || this.snapping) {
+    if (!this.scan.ready || this.view === null || this.suspended || this.saving.holdsScreen) {
       return;
     }
     if (!this.isPrepared) {
@@ -510,7 +519,7 @@ export class Picture {
 
   private advanceByEngine(): void {
     const { engine, view } = this;
-    if (this.scan.frame === null || !this.composes || view === null || this.suspended || this.snapping) {
+    if (this.scan.frame === null || !this.composes || view === null || this.suspended || this.saving.holdsScreen) {
       return;
     }
     if (this.marcher.second.isAwaited && this.marcher.uploadSecond(this.renderer)) {
@@ -590,18 +599,13 @@ export class Picture {
     // the engine's strips are of one eye
     const byEngine = this.byEngine && wish.stereo.mode === "off";
     const isReady = byEngine ? this.scan.frame !== null && this.composes : this.scan.ready;
-    if (!isReady || this.view === null || this.snapping || this.saving) {
+    if (!isReady || this.view === null || this.saving.isBusy) {
       throw new Error("the picture is not ready");
     }
+    const now = { extent: this.view.extent, quality: restingPictures[this.quality.quality] };
     const signal = AbortSignal.any([wish.signal, this.closing.signal]);
-    if (byEngine) {
-      await this.saveByEngine(context, cameras, { ...wish, signal }, taken);
-      return;
-    }
-    for (const [i, camera] of cameras.entries()) {
-      await this.draw(context, { ...wish, camera, signal });
-      await taken(i);
-    }
+    const draws = byEngine ? this.saving.byEngine : this.saving.byBrowser;
+    await draws.call(this.saving, context, cameras, { ...wish, signal }, now, taken);
   }
 
   /** Pictures and strips that the GPU has drawn to the end. */
@@ -651,7 +655,7 @@ export class Picture {
 
   /** Sends the next values to the GPU, and draws what has come there from now on. */
   private upload(): void {
-    const taken = this.snapping ? null : this.scan.upload(this.renderer);
+    const taken = this.saving.holdsScreen ? null : this.scan.upload(this.renderer);
     if (taken === null) {
       return;
     }
@@ -669,91 +673,6 @@ export class Picture {
       }
     } else {
       this.refiner.renew();
-    }
-  }
-
-  /** Draws a view by the ray caster into a canvas. */
-  private async draw(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
-    if (this.view === null) {
-      return;
-    }
-    const { software, halfFloatTarget: halfFloat } = this.support;
-    const { camera, size, stereo } = wish;
-    const quality = { ...restingPictures[this.quality.quality], software, halfFloat };
-    const { extent } = this.view;
-    const eyes = eyesOf(stereo, size);
-    const seen = viewportOf(stereo, size);
-    const snapshot = new Snapshot(
-      this.renderer,
-      this.marcher,
-      this.surfaces,
-      this.compositor,
-      quality,
-      (eye) => {
-        this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height);
-      },
-      this.overTile(wish.marks === true && stereo.mode === "off"),
-    );
-    this.snapping = true;
-    try {
-      await this.refiner.complete();
-      await snapshot.draw(context, wish);
-    } finally {
-      snapshot.dispose();
-      this.snapping = false;
-      this.screen.stale = true;
-      this.refiner.restart();
-    }
-  }
-
-  /** What draws over a tile of the view that was aimed at. */
-  private overTile(marks: boolean): (tile: SnapshotTile) => void {
-    const { height } = this.pane.rect;
-    return (tile) => {
-      if (marks) {
-        tile.over(this.eyeCamera.camera, (camera, share) => {
-          this.pane.drawMarks(camera, share * height);
-        });
-      }
-    };
-  }
-
-  /** Draws views by the engine into a canvas, all of the scan as it is now. */
-  private async saveByEngine(
-    context: CanvasRenderingContext2D,
-    cameras: readonly Camera[],
-    { size, transparent, marks, signal, progress }: Omit<SnapshotWish, "camera">,
-    taken: (view: number) => Promise<void>,
-  ): Promise<void> {
-    const { extent } = this.view ?? { extent: null };
-    const { look } = this.engine;
-    if (extent === null || look === null) {
-      return;
-    }
-    const { width, height } = this.refiner.pictureOf(0).target;
-    const snapshot = new EngineSnapshot(
-      this.renderer,
-      { marcher: this.marcher, compositor: this.compositor, halfFloat: this.support.halfFloatTarget },
-      this.askSaved,
-      (camera) => {
-        this.aim(camera, extent, size.width / size.height);
-      },
-      this.overTile(marks === true),
-    );
-    const fineness = restingPictures[this.quality.quality];
-    const { jitter } = this.engine.pictures;
-    this.saving = true;
-    try {
-      await snapshot.draw(
-        context,
-        { look, cameras, size, shown: { width, height }, fineness, jitter, transparent, signal, progress },
-        taken,
-      );
-    } finally {
-      snapshot.dispose();
-      this.saving = false;
-      // whoever draws on turns to its own view again
-      this.refiner.restart();
     }
   }
 

@@ -63,7 +63,7 @@ export class Picker {
     }));
     const labelAt = (grid: Vec3): { readonly id: number; readonly visible: boolean } | null => {
       const label = edits.labelAt(grid, volume.step);
-      const segment = segments.find(({ id, range }) => id === label && range === null);
+      const segment = segments.find(({ id, range, visible }) => id === label && range === null && visible);
       const solid = segment !== undefined && (scene.inside[label] ?? "solid") === "solid";
       return segment === undefined || (!solid && drawnFromVoxels(segment))
         ? null

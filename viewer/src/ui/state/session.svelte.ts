@@ -4,7 +4,7 @@
 import { asSentence } from "../../core/base/format";
 import { ForceHistory } from "../../core/touch/force_history";
 import { decodeParticles, type ModelParticles } from "../../core/tissue/particles";
-import { newThreshold } from "../../core/segments/new_threshold";
+import { newThreshold, skinThreshold } from "../../core/segments/new_threshold";
 import { recalled, remembered, sameSettings } from "../../core/touch/touch_settings";
 import {
   PROTOCOL_VERSION,
@@ -285,6 +285,13 @@ export class Session {
   addThreshold(): void {
     if (this.scan !== null) {
       this.send({ type: "threshold", id: null, ...newThreshold(this.scan, this.segments) });
+    }
+  }
+
+  /** Adds a segment of all that is not air, from the skin inward. */
+  addSkin(): void {
+    if (this.scan !== null) {
+      this.send({ type: "threshold", id: null, ...skinThreshold(this.scan) });
     }
   }
 

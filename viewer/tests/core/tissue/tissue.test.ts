@@ -10,6 +10,7 @@ import {
   oddEdge,
   presetsFor,
   presetTitle,
+  softTissues,
   suggestedPreset,
 } from "../../../src/core/tissue/tissue";
 import { decodeParticles } from "../../../src/core/tissue/particles";
@@ -48,6 +49,19 @@ const models: readonly DeformationModel[] = [
     ...{ calibration: true, motion: false },
   },
 ];
+
+test("a segment without a known tissue is asked for one: the most alike first, and nothing as hard as bone", () => {
+  const named = (name: string, young: number): MaterialPreset => {
+    const constants = { ...soft, young };
+    return { name, source: "", needs_hounsfield: false, low: constants, high: constants };
+  };
+  const all = [...presets, named("fat", 2000), named("muscle", 12e3), named("cartilage", 7e5), named("bone", 3e8)];
+  const asked = (name: string): string[] => softTissues(name, all).map((preset) => preset.name);
+  expect(asked("Spleen")).toEqual(["liver", "fat", "muscle", "cartilage"]);
+  expect(asked("Bladder")).toEqual(["muscle", "liver", "fat", "cartilage"]);
+  expect(asked("inferior vena cava")[0]).toBe("muscle");
+  expect(asked("Region 2")[0]).toBe("liver");
+});
 
 test("moduli are written with three digits and the unit that fits", () => {
   expect([500, 999.6, 5500, 4.2e5, 18.6e9].map(formatModulus)).toEqual([

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { deviationFrom, passagesAlong } from "../../../src/core/tools/needle_plan";
+import { beforeEntry, deviationFrom, passagesAlong } from "../../../src/core/tools/needle_plan";
 import type { Vec3 } from "../../../src/core/geometry/vector";
 
 test("a needle on its plan is off by nothing, and says how far it still is", () => {
@@ -14,6 +14,16 @@ test("aside, askew and beyond the target are told apart", () => {
   expect(off.angle).toBeCloseTo(Math.PI / 4, 12);
   expect(off.ahead).toBe(-10);
   expect(deviationFrom([[0, 0, 50], [0, 0, 0]], [0, 0, 0], null).angle).toBeNull();
+});
+
+test("before it goes in a needle stands on its line, outside of what is touched", () => {
+  const skin = (border: number) => (point: Vec3) => point[2] < border;
+  // the entry was clicked 3 mm below the skin, then above it
+  expect(beforeEntry([[0, 0, 50], [0, 0, 3]], skin(0))).toEqual([0, 0, -6]);
+  expect(beforeEntry([[0, 0, 50], [0, 0, -7]], skin(0))).toEqual([0, 0, -12]);
+  // between two bodies there is less room, and in one there is none
+  expect(beforeEntry([[0, 0, 50], [0, 0, 3]], ([, , z]) => z < 0 && z > -4)).toEqual([0, 0, -1]);
+  expect(beforeEntry([[0, 0, 50], [0, 0, 3]], () => false)).toBeNull();
 });
 
 const tissue = { name: "tissue", isSegment: false };

@@ -45,6 +45,8 @@ export interface TestHooks {
   readonly state: State | null;
   /** As the engine has listed them last. */
   readonly segments: readonly Segment[];
+  /** Version of the labels that the engine has listed last. */
+  readonly labelsVersion: number;
   /** Number of the segment whose labels are on display at a place of the grid; 0 for none. */
   readonly labelAt: (grid: Vec3) => number;
   /** As the page shows them; null before the engine has reported. */
@@ -143,7 +145,11 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
       return session.latest;
     },
     get segments() { return session.segments; },
-    labelAt: (grid) => stage.edits.labelAt(grid, stage.loader.held?.volume.step ?? 1),
+    get labelsVersion() { return session.labels; },
+    labelAt: (grid) => {
+      const label = stage.edits.labelAt(grid, stage.loader.held?.volume.step ?? 1);
+      return session.segments.some(({ id, visible }) => id === label && visible) ? label : 0;
+    },
     get settings() { return session.settings; },
     get settingsHold() {
       return session.settingsHold;

@@ -90,8 +90,12 @@ export class ShownEdits {
 
   private waiting: Waiting[] = [];
   private labels: LabelVolume | null = null;
-  /** Version of the labels on display, or on their way. */
+  /** Version of the labels that are here, or on their way. */
   private labelVersion: number | null = null;
+  /** Whether any segment is seen by its labels; else they wait here until one is. */
+  private drawsLabels = false;
+  /** The labels that the picture has. */
+  private drawn: LabelVolume | null = null;
   /** Changes of labels since newer ones were asked for; null where none are on their way. */
   private sinceAsked: VoxelChange[] | null = null;
 
@@ -102,7 +106,7 @@ export class ShownEdits {
     return this.surfaces.patches(id);
   }
 
-  /** Number of the segment whose labels are on display at a point of the grid; 0 for none. */
+  /** Number of the segment that a point of the grid has as its label, seen or not; 0 for none. */
   labelAt(grid: Vec3, step: number): number {
     return this.labels === null ? 0 : labelAtPoint(this.labels, grid, step);
   }
@@ -145,13 +149,16 @@ export class ShownEdits {
     this.sizes = this.surfaces.sizes;
     this.labels = null;
     this.labelVersion = null;
+    this.drawsLabels = false;
+    this.drawn = null;
     this.sinceAsked = null;
     this.awaitsLabels = false;
   }
 
   /** Gives all that is held to a new picture. */
   showAll(picture: Picture): void {
-    picture.setLabels(this.labels);
+    this.drawn = this.drawsLabels ? this.labels : null;
+    picture.setLabels(this.drawn);
     picture.setDisplaced(this.displaced);
     picture.changeSurfaces(
       this.surfaces.ids.map((id) => ({ id, whole: true, dropped: [], patches: this.surfaces.patches(id) })),
@@ -159,18 +166,16 @@ export class ShownEdits {
   }
 
   /**
-   * Shows the labels of a version, downloaded where they are others than those on display;
-   * null where no segment needs any. Edits that arrive meanwhile are kept.
+   * Shows the labels of a version, downloaded where they are others than those that are here; null where no segment
+   * needs any now. Edits that arrive meanwhile are kept.
    */
   async showLabels(version: number | null, volume: ScanVolume, picture: () => Picture | null): Promise<void> {
-    if (version === this.labelVersion) {
+    this.drawsLabels = version !== null;
+    this.passLabels(picture());
+    if (version === null || version === this.labelVersion) {
       return;
     }
     this.labelVersion = version;
-    if (version === null) {
-      this.takeLabels(null, picture());
-      return;
-    }
     this.sinceAsked = [];
     this.awaitsLabels = this.labels === null;
     const still = (): boolean => version === this.labelVersion;
@@ -189,16 +194,24 @@ export class ShownEdits {
     }
   }
 
-  private takeLabels(labels: LabelVolume | null, picture: Picture | null): void {
+  private takeLabels(labels: LabelVolume, picture: Picture | null): void {
     for (const { box, labels: ids } of this.sinceAsked ?? []) {
-      if (labels !== null && ids !== null) {
+      if (ids !== null) {
         updateLabels(labels, box, ids);
       }
     }
     this.sinceAsked = null;
     this.awaitsLabels = false;
     this.labels = labels;
-    picture?.setLabels(labels);
+    this.passLabels(picture);
+  }
+
+  private passLabels(picture: Picture | null): void {
+    const labels = this.drawsLabels ? this.labels : null;
+    if (picture !== null && labels !== this.drawn) {
+      this.drawn = labels;
+      picture.setLabels(labels);
+    }
   }
 
   private showOne(changed: Changed, scan: HeldScan, picture: Picture | null): void {

@@ -4,8 +4,9 @@
  * by a click. Where a region is to grow, the left button grows it from there, and dragging on makes it more or less.
  * Else left drag moves the crosshair, a click says what is there or sets a point of a mark or of a pair, right drag
  * sets window and level, middle or Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with
- * Ctrl. Shift + move, or any move where touch mode leads it so, leads the hand in the plane; with Shift a double click
- * brings the probe there, without it gives the slice the whole picture, or takes it back.
+ * Ctrl. Shift + move, or any move where touch mode leads it so, leads the hand in the plane; with the left button held
+ * too its tool works on the way. With Shift a double click brings the probe there, without it gives the slice the whole
+ * picture, or takes it back.
  * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
  */
 import type { Rect } from "../../../core/view/picture_layout";
@@ -18,7 +19,7 @@ import type { GrowControl } from "../segments/grow_control.svelte";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
-type Drag = "crosshair" | "window" | "pan" | "paint" | "area" | "grow";
+type Drag = "tool" | "crosshair" | "window" | "pan" | "paint" | "area" | "grow";
 
 /** Pixels of the wheel that move the hand by a pixel of the slice. */
 const pixelsPerDepth = 20;
@@ -63,6 +64,8 @@ export interface SliceTargets {
   readonly slices: SliceControl;
   readonly brush: BrushControl;
   readonly hand: HandControl;
+  /** The tool in the hand; none begins to work. */
+  readonly tool: { readonly press: () => boolean; readonly release: () => void };
   readonly clicks: SliceClicks;
   /** Told where in the pane the mouse is [CSS pixels]; null once it has left. */
   readonly pointed: (place: Place | null) => void;
@@ -84,6 +87,7 @@ export class SliceInput {
   private readonly slices: SliceControl;
   private readonly brush: BrushControl;
   private readonly hand: HandControl;
+  private readonly tool: SliceTargets["tool"];
   private readonly clicks: SliceClicks;
   private readonly pointed: SliceTargets["pointed"];
 
@@ -93,6 +97,7 @@ export class SliceInput {
     targets: SliceTargets,
   ) {
     ({ slices: this.slices, brush: this.brush, hand: this.hand, clicks: this.clicks, pointed: this.pointed } = targets);
+    this.tool = targets.tool;
   }
 
   /** Listens until the returned function is called. */
@@ -183,6 +188,9 @@ export class SliceInput {
         this.drag = "paint";
         this.brush.begin(point, plane.toward);
       }
+    } else if (event.button === 0 && event.shiftKey && this.leads(event) && !this.clicks.marking) {
+      this.drag = "tool";
+      this.began = [event.clientX, event.clientY];
     } else if (event.button === 0 && !this.leads(event) && !this.clicks.marking && this.outline === null) {
       this.drag = "crosshair";
       this.moveCrosshair(event);
@@ -229,7 +237,9 @@ export class SliceInput {
       this.slices.dragWindow(x, y);
     } else if (this.drag === "pan") {
       this.slices.pan(this.name, x, y);
-    } else if (this.leads(event)) {
+    } else if (this.drag === "tool" || this.leads(event)) {
+      // a press alone may be the first of a double click, which brings the probe elsewhere
+      if (this.drag === "tool" && this.movedFar(event)) this.tool.press();
       this.leadHand(x, y);
     } else {
       this.show(event);
@@ -259,6 +269,8 @@ export class SliceInput {
     } else if (this.drag === "grow") {
       if (event.type === "pointerup") this.clicks.growing.release();
       else this.clicks.growing.leave();
+    } else if (this.drag === "tool") {
+      this.tool.release();
     }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {

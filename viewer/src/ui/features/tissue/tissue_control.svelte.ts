@@ -1,7 +1,7 @@
 /**
  * Soft tissue: what a person asks of materials and models, and what outlives a visit.
  */
-import { AnswerRate, usualModel } from "../../../core/tissue/tissue";
+import { AnswerRate, suggestedPreset, usualModel } from "../../../core/tissue/tissue";
 import {
   recalledTissue,
   recalledRegions,
@@ -31,6 +31,10 @@ const part = "matter";
 export class TissueControl implements StepOwner<FromPage> {
   /** Whether the model's nodes or particles are shown. */
   partsShown = $state(false);
+  /** Segments that a person chose from many, to be listed though they are hard. */
+  chosen = $state.raw<readonly number[]>([]);
+  /** The segment of which the page asks what it is made of; null where it asks of none. */
+  asking = $state.raw<number | null>(null);
   /** Answers of the model [Hz]. */
   rate = $state.raw(0);
 
@@ -50,9 +54,26 @@ export class TissueControl implements StepOwner<FromPage> {
     });
   }
 
+  /** Lists a segment, and asks what it is made of where its name does not tell. */
+  list(segment: Segment): void {
+    this.chosen = [...this.chosen, segment.id];
+    this.asking = suggestedPreset(segment.name, this.session.presets) === null ? segment.id : null;
+  }
+
+  /** Makes a segment of the tissue that its name tells of; asks where it tells of none, or stops asking. */
+  soften(segment: Segment): void {
+    const suggested = suggestedPreset(segment.name, this.session.presets);
+    if (suggested === null) {
+      this.asking = this.asking === segment.id ? null : segment.id;
+    } else {
+      this.make(segment, suggested, null);
+    }
+  }
+
   /** What a segment is made of, by name or by its constants; hard with neither. */
   make(segment: Segment, preset: string | null, constants: Constants | null): void {
     const isSoft = preset !== null || constants !== null;
+    this.asking = null;
     if (isSoft && this.session.latest?.matter.model === null) {
       // one step of undo is enough: a model without soft tissue changes nothing
       this.session.send({ type: "set_deformation", model: usualModel, options: usualOptions, undoable: false });

@@ -125,21 +125,29 @@ export class ToolHand {
     return this.waiting === null;
   }
 
-  /** Tells the engine what is chosen, where it does not know; false where there is nothing to work on. */
+  /**
+   * Tells the engine what is chosen, where it does not know; false where there is nothing to work on. Then the engine
+   * has no tool either: one that was put away is neither shown nor works on.
+   */
   private tell(): boolean {
-    const { kind, radius } = this;
+    const { kind } = this;
     const [segments, tissues] = this.worked();
-    if (kind !== "none" && segments.length === 0) {
+    const isIdle = kind !== "none" && segments.length === 0;
+    if (isIdle) {
       this.session.notify("info", nothingToWorkOn(kind, this.session.segments));
-      return false;
     }
+    this.put(isIdle ? "none" : kind, segments, tissues);
+    return !isIdle;
+  }
+
+  private put(kind: ToolKind, segments: number[], tissues: TissueName[]): void {
+    const radius = kind === "none" ? 1 : this.radius;
     const how = kind === "painter" ? this.paint.how : { depth: null, overlaps: false };
     const text = JSON.stringify([this.session.greetings, kind, radius, segments, tissues, how]);
     if (text !== this.told) {
       this.told = text;
-      this.session.send({ type: "tool", kind, radius: kind === "none" ? 1 : radius, segments, tissues, ...how });
+      this.session.send({ type: "tool", kind, radius, segments, tissues, ...how });
     }
-    return true;
   }
 
   /** The segments that the tool works on, and what they are to a needle. */

@@ -21,7 +21,7 @@ export class HandControl {
   /** The mouse touches: what is pressed on, or by every move of it. */
   touchMode = $state(false);
   /** How it does that. */
-  readonly mouse = new MouseTouch();
+  readonly mouse: MouseTouch;
   /** The person has moved the hand at least once. */
   used = $state(false);
 
@@ -37,12 +37,18 @@ export class HandControl {
   private known = 0;
   private asking = false;
 
-  /** @param takeOver has the probe follow the hand, whatever else has moved it. */
+  /**
+   * @param takeOver has the probe follow the hand, whatever else has moved it.
+   * @param drills tells whether the hand holds a drill.
+   */
   constructor(
     private readonly session: Session,
     private readonly view: HandView,
     private readonly takeOver: () => void,
-  ) {}
+    drills: () => boolean,
+  ) {
+    this.mouse = new MouseTouch(drills);
+  }
 
   /** Whether every move of the mouse moves the hand, no button needed. */
   get leadsByMoves(): boolean {

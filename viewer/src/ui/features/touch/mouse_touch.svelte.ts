@@ -17,6 +17,12 @@ export interface Finger {
 /** Weakest and strongest pressure [N]. */
 export const weakest = 0.1;
 export const strongest = 5;
+/**
+ * Pressures before the wheel was turned [N]: to feel with, and for a drill, with which 5 N take some 5 mm³ of bone a
+ * second.
+ */
+const usual = { feel: 1, drill: 5 } as const;
+type Purpose = keyof typeof usual;
 /** Change of the pressure per pixel of the wheel, as an exponent: a notch of 100 pixels is a tenth. */
 const perPixel = Math.log(1.1) / 100;
 /** So long the ring stays after the wheel was turned [ms]. */
@@ -24,15 +30,24 @@ const ringStays = 1500;
 
 export class MouseTouch {
   way = $state<MouseWay>("surface");
-  /** With how much the mouse presses [N]. */
-  pressure = $state(1);
+  private pressures = $state.raw<Readonly<Record<Purpose, number>>>(usual);
   finger = $state.raw<Finger | null>(null);
   private hiding: ReturnType<typeof setTimeout> | undefined;
 
-  constructor() {
-    const kept = recall<{ way: unknown; pressure: unknown }>("mouse", { way: null, pressure: null });
+  /** @param drills tells whether a drill is in the hand: it has a pressure of its own. */
+  constructor(private readonly drills: () => boolean) {
+    const kept = recall<{ way: unknown; pressures: unknown }>("mouse", { way: null, pressures: null });
     this.way = kept.way === "plane" ? "plane" : "surface";
-    this.pressure = typeof kept.pressure === "number" ? sane(kept.pressure) : 1;
+    this.pressures = sanePressures(kept.pressures);
+  }
+
+  /** With how much the mouse presses [N]. */
+  get pressure(): number {
+    return this.pressures[this.purpose];
+  }
+
+  private get purpose(): Purpose {
+    return this.drills() ? "drill" : "feel";
   }
 
   choose(way: MouseWay): void {
@@ -42,7 +57,7 @@ export class MouseTouch {
 
   /** Presses harder or more gently by pixels of the wheel, and shows it at the pointer. */
   turn(pixels: number, x: number, y: number): void {
-    this.pressure = sane(this.pressure * Math.exp(-pixels * perPixel));
+    this.pressures = { ...this.pressures, [this.purpose]: sane(this.pressure * Math.exp(-pixels * perPixel)) };
     this.keep();
     this.show({ x, y, presses: this.finger?.presses ?? false });
   }
@@ -59,11 +74,20 @@ export class MouseTouch {
   }
 
   private keep(): void {
-    remember("mouse", { way: this.way, pressure: this.pressure });
+    remember("mouse", { way: this.way, pressures: this.pressures });
   }
 }
 
-/** A pressure that can be pressed with, of a hundredth of a newton. */
+/** What was kept, where pressures can be pressed with. */
+function sanePressures(kept: unknown): Record<Purpose, number> {
+  const { feel, drill } = { ...usual, ...(typeof kept === "object" ? kept : null) } as Record<Purpose, unknown>;
+  return {
+    feel: typeof feel === "number" && Number.isFinite(feel) ? sane(feel) : usual.feel,
+    drill: typeof drill === "number" && Number.isFinite(drill) ? sane(drill) : usual.drill,
+  };
+}
+
+/** Within what can be pressed with, of a hundredth of a newton. */
 function sane(pressure: number): number {
-  return Number.isFinite(pressure) ? Math.round(Math.min(strongest, Math.max(weakest, pressure)) * 100) / 100 : 1;
+  return Math.round(Math.min(strongest, Math.max(weakest, pressure)) * 100) / 100;
 }

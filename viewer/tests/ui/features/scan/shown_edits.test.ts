@@ -82,17 +82,26 @@ test("newer labels replace those on display without a gap", async () => {
   expect(shown).toHaveLength(2);
 });
 
-test("labels are asked for once for each version, and let go when none are needed", async () => {
+test("labels are asked for once for each version, and wait while none are needed", async () => {
   let asked = 0;
   const { edits, volume, picture, shown } = setUp(() => {
     asked += 1;
     return Promise.resolve(labelsOf(asked));
   });
-  for (const version of [4, 4, 5, 5, null, null]) {
+  for (const version of [4, 4, 5, 5, null, null, 5, null, 6]) {
     await edits.showLabels(version, volume, () => picture);
   }
-  expect(asked).toBe(2);
-  expect(shown.map((labels) => labels?.ids[0] ?? null)).toEqual([1, 2, null]);
+  expect(asked).toBe(3);
+  expect(shown.map((labels) => labels?.ids[0] ?? null)).toEqual([1, 2, null, 2, null, 2, 3]);
+});
+
+test("labels that no segment needs follow edits until one does", async () => {
+  const { edits, volume, picture, shown, show } = setUp();
+  await edits.showLabels(1, volume, () => picture);
+  await edits.showLabels(null, volume, () => picture);
+  show(changed(1));
+  await edits.showLabels(1, volume, () => picture);
+  expect([...(shown.at(-1)?.ids.subarray(0, 3) ?? [])]).toEqual([3, 7, 3]);
 });
 
 test("labels that do not arrive are told of, and asked for again at the next occasion", async () => {

@@ -1,6 +1,6 @@
 /** The tool in the hand of a page that was loaded anew: the engine's, and the probe's radius is given back. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import type { Scan, Settings, State, ToolKind } from "../../../../src/core/protocol";
+import type { FromPage, Scan, Settings, State, ToolKind } from "../../../../src/core/protocol";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 import { ToolHand } from "../../../../src/ui/features/tools/tool_hand.svelte";
 import type { TouchPaint } from "../../../../src/ui/features/tools/touch_paint.svelte";
@@ -25,12 +25,13 @@ afterEach(() => {
 function loaded(engine: { tool: ToolKind; radius: number }) {
   let told: (state: State) => void = () => undefined;
   const settings = { probe_radius: engine.radius };
+  const sent: FromPage[] = [];
   const session = {
     scan,
     segments,
     settings: settings as Settings,
     greetings: 1,
-    send: () => undefined,
+    send: (message: FromPage) => sent.push(message),
     notify: () => undefined,
     changeSettings: (part: Partial<Settings>) => Object.assign(settings, part),
     onState: (listener: typeof told) => (told = listener),
@@ -38,7 +39,7 @@ function loaded(engine: { tool: ToolKind; radius: number }) {
   const paint = { onChange: () => undefined, ready: false };
   const tool = new ToolHand(session as unknown as Session, paint as unknown as TouchPaint);
   told({ touched: 1, tool: { kind: engine.tool } } as State);
-  return { tool, settings };
+  return { tool, settings, sent };
 }
 
 test("a page that is loaded anew has the engine's tool in its hand", () => {
@@ -58,4 +59,13 @@ test("the probe gets its radius back with the next scan, and after a reload once
   expect(loaded({ tool: "none", radius: burr }).settings.probe_radius).toBe(0.5);
   again.tool.choose("none");
   expect(again.settings.probe_radius).toBe(0.5);
+});
+
+test("a tool that finds nothing to work on takes the place of the one before it", () => {
+  const { tool, sent } = loaded({ tool: "none", radius: 0 });
+  tool.choose("drill");
+  tool.choose("needle");
+  expect(sent.map((message) => (message.type === "tool" ? message.kind : message.type))).toEqual(["drill", "none"]);
+  expect(tool.press()).toBe(true);
+  expect(sent).toHaveLength(2);
 });

@@ -50,7 +50,7 @@ function setUp() {
     },
     whenAnswered: (told: () => void) => waiting.push(told),
   };
-  const hand = new HandControl(session as unknown as Session, { camera, viewport }, () => undefined);
+  const hand = new HandControl(session as unknown as Session, { camera, viewport }, () => undefined, () => false);
   return {
     hand,
     asked,

@@ -19,7 +19,7 @@ afterEach(() => {
 });
 
 test("a notch of the wheel changes the pressure by a tenth, rolled forward to more", () => {
-  const mouse = new MouseTouch();
+  const mouse = new MouseTouch(() => false);
   mouse.turn(-100, 5, 6);
   expect(mouse.pressure).toBe(1.1);
   mouse.turn(-1e5, 5, 6);
@@ -29,18 +29,18 @@ test("a notch of the wheel changes the pressure by a tenth, rolled forward to mo
 });
 
 test("way and pressure are remembered, and nonsense is not", () => {
-  const mouse = new MouseTouch();
+  const mouse = new MouseTouch(() => false);
   mouse.choose("plane");
   mouse.turn(-200, 0, 0);
-  const again = new MouseTouch();
+  const again = new MouseTouch(() => false);
   expect([again.way, again.pressure]).toEqual(["plane", mouse.pressure]);
-  kept["palpate.mouse"] = '{"way": 3, "pressure": "much"}';
-  const sane = new MouseTouch();
+  kept["palpate.mouse"] = '{"way": 3, "pressures": {"feel": "much"}}';
+  const sane = new MouseTouch(() => false);
   expect([sane.way, sane.pressure]).toEqual(["surface", 1]);
 });
 
 test("the ring goes some time after the wheel was turned, and stays while the button is pressed", () => {
-  const mouse = new MouseTouch();
+  const mouse = new MouseTouch(() => false);
   mouse.turn(-100, 5, 6);
   expect(mouse.finger).toEqual({ x: 5, y: 6, presses: false });
   vi.advanceTimersByTime(2000);
@@ -49,4 +49,18 @@ test("the ring goes some time after the wheel was turned, and stays while the bu
   mouse.turn(-100, 1, 2);
   vi.advanceTimersByTime(5000);
   expect(mouse.finger).toEqual({ x: 1, y: 2, presses: true });
+});
+
+test("a drill is pressed with more than a probe that feels, and each pressure is changed on its own", () => {
+  let drills = false;
+  const mouse = new MouseTouch(() => drills);
+  mouse.turn(-100, 0, 0);
+  drills = true;
+  expect(mouse.pressure).toBe(strongest);
+  mouse.turn(300, 0, 0);
+  const again = new MouseTouch(() => drills);
+  expect(again.pressure).toBe(mouse.pressure);
+  expect(again.pressure).toBeLessThan(strongest);
+  drills = false;
+  expect(again.pressure).toBe(1.1);
 });
