@@ -35,8 +35,9 @@ def page(way: SlowWay) -> Iterator[Browser]:
     with browser(drawer="") as opened:
         opened.do("open", url=way.url, **SIZE)
         # the browser works light out in coarse cells
-        light = json.dumps({"occlusion": 0, "shadow": 0})
-        opened.read(f"localStorage.setItem('palpate.lighting.CThead', {json.dumps(light)})")
+        light = {"occlusion": 0, "shadow": 0}
+        opened.read(f"window.palpate.keep('lighting', {json.dumps(light)})")
+        opened.all_done()
         assert opened.do("open", url=way.url, **SIZE)["firstPicture"] is not None
         yield opened
 

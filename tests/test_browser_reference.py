@@ -62,9 +62,8 @@ def opened(data_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Itera
         page.do("open", url=command.url, **SIZE)
         page.read("localStorage.setItem('palpate.quality', JSON.stringify({ quality: 'still' }))")
         for name, part in remembered("mip").items():
-            page.read(
-                f"localStorage.setItem('palpate.{name}.head', {json.dumps(json.dumps(part))})"
-            )
+            page.read(f"window.palpate.keep('{name}', {json.dumps(part)})")
+        page.all_done()
         page.do("open", url=command.url, **SIZE)
         yield Opened(page, image)
 

@@ -5,7 +5,6 @@ The oracle is SimpleITK: it lays the second file on the plane of a slice, throug
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -150,8 +149,11 @@ def test_points_of_its_own_transfer_function_are_dragged_and_taken_back(lungs: B
     denser = lungs.picture(OUTPUT / "second_curve_denser.png")
     # unchanged it differs by nothing at all
     assert np.abs(denser - preset).mean() > 1 / 255
-    name = lungs.read("window.palpate.scan.name")
-    kept = json.loads(lungs.read(f"localStorage.getItem('palpate.second.{name}')"))
+    (kept,) = (
+        part
+        for name, part in lungs.read("window.palpate.kept").items()
+        if name.startswith("second.")
+    )
     assert kept["preset"] == "CT-Lung"
     assert len(kept["curve"]["opacities"]) >= 3
 

@@ -41,8 +41,9 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     ):
         opened.do("open", url=command.url, **SIZE)
         # the browser works light out in coarse cells
-        light = json.dumps({"occlusion": 0, "shadow": 0})
-        opened.read(f"localStorage.setItem('palpate.lighting.scan', {json.dumps(light)})")
+        light = {"occlusion": 0, "shadow": 0}
+        opened.read(f"window.palpate.keep('lighting', {json.dumps(light)})")
+        opened.all_done()
         assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
         opened.do("click", testid="all-as-surface")
         opened.wait("window.palpate.triangles[1] > 0 && window.palpate.triangles[2] > 0")

@@ -24,6 +24,7 @@ from palpate.protocol.engine_picture import (
     PictureTaken,
     SeenFrom,
 )
+from palpate.protocol.kept import Keep, Kept, KeptPart
 from palpate.protocol.outline import FillOutline, Outline, TraceLevel, Wire
 from palpate.protocol.picture import (
     Changed,
@@ -162,6 +163,8 @@ from palpate.protocol.types import (
     Friction,
     GridPlace,
     Index,
+    KeptName,
+    KeptValue,
     LightAmount,
     LinearColour,
     Message,
@@ -240,6 +243,11 @@ __all__ = [
     "Histogram",
     "Index",
     "Islands",
+    "Keep",
+    "Kept",
+    "KeptName",
+    "KeptPart",
+    "KeptValue",
     "Lift",
     "LightAmount",
     "LinearColour",
@@ -377,6 +385,7 @@ ToPage = (
     | HandLed
     | Recovery
     | Notice
+    | Kept
     | Gap
     | Outline
     | DrawnPicture
@@ -456,6 +465,7 @@ FromPage = (
     | WithdrawNeedle
     | Stroke
     | Recover
+    | Keep
     | Undo
     | Redo
 )

@@ -44,8 +44,10 @@ class Scan(msgspec.Struct, frozen=True):
     ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape [4, 4]; grid
     coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. ``unit`` is such
     as "HU" or "SUVbw", "" where it is not known. ``title`` is for windows: it contains no file
-    name that the user did not type. ``volume`` is which of how many volumes of its file or series
-    it is, such as times, from 1; null where others cannot be opened. A ``rereadable`` scan can be
+    name that the user did not type. ``identity`` is the same wherever the same scan lies
+    and however it is named. ``patient`` is whose scan it is, by name and number, "" where the file
+    does not say. ``volume`` is which of how many volumes of its file or series it is, such as
+    times, from 1; null where others cannot be opened. A ``rereadable`` scan can be
     read again with what its files do not tell. ``no_dicom`` is why nothing in DICOM can refer to
     it; null where something may. ``notes`` are no warnings: what was assumed or
     changed in reading, and is hardly ever wrong.
@@ -53,6 +55,8 @@ class Scan(msgspec.Struct, frozen=True):
 
     name: str
     title: str
+    identity: str
+    patient: str
     modality: str
     unit: str
     dimensions: tuple[int, int, int]

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from palpate.protocol.kept import KeptPart
 from palpate.protocol.picture import Scan
 from palpate.protocol.segments import MovedPose, Segment
 from palpate.protocol.soft_tissue import DeformationModel, MaterialPreset, MatterState
@@ -30,12 +31,14 @@ __all__ = [
 class Hello(Message, frozen=True, tag="hello"):
     """First message of the engine: what the page needs to begin.
 
-    ``defaults`` are the settings at the start of the session.
+    ``kept`` is what is kept with the scan; ``defaults`` are the settings at the start of the
+    session.
     """
 
     protocol: int
     version: str
     scan: Scan
+    kept: list[KeptPart]
     segments: list[Segment]
     settings: Settings
     defaults: Settings

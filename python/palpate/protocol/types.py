@@ -22,6 +22,8 @@ __all__ = [
     "Friction",
     "GridPlace",
     "Index",
+    "KeptName",
+    "KeptValue",
     "LightAmount",
     "LightFactor",
     "LinearColour",
@@ -68,6 +70,14 @@ Value = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
 
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
 """Name of a segment."""
+
+KeptName = Annotated[
+    str, msgspec.Meta(min_length=1, max_length=80, pattern=r"^[a-z]{1,24}(\.[0-9a-f]{1,40})?\Z")
+]
+"""Name of a part of what is kept with a scan, such as "clip" or "mark.1f"."""
+
+KeptValue = Annotated[str, msgspec.Meta(min_length=1, max_length=65536)]
+"""A part of what is kept with a scan, as JSON; only pages understand it."""
 
 SegmentId = Annotated[int, msgspec.Meta(ge=1, le=255)]
 """Number of a segment; also its value in ``/api/labels``."""

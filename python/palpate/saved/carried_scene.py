@@ -16,6 +16,7 @@ from palpate.base.counted import counted
 from palpate.base.progress import Progress
 from palpate.registration.carry import Carrier
 from palpate.saved.edited_scene import edited_scene
+from palpate.saved.kept_with_scan import KEPT_IN_VIEW, parts_in
 from palpate.saved.scene_file import open_scene, save_scene
 from palpate.session.appearance import appearances_of, keep_appearances
 from palpate.session.session import Session, SessionOptions
@@ -79,12 +80,16 @@ def _carried_view(
     view: Mapping[str, Any] | None, carrier: Carrier
 ) -> tuple[dict[str, Any] | None, int]:
     """Returns the page's view with its marks carried and nothing else, and how many there are."""
+    parts = {} if view is None else parts_in(view)
+    marks = {name: part for name, part in parts.items() if name.startswith("mark.")}
     try:
-        marks = list((view or {})["remembered"]["marks"]["list"])
-        points = np.array([point for mark in marks for point in mark["points"]], np.float64)
+        points = np.array([point for mark in marks.values() for point in mark["points"]], float)
         points = points.reshape(-1, 3)
     except (KeyError, TypeError, ValueError):
         return None, 0
     there = iter(carrier.points(points).tolist())
-    carried = [{**mark, "points": [next(there) for _ in mark["points"]]} for mark in marks]
-    return {"remembered": {"marks": {"list": carried}}}, len(carried)
+    carried = {
+        name: {**mark, "points": [next(there) for _ in mark["points"]]}
+        for name, mark in marks.items()
+    }
+    return ({KEPT_IN_VIEW: carried} if view is not None else None), len(carried)

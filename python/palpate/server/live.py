@@ -18,8 +18,10 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
+from palpate.saved.kept_with_scan import KeptWithScan
 from palpate.server.closing import ENDED, STOOD_STILL, close_all, end_all
 from palpate.server.messages.engine_pictures import EnginePictures
+from palpate.server.messages.kept import KeptMessages
 from palpate.server.messages.outbox import Missed, Outbox
 from palpate.server.messages.painting import Outlines, Painter
 from palpate.server.messages.picture import (
@@ -52,6 +54,8 @@ PATIENCE = 0.1
 have to take what was told before the end of the session."""
 GOODBYE = 5.0
 """Seconds that pages have at most to take leave: one on a busy machine may be late."""
+KEEPING_PAUSE = 0.5
+"""Seconds after which a change of what is kept with the scan is on disk: a drag has many."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
 
@@ -67,10 +71,11 @@ class Live:
         *,
         journal: Journal | None = None,
         looks: bytes | None = None,
+        kept: KeptWithScan | None = None,
     ) -> None:
         """Shows a session; ``hello`` is the first message to each page.
 
-        ``looks`` are those of a scene that was opened.
+        ``looks`` are those of a scene that was opened; ``kept`` is what is kept with the scan.
         """
         self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
         publish = self._from_threads.put
@@ -88,6 +93,8 @@ class Live:
         self.picture = PublishedPicture(session.scene.volume.array)
         self._needle = PublishedNeedle(session)
         self._outboxes: set[Outbox] = set()
+        self.kept = KeptWithScan(session.scene) if kept is None else kept
+        self._kept_messages = KeptMessages(self.kept, self._outboxes)
         self._sockets: set[WebSocket] = set()
         self._serving: set[asyncio.Task[None]] = set()
         self._standstill = Standstill()
@@ -114,6 +121,7 @@ class Live:
             self._parts,
             self.engine_pictures,
             SoftTissueMessages(session),
+            self._kept_messages,
             SegmentMessages(session, self.segments, self._gaps, publish=publish),
             SessionMessages(
                 session,
@@ -137,6 +145,7 @@ class Live:
                 self._gaps.run(lambda: self._scene_of_now), name="measuring the gap"
             ),
             asyncio.create_task(self._follow_changes(), name="following changes"),
+            asyncio.create_task(self._write_kept(), name="keeping marks and looks"),
             asyncio.create_task(self._settle_labels(), name="comparing segments"),
         ]
         for task in beside:
@@ -205,6 +214,7 @@ class Live:
         outbox.put(
             msgspec.structs.replace(
                 self._hello,
+                kept=self._kept_messages.message,
                 segments=self.segments.message.segments,
                 settings=self._touch.settings,
             )
@@ -317,6 +327,12 @@ class Live:
         while True:
             heard = await asyncio.to_thread(self.session.wait_for_changes, heard, PATIENCE)
             self._publish_changes()
+
+    async def _write_kept(self) -> None:
+        """Writes what pages have changed of what is kept with the scan, a moment later."""
+        while True:
+            await asyncio.sleep(KEEPING_PAUSE)
+            await asyncio.to_thread(self.kept.write)
 
     async def _settle_labels(self) -> None:
         """Finds out whether pages need other labels, where segments came before others."""

@@ -24,6 +24,7 @@ from starlette.websockets import WebSocket
 
 from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
+from palpate.saved.kept_with_scan import KeptWithScan
 from palpate.saved.scene_file import SavedScene
 from palpate.server.added_labels import add_labels
 from palpate.server.answers import errors_as_text, json_body, json_response
@@ -61,12 +62,14 @@ class OpenScan:
         journal: Journal | None = None,
         run: Path | None = None,
         saved: SavedScene | None = None,
+        kept: KeptWithScan | None = None,
         notify: Notify = print,
     ) -> None:
         """Takes a session that runs.
 
         Recordings are those of ``recorder``; what ``journal`` offers, pages are asked about; the
-        file of a scenario's ``run`` is what they play; ``saved`` is the scene that was opened.
+        file of a scenario's ``run`` is what they play; ``saved`` is the scene that was opened,
+        ``kept`` what is kept with the scan.
         """
         self.session = session
         self.journal = journal
@@ -76,7 +79,9 @@ class OpenScan:
         self._second_files: TemporaryDirectory[str] | None = None
         self._notify = notify
         looks = None if saved is None else saved.looks
-        self.live = Live(session, hello_of(session), self.recorder, journal=journal, looks=looks)
+        self.live = Live(
+            session, hello_of(session), self.recorder, journal=journal, looks=looks, kept=kept
+        )
         self._pump: asyncio.Task[None] | None = None
         self._routes = Router(
             [
@@ -116,7 +121,10 @@ class OpenScan:
                 save_id = None if saved is None else saved.about.save_id
                 journal.start(recover=recover, scene=save_id)
                 scene.second = journal.second or scene.second
-            return cls(session, journal=journal, run=run, saved=saved, notify=notify)
+            kept = KeptWithScan(
+                scene, view=None if saved is None else saved.view or {}, on_disk=journalled
+            )
+            return cls(session, journal=journal, run=run, saved=saved, kept=kept, notify=notify)
         except BaseException:
             session.stop()
             raise
@@ -172,6 +180,7 @@ class OpenScan:
         finally:
             self.recorder.close()
             self.session.stop()
+            self.live.kept.write()
             if self.journal is not None:
                 self.journal.close()
             for files in (self.files, self._second_files):
@@ -232,6 +241,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
             body,
             passing=passing,
             journal=opened.journal,
+            kept=live.kept,
         )
 
     async def export(request: Request) -> Response:

@@ -13,6 +13,7 @@ from starlette.responses import Response
 from palpate.saved.autosave import note_scene
 from palpate.saved.ending import ENDING
 from palpate.saved.journal import Journal
+from palpate.saved.kept_with_scan import KEPT_IN_VIEW, KeptWithScan
 from palpate.saved.scene_file import save_scene
 from palpate.server.download import file_name, file_response
 from palpate.server.messages.segment_list import SegmentList
@@ -40,19 +41,22 @@ def scene_response(
     *,
     passing: bool = False,
     journal: Journal | None = None,
+    kept: KeptWithScan | None = None,
 ) -> Response:
     """Saves a scene and answers with its file; or with why it cannot be saved.
 
     The ``journal`` of the session notes that its changes are saved. The file of a scan whose own
-    files are ``passing`` holds the scan whether asked for or not.
+    files are ``passing`` holds the scan whether asked for or not. What is ``kept`` with the scan is
+    a part of the view.
     """
 
     def write(wanted: SceneRequest, folder: Path) -> tuple[Path, list[str]]:
         path = folder / f"{file_name(session.scene.volume.title, 'scene')}{ENDING}"
         copy = wanted.copy or passing
         save_id = uuid4().hex
+        view = wanted.view if kept is None else {**wanted.view, KEPT_IN_VIEW: kept.in_view()}
         scan = save_scene(
-            path, session, looks=segments.kept(), view=wanted.view, copy=copy, save_id=save_id
+            path, session, looks=segments.kept(), view=view, copy=copy, save_id=save_id
         )
         if journal is not None:
             journal.note_saved(save_id)

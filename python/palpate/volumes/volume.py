@@ -59,9 +59,9 @@ class VolumeTraits:
     study: str = field(default="", repr=False)
     """StudyInstanceUID, for DICOM."""
     patient_id: str = field(default="", repr=False)
-    """Of DICOM; only compared, and neither shown nor saved."""
+    """Of DICOM; shown on the page and compared, and never saved."""
     patient_name: str = field(default="", repr=False)
-    """Of DICOM; only compared, and neither shown nor saved."""
+    """Of DICOM; shown on the page and compared, and never saved."""
     siblings: Siblings | None = field(default=None, repr=False)
     """Volumes of its file or series, such as times; None where it is alone."""
     orientation_known: bool = True
@@ -69,6 +69,12 @@ class VolumeTraits:
     """Sentences on what was assumed or lost in reading."""
     notes: tuple[str, ...] = ()
     """Sentences on what was assumed or changed as it nearly always is, and is hardly ever wrong."""
+
+    @property
+    def patient(self) -> str:
+        """Whose scan it is, by name and number; "" where its files do not say."""
+        name = " ".join(self.patient_name.replace("^", " ").replace("=", " ").split())
+        return ", ".join(filter(None, (name, self.patient_id.strip())))
 
 
 @dataclass(frozen=True)

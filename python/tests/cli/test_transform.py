@@ -164,7 +164,7 @@ def test_a_scene_goes_with_its_segments_and_marks() -> None:
     np.testing.assert_array_equal(lump.segment.mask() != 0, body(CENTRE - SHIFT))
     np.testing.assert_array_equal(made.volume.array > 0, body(CENTRE - SHIFT))
     carried = {**mark, "points": [(CENTRE - SHIFT).tolist()]}
-    assert saved.view == {"remembered": {"marks": {"list": [carried]}}}
+    assert saved.view == {"kept": {"mark.1": carried}}
 
 
 @pytest.mark.usefixtures("folder")

@@ -27,6 +27,12 @@ export type Value = number;
 /** Name of a segment. */
 export type Name = string;
 
+/** Name of a part of what is kept with a scan, such as "clip" or "mark.1f". */
+export type KeptName = string;
+
+/** A part of what is kept with a scan, as JSON; only pages understand it. */
+export type KeptValue = string;
+
 /** Number of a segment; also its value in `/api/labels`. */
 export type SegmentId = number;
 
@@ -137,8 +143,10 @@ export interface ThresholdPreset {
  * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape [4, 4]; grid
  * coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis. `unit` is such
  * as "HU" or "SUVbw", "" where it is not known. `title` is for windows: it contains no file
- * name that the user did not type. `volume` is which of how many volumes of its file or series
- * it is, such as times, from 1; null where others cannot be opened. A `rereadable` scan can be
+ * name that the user did not type. `identity` is the same wherever the same scan lies
+ * and however it is named. `patient` is whose scan it is, by name and number, "" where the file
+ * does not say. `volume` is which of how many volumes of its file or series it is, such as
+ * times, from 1; null where others cannot be opened. A `rereadable` scan can be
  * read again with what its files do not tell. `no_dicom` is why nothing in DICOM can refer to
  * it; null where something may. `notes` are no warnings: what was assumed or
  * changed in reading, and is hardly ever wrong.
@@ -146,6 +154,8 @@ export interface ThresholdPreset {
 export interface Scan {
   readonly name: string;
   readonly title: string;
+  readonly identity: string;
+  readonly patient: string;
   readonly modality: string;
   readonly unit: string;
   readonly dimensions: readonly [number, number, number];
@@ -164,6 +174,13 @@ export interface Scan {
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
   readonly notes: readonly string[];
+}
+
+/** A part as it is now; a `value` of null is one that was removed. */
+export interface KeptPart {
+  readonly name: KeptName;
+  readonly version: number;
+  readonly value: KeptValue | null;
 }
 
 /**
@@ -372,13 +389,15 @@ export interface DeformationModel {
 /**
  * First message of the engine: what the page needs to begin.
  *
- * `defaults` are the settings at the start of the session.
+ * `kept` is what is kept with the scan; `defaults` are the settings at the start of the
+ * session.
  */
 export interface Hello {
   readonly type: "hello";
   readonly protocol: number;
   readonly version: string;
   readonly scan: Scan;
+  readonly kept: readonly KeptPart[];
   readonly segments: readonly Segment[];
   readonly settings: Settings;
   readonly defaults: Settings;
@@ -706,6 +725,18 @@ export interface Notice {
   readonly type: "notice";
   readonly level: "info" | "warning" | "error";
   readonly text: string;
+}
+
+/**
+ * A part is another one now.
+ *
+ * `answers` says that this answers a `Keep` of the same page: each is answered once, with what
+ * holds then, whether it was taken or not.
+ */
+export interface Kept {
+  readonly type: "kept";
+  readonly part: KeptPart;
+  readonly answers: boolean;
 }
 
 /**
@@ -1590,6 +1621,19 @@ export interface Recover {
   readonly bring_back: boolean;
 }
 
+/**
+ * Changes a part, or removes it (null).
+ *
+ * `after` is the version that the page has seen, 0 for none. If another page has changed the
+ * part since, its change stays.
+ */
+export interface Keep {
+  readonly type: "keep";
+  readonly name: KeptName;
+  readonly value: KeptValue | null;
+  readonly after: number;
+}
+
 /** Undoes the last step. */
 export interface Undo {
   readonly type: "undo";
@@ -1612,6 +1656,7 @@ export type ToPage =
   | HandLed
   | Recovery
   | Notice
+  | Kept
   | Gap
   | Outline
   | DrawnPicture
@@ -1691,6 +1736,7 @@ export type FromPage =
   | WithdrawNeedle
   | Stroke
   | Recover
+  | Keep
   | Undo
   | Redo;
 
@@ -1836,6 +1882,10 @@ const isValue = real({ ge: -1000000000, le: 1000000000 });
 
 const isName = text({ ge: 1, le: 100 });
 
+const isKeptName = text({ ge: 1, le: 80 });
+
+const isKeptValue = text({ ge: 1, le: 65536 });
+
 const isSegmentId = whole({ ge: 1, le: 255 });
 
 const isShare = real({ ge: 0, le: 1 });
@@ -1897,6 +1947,8 @@ const isThresholdPreset = record({
 const isScan = record({
   name: text(),
   title: text(),
+  identity: text(),
+  patient: text(),
   modality: text(),
   unit: text(),
   dimensions: tuple(whole(), whole(), whole()),
@@ -1915,6 +1967,12 @@ const isScan = record({
   orientation_known: flag,
   warnings: list(text()),
   notes: list(text()),
+});
+
+const isKeptPart = record({
+  name: isKeptName,
+  version: whole(),
+  value: nullable(isKeptValue),
 });
 
 const isFeel = record({
@@ -2052,6 +2110,7 @@ const isHello = record({
   protocol: whole(),
   version: text(),
   scan: isScan,
+  kept: list(isKeptPart),
   segments: list(isSegment),
   settings: isSettings,
   defaults: isSettings,
@@ -2269,6 +2328,12 @@ const isNotice = record({
   text: text(),
 });
 
+const isKept = record({
+  type: oneOf("kept"),
+  part: isKeptPart,
+  answers: flag,
+});
+
 const isGap = record({
   type: oneOf("gap"),
   id: isSegmentId,
@@ -2433,6 +2498,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["hand_led", isHandLed],
   ["recovery", isRecovery],
   ["notice", isNotice],
+  ["kept", isKept],
   ["gap", isGap],
   ["outline", isOutline],
   ["drawn_picture", isDrawnPicture],

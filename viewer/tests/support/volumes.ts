@@ -9,6 +9,8 @@ export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]
   return {
     name: "test",
     title: "test",
+    identity: "0123",
+    patient: "",
     modality: "CT",
     unit: "HU",
     dimensions,

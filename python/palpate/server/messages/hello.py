@@ -9,19 +9,21 @@ from palpate.segmentation.threshold_presets import PRESETS
 from palpate.server.messages.soft_tissue import models, presets
 from palpate.server.page_words import page_words
 from palpate.session.session import Session
+from palpate.volumes.scan_hash import scan_identity
 from palpate.volumes.volume import Volume
 
 __all__ = ["hello_of", "scan_of"]
 
 
 def hello_of(session: Session) -> protocol.Hello:
-    """Returns the first message, without the segments, which change."""
+    """Returns the first message, without what changes: segments, and what is kept."""
     settings = protocol.Settings(**session.settings())
     stiffness, force = session.device_limits
     return protocol.Hello(
         protocol=protocol.PROTOCOL_VERSION,
         version=package_version(),
         scan=scan_of(session.scene.volume),
+        kept=[],
         segments=[],
         settings=settings,
         defaults=settings,
@@ -40,6 +42,8 @@ def scan_of(volume: Volume) -> protocol.Scan:
     return protocol.Scan(
         name=volume.name,
         title=volume.title,
+        identity=scan_identity(volume),
+        patient=volume.traits.patient,
         modality=volume.modality,
         unit=volume.unit,
         dimensions=volume.dimensions,

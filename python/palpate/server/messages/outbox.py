@@ -19,6 +19,7 @@ import msgspec
 from palpate.protocol import (
     Changed,
     GridPlace,
+    Kept,
     Notice,
     State,
     ToPage,
@@ -131,6 +132,8 @@ class Outbox:
                 )
         elif isinstance(message, Changed):
             self._put_changed(message)
+        elif isinstance(message, Kept):
+            self._messages.append(message)
         else:
             kind = type(message)
             self._messages = [waiting for waiting in self._messages if type(waiting) is not kind]

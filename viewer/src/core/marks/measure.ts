@@ -6,6 +6,7 @@
  */
 import { formatArea, type AreaValues } from "./area_values";
 import { areaKinds, areaOutline, areaSize, draggedArea, isArea } from "./area";
+import { deepEqual } from "../base/deep_equal";
 import { formatFixed } from "../base/format";
 import { distance, dot, isPoint, length, subtract, type Vec3 } from "../geometry/vector";
 
@@ -46,9 +47,18 @@ const kindNames: Readonly<Record<MarkKind, string>> = {
 /** Longer names are cut. */
 const longestName = 80;
 
+/** A number that no other page gives to a mark at the same time. */
+export function newMarkId(): number {
+  return (crypto.getRandomValues(new Uint32Array(1))[0] ?? 0) + 1;
+}
+
 /** Marks with one more, named after its kind. */
-export function withMark(marks: readonly Mark[], kind: MarkKind, points: readonly Vec3[]): readonly Mark[] {
-  const id = Math.max(0, ...marks.map((mark) => mark.id)) + 1;
+export function withMark(
+  marks: readonly Mark[],
+  kind: MarkKind,
+  points: readonly Vec3[],
+  id = newMarkId(),
+): readonly Mark[] {
   const names = new Set(marks.map(({ name }) => name));
   let number = 1;
   while (names.has(`${kindNames[kind]} ${String(number)}`)) {
@@ -59,6 +69,18 @@ export function withMark(marks: readonly Mark[], kind: MarkKind, points: readonl
 
 export function withoutMark(marks: readonly Mark[], id: number): readonly Mark[] {
   return marks.filter((mark) => mark.id !== id);
+}
+
+/** What differs: numbers of marks, each with what it is by now, or null where it was removed. */
+export function markChanges(
+  before: readonly Mark[],
+  now: readonly Mark[],
+): readonly (readonly [number, Mark | null])[] {
+  const was = new Map(before.map((mark) => [mark.id, mark]));
+  const is = new Map(now.map((mark) => [mark.id, mark]));
+  return [...new Set([...was.keys(), ...is.keys()])]
+    .filter((id) => !deepEqual(was.get(id), is.get(id)))
+    .map((id) => [id, is.get(id) ?? null]);
 }
 
 /** Marks of which one is changed in part. An empty name keeps the one before. */
@@ -163,13 +185,8 @@ function cell(text: string): string {
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
-/** Marks that were kept, without what is none: files and storage may hold anything. */
-export function saneMarks(given: unknown): readonly Mark[] {
-  return Array.isArray(given) ? given.flatMap((each, i) => saneMark(each, i + 1)) : [];
-}
-
-/** Numbers are given anew, so that no two are the same. */
-function saneMark(given: unknown, id: number): readonly Mark[] {
+/** The mark that was kept under a number; none where it is none: files may hold anything. */
+export function saneMark(given: unknown, id: number): readonly Mark[] {
   if (typeof given !== "object" || given === null) {
     return [];
   }

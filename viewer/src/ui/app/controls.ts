@@ -127,9 +127,9 @@ function undoControls({ session }: Surroundings): UndoControls {
 
 function viewControls({ session, support, token }: Surroundings, { steps }: UndoControls): ViewControls {
   const view = new ViewControl(session);
-  const slices = new SliceControl(steps, () => view.camera);
-  const clips = new ClipControl(steps);
-  const marks = new MarkControl(steps);
+  const slices = new SliceControl(steps, () => view.camera, session.memory);
+  const clips = new ClipControl(steps, session.memory);
+  const marks = new MarkControl(steps, session.memory);
   return {
     view,
     slices,
@@ -138,7 +138,7 @@ function viewControls({ session, support, token }: Surroundings, { steps }: Undo
     drawer: new DrawerControl(support.software),
     clips,
     touchClip: new TouchClip(session, clips),
-    appearance: new AppearanceControl(steps),
+    appearance: new AppearanceControl(steps, session.memory),
     removal: new RemovalControl(session),
     editRate: new EditRateControl(session),
     marks,
@@ -175,7 +175,7 @@ function secondControls({ session, support, token }: Surroundings, { steps }: Un
   const second = new SecondControl({
     steps,
     token,
-    first: () => session.scan?.name ?? "",
+    memory: session.memory,
     limits: { edge: support.largestEdge, values: mostValues },
     complain: (text) => {
       session.notify("error", text);

@@ -37,10 +37,10 @@ export class ScanOpener {
     edits.clear();
     steps.clear();
     appearance.open(scan);
-    clips.open(scan.name, scanFrame);
+    clips.open(scanFrame);
     slices.open(scan);
     brush.open(scan);
-    marks.open(scan);
+    marks.open();
     readout.close();
     this.previewCamera = null;
     await loader.open(scan);

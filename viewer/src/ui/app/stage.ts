@@ -161,7 +161,7 @@ function jointActs({ session }: Surroundings, controls: Controls, opener: ScanOp
 function listen({ session }: Surroundings, stage: Stage): void {
   const { edits, picture, player, registration, second, slices, touch } = stage;
   session.onSecond((report) => {
-    registration.follow(report.scan?.name ?? null);
+    registration.follow(report.scan?.identity ?? null);
     void second.take(report);
   });
   session.onRegistration((report) => {

@@ -5,7 +5,7 @@
 const name = "palpate.passed";
 
 export interface Handover {
-  /** All that the engine has reported of the scan, as text. */
+  /** Its identity: nothing of the patient. */
   readonly scan: string;
   readonly view: Readonly<Record<string, unknown>>;
 }

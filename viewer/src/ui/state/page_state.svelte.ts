@@ -3,6 +3,7 @@
  * holds is kept, also after undo and redo.
  */
 import { deepEqual } from "../../core/base/deep_equal";
+import { withChange } from "../../core/base/with_change";
 import type { PageSteps, StepOwner } from "./page_steps.svelte";
 
 export class PageState<T> implements StepOwner<T> {
@@ -31,14 +32,20 @@ export class PageState<T> implements StepOwner<T> {
   change(name: string, value: T, inGesture = false): void {
     const before = this.held;
     if (!deepEqual(before, value)) {
-      this.hold(value);
+      this.hold(value, before);
       this.steps.add(this, { name, before, after: value }, inGesture);
     }
   }
 
-  hold(value: T): void {
+  /** Has one hold in place of the other: what they have in common stays as it was changed elsewhere. */
+  hold(value: T, instead: T): void {
     const before = this.held;
+    this.held = withChange(before, instead, value);
+    this.keep(this.held, before);
+  }
+
+  /** Takes what was changed elsewhere: no step, and kept there. */
+  take(value: T): void {
     this.held = value;
-    this.keep(value, before);
   }
 }

@@ -1,5 +1,6 @@
 /**
- * Small settings of the page that outlive a visit, in the browser's local storage.
+ * Small settings of the page that outlive a visit, in the browser's local storage: a person's own, and nothing of a
+ * patient (`scan_memory.ts`).
  * Storage that is full or forbidden only means that nothing is remembered.
  */
 const prefix = "palpate.";
@@ -22,41 +23,37 @@ export function remember(name: string, value: object): void {
   }
 }
 
-/** Beside what is remembered of a scan: how the picture is divided. */
+/** What earlier versions have left of scans, under the names of these: it may be of any patient. */
+const parts = "marks|landmarks|clip|window|appearance|optics|curve|lighting|inside|unfelt|brush|matter|second";
+const ofScans = new RegExp(`^palpate\\.(${parts})\\.`);
+
+/** Removes all that the browser's storage has of scans. */
+export function forgetScans(): void {
+  try {
+    for (const key of Object.keys(localStorage).filter((each) => ofScans.test(each))) {
+      localStorage.removeItem(key);
+    }
+  } catch {
+    // nothing is remembered then
+  }
+}
+
+/** How the picture is divided: a scene brings it along. */
 const layout = "slices";
 
 /** Parts of it that are a person's own, whoever has saved a scene. */
 const own = ["slab", "slabMode"];
 
-/** All that is remembered of a scan's appearance, by name without the scan's. */
-export function keptOf(scanName: string): Record<string, unknown> {
-  const kept: Record<string, unknown> = { [layout]: recall(layout, {}) };
-  try {
-    const ending = `.${scanName}`;
-    for (const key of Object.keys(localStorage)) {
-      if (key.startsWith(prefix) && key.endsWith(ending)) {
-        kept[key.slice(prefix.length, -ending.length)] = JSON.parse(localStorage.getItem(key) ?? "null");
-      }
-    }
-  } catch {
-    // what cannot be read is not kept
-  }
-  return kept;
+/** What of a person's preferences goes into a scene. */
+export function keptLayout(): Readonly<Record<string, unknown>> {
+  return { [layout]: recall(layout, {}) };
 }
 
-/** Remembers what `keptOf` has returned for a scan, also elsewhere and under another name. */
-export function bring(scanName: string, kept: unknown): void {
-  if (typeof kept !== "object" || kept === null) {
-    return;
-  }
-  for (const [name, value] of Object.entries(kept)) {
-    if (typeof value === "object" && value !== null && /^[a-z]{1,32}$/i.test(name)) {
-      if (name === layout) {
-        const kept = Object.entries(value).filter(([part]) => !own.includes(part));
-        remember(layout, { ...recall(layout, {}), ...Object.fromEntries(kept) });
-      } else {
-        remember(`${name}.${scanName}`, value as object);
-      }
-    }
+/** Takes up what `keptLayout` has returned, also elsewhere. */
+export function bringLayout(kept: unknown): void {
+  const value: unknown = typeof kept === "object" && kept !== null ? (kept as Record<string, unknown>)[layout] : null;
+  if (typeof value === "object" && value !== null) {
+    const shared = Object.entries(value).filter(([part]) => !own.includes(part));
+    remember(layout, { ...recall(layout, {}), ...Object.fromEntries(shared) });
   }
 }

@@ -37,6 +37,7 @@ import {
 import { Connection, type ConnectionState } from "../../live/connection";
 import type { Silence } from "../../live/silence";
 import { recall, remember } from "./remembered";
+import { ScanMemory } from "./scan_memory";
 
 export interface ShownNotice {
   readonly id: number;
@@ -56,6 +57,7 @@ const passing: ReadonlySet<FromPage["type"]> = new Set([
   "hand",
   "view",
   "turn_grabbed",
+  "keep",
   "fence",
   "change_touch_clip",
   "picture_look",
@@ -123,6 +125,9 @@ export class Session {
   /** How often an engine has greeted this page: each time it must be sent the view again. */
   greetings = 0;
   readonly history = new ForceHistory(plottedSeconds, plottedSamples);
+
+  /** What is kept with the scan. */
+  readonly memory = new ScanMemory((message) => { this.send(message); });
 
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
@@ -345,14 +350,13 @@ export class Session {
         }
         break;
       case "second_scan":
-        for (const listener of this.secondListeners) {
-          listener(message);
-        }
+        this.secondListeners.forEach((listener) => { listener(message); });
         break;
       case "registration":
-        for (const listener of this.registrationListeners) {
-          listener(message);
-        }
+        this.registrationListeners.forEach((listener) => { listener(message); });
+        break;
+      case "kept":
+        this.memory.take(message);
         break;
       case "recovery":
         this.offer = message.offer;
@@ -424,6 +428,7 @@ export class Session {
       this.mismatch = `The engine speaks version ${theirs} of the protocol, this page version ${own}.`;
       return;
     }
+    this.memory.greet(hello.kept);
     // the same scan after a lost connection needs no second download
     if (JSON.stringify(this.scan) !== JSON.stringify(hello.scan)) {
       this.scan = hello.scan;

@@ -2,7 +2,7 @@
 import { expect, test } from "vitest";
 import { areaBetween, areaOutline, areaSize, draggedArea } from "../../../src/core/marks/area";
 import { valueLines } from "../../../src/core/marks/area_values";
-import { formatMeasured, lineOf, marksTable, saneMarks, withPointAt, type Mark } from "../../../src/core/marks/measure";
+import { formatMeasured, lineOf, marksTable, saneMark, withPointAt, type Mark } from "../../../src/core/marks/measure";
 import { slicerMarkups } from "../../../src/core/marks/slicer_markups";
 import { add, addScaled, distance, dot, rotateAbout, subtract, type Vec3 } from "../../../src/core/geometry/vector";
 
@@ -56,9 +56,9 @@ const marks: readonly Mark[] = [
 const values = { area: 471, count: 12, mean: 40.25, standard_deviation: 3.5, minimum: -20, maximum: 90, cut: false };
 
 test("an area is a mark like others", () => {
-  const [ellipse] = saneMarks([marks[2]]);
-  expect(ellipse).toEqual({ ...marks[2], id: 1 });
-  expect(saneMarks([{ ...marks[2], points: points.slice(1) }])).toEqual([]);
+  const [ellipse] = saneMark(marks[2], 3);
+  expect(ellipse).toEqual(marks[2]);
+  expect(saneMark({ ...marks[2], points: points.slice(1) }, 3)).toEqual([]);
   expect(formatMeasured({ kind: "ellipse", points })).toBe("471\u202fmm²");
   const line = lineOf({ kind: "ellipse", points });
   expect(line[0]).toBe(line.at(-1));

@@ -111,6 +111,12 @@ export interface TestHooks {
   readonly registration: Registration | null;
   /** Points, distances and angles that were set. */
   readonly marks: readonly Mark[];
+  /** Sets a mark, as clicks do. */
+  readonly addMark: (kind: Mark["kind"], points: readonly Vec3[]) => void;
+  /** What is kept with the scan, by the names of its parts. */
+  readonly kept: Readonly<Record<string, object>>;
+  /** Keeps a part with the scan; a page that is opened then takes it up. */
+  readonly keep: (name: string, value: object | null) => void;
 }
 
 declare global {
@@ -207,6 +213,9 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get marks() {
       return stage.marks.all;
     },
+    addMark: (kind, points) => { stage.marks.add(kind, points); },
+    get kept() { return session.memory.everything; },
+    keep: (name, value) => { session.memory.keep(name, value); },
   };
 }
 

@@ -1,5 +1,5 @@
 /**
- * How the scan is shown in the 3-D view: what a person has chosen of it, remembered for each scan. Every change is a
+ * How the scan is shown in the 3-D view: what a person has chosen of it, kept with the scan. Every change is a
  * step of undo, a whole drag too.
  */
 import {
@@ -35,7 +35,7 @@ import { readSlicerPreset } from "../../../core/appearance/slicer_preset";
 import { draggedWindow, type WindowLevel } from "../../../core/appearance/window_level";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
-import { recall, remember } from "../../state/remembered";
+import type { ScanMemory } from "../../state/scan_memory";
 
 const { edgeShare } = looks.tissue;
 
@@ -65,7 +65,7 @@ export const mostStretch = 5;
 /** Says after a preset's name that its points were changed. */
 const ownMark = " *";
 
-/** All that is chosen, each part under the name that it is remembered by. */
+/** All that is chosen, each part under the name that it is kept by. */
 interface ChosenAppearance {
   readonly appearance: SoftTissueAndBone;
   readonly optics: OpticsChoice;
@@ -89,10 +89,18 @@ export class AppearanceControl {
   private anchors = $state.raw<Anchors>({ softTissue: 0, bone: 1 });
   private brightest = 1;
   private lowest = 0;
-  private scanName = "";
 
-  constructor(steps: PageSteps) {
+  constructor(
+    steps: PageSteps,
+    private readonly memory: ScanMemory,
+  ) {
     this.state = new PageState<ChosenAppearance | null>(null, steps, this.keep.bind(this));
+    memory.onChange((name) => {
+      const { now } = this.state;
+      if (now !== null && name in now) {
+        this.state.take({ ...now, [name]: this.kept()[name as keyof ChosenAppearance] });
+      }
+    });
   }
 
   // derived, so that a change of one part is none of the others
@@ -111,22 +119,27 @@ export class AppearanceControl {
 
   /** Takes up a scan: as it was shown last, else as fits it. */
   open(scan: Scan): void {
-    this.scanName = scan.name;
     this.anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
     this.lowest = scan.range[0];
     this.brightest = valueAbove(scan.histogram, fewVoxels);
-    const curve = recall(`curve.${scan.name}`, firstCurve);
+    this.state.open(this.kept());
+  }
+
+  /** As it is kept, else as fits the scan. */
+  private kept(): ChosenAppearance {
+    const { memory } = this;
+    const curve = memory.recall("curve", firstCurve);
     const sane = curve.curve === null || (isCurve(curve.curve) && Number.isFinite(curve.shift) && curve.stretch > 0);
     const first = firstChoice(this.anchors, this.brightest);
-    const optics = recall(`optics.${scan.name}`, first);
-    this.state.open({
-      appearance: recall(`appearance.${scan.name}`, defaultSoftTissueAndBone(this.anchors)),
+    const optics = memory.recall("optics", first);
+    return {
+      appearance: memory.recall("appearance", defaultSoftTissueAndBone(this.anchors)),
       optics: blends.includes(optics.blend) ? optics : first,
       curve: sane ? curve : firstCurve,
-      lighting: recall(`lighting.${scan.name}`, firstLighting),
-      inside: recall(`inside.${scan.name}`, noInside),
-      unfelt: recall(`unfelt.${scan.name}`, firstUnfelt),
-    });
+      lighting: memory.recall("lighting", firstLighting),
+      inside: memory.recall("inside", noInside),
+      unfelt: memory.recall("unfelt", firstUnfelt),
+    };
   }
 
   /** The points as they stand among the scan's values; null where sliders make the function. */
@@ -273,11 +286,11 @@ export class AppearanceControl {
     }
   }
 
-  /** Remembers what is another than before. */
+  /** Keeps what is another than before. */
   private keep(appearance: ChosenAppearance | null, before: ChosenAppearance | null): void {
     for (const [name, part] of Object.entries(appearance ?? {}) as [keyof ChosenAppearance, object][]) {
       if (part !== before?.[name]) {
-        remember(`${name}.${this.scanName}`, part);
+        this.memory.keep(name, part);
       }
     }
   }

@@ -1,24 +1,27 @@
 /**
  * Marks in a person's hand: they are set point by point, dragged, named and taken back. Every change
- * is one step of the page's own history; marks are remembered with the scan and go into its scene.
+ * is one step of the page's own history; each mark is kept with the scan, and goes into its scene.
  */
 import { areaBetween, isArea, type AreaAxes } from "../../../core/marks/area";
 import {
   changedMark,
   lineOf,
+  markChanges,
   pointsOf,
-  saneMarks,
+  saneMark,
   withMark,
   withoutMark,
   withPointAt,
   type Mark,
   type MarkKind,
 } from "../../../core/marks/measure";
-import type { Scan } from "../../../core/protocol";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
-import { recall, remember } from "../../state/remembered";
+import type { ScanMemory } from "../../state/scan_memory";
+
+/** Parts of what is kept with a scan: a mark each, by its number. */
+const kind = "mark";
 
 export class MarkControl {
   /** What is being set, with the points that it has by now. */
@@ -27,19 +30,24 @@ export class MarkControl {
   private corner: { readonly point: Vec3; readonly axes: AreaAxes } | null = null;
 
   private readonly state: PageState<readonly Mark[]>;
-  private scanName = "";
 
-  constructor(steps: PageSteps) {
-    this.state = new PageState<readonly Mark[]>([], steps, (list) => {
-      remember(this.key, { list });
+  constructor(
+    steps: PageSteps,
+    private readonly memory: ScanMemory,
+  ) {
+    this.state = new PageState<readonly Mark[]>([], steps, this.keep.bind(this));
+    memory.onChange((name, value) => {
+      const [part, number = ""] = name.split(".");
+      if (part === kind) {
+        this.take(parseInt(number, 16), value);
+      }
     });
   }
 
   /** Takes up a scan with the marks that were set on it. */
-  open(scan: Scan): void {
-    this.scanName = scan.name;
+  open(): void {
     this.cancel();
-    this.state.open(saneMarks(recall<{ list: unknown }>(this.key, { list: [] }).list));
+    this.state.open(this.memory.all(kind).flatMap(([number, mark]) => saneMark(mark, parseInt(number, 16))));
   }
 
   get all(): readonly Mark[] {
@@ -146,7 +154,18 @@ export class MarkControl {
     this.state.change("marks", marks, dragging);
   }
 
-  private get key(): string {
-    return `marks.${this.scanName}`;
+  /** Keeps what is another than before, and nothing else: other pages have marks too. */
+  private keep(marks: readonly Mark[], before: readonly Mark[]): void {
+    for (const [id, mark] of markChanges(before, marks)) {
+      this.memory.keep(`${kind}.${id.toString(16)}`, mark);
+    }
+  }
+
+  /** A mark was set, changed or removed on another page. */
+  private take(id: number, value: object | null): void {
+    const [mark] = value === null ? [] : saneMark(value, id);
+    const isHere = this.all.some((each) => each.id === id);
+    const others = this.all.flatMap((each) => (each.id !== id ? [each] : mark === undefined ? [] : [mark]));
+    this.state.take(isHere || mark === undefined ? others : [...others, mark]);
   }
 }

@@ -7,7 +7,7 @@ import { isPoint, type Vec3 } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
 import { fetchFile, tellSaved } from "../../state/download";
 import { handOver, takeHandover } from "../../state/page_handover";
-import { bring, keptOf, recall, remember } from "../../state/remembered";
+import { bringLayout, keptLayout, recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
 /** What of the page a scene's file keeps and brings back. */
@@ -15,7 +15,6 @@ interface KeptPage {
   readonly open: (scan: Scan) => Promise<void>;
   readonly view: { camera: Camera | null };
   readonly slices: { readonly crosshair: Vec3 | null; readonly goTo: (point: Vec3) => void };
-  readonly second: { readonly again: () => void };
 }
 
 export class SceneKeeper {
@@ -51,7 +50,7 @@ export class SceneKeeper {
     }
     this.saving = true;
     try {
-      const view = this.viewOf(scan);
+      const view = this.viewNow;
       const { name } = await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
       tellSaved(this.session, name);
     } catch (error) {
@@ -66,21 +65,20 @@ export class SceneKeeper {
   passOn(): void {
     const { scan } = this.session;
     if (scan !== null) {
-      handOver({ scan: JSON.stringify(scan), view: this.viewOf(scan) });
+      handOver({ scan: scan.identity, view: this.viewNow });
     }
   }
 
   /** Whether this page goes on with a scan that was open when the engine ended. */
   goesOnWith(scan: Scan | null): boolean {
-    return this.passed !== null && this.passed.scan === JSON.stringify(scan);
+    return this.passed !== null && scan !== null && this.passed.scan === scan.identity;
   }
 
   /** Opens a scan, the first time as the scene that was opened has it, or the page before has shown it. */
   async open(scan: Scan): Promise<void> {
     const saved = await this.view();
     const view = this.goesOnWith(scan) ? { ...this.passed?.view } : saved;
-    bring(scan.name, view["remembered"]);
-    this.page.second.again();
+    bringLayout(view["remembered"]);
     await this.page.open(scan);
     const camera = saneCamera(view["camera"]);
     if (camera !== null) {
@@ -92,9 +90,9 @@ export class SceneKeeper {
     }
   }
 
-  private viewOf(scan: Scan): Record<string, unknown> {
+  private get viewNow(): Record<string, unknown> {
     const { slices, view } = this.page;
-    return { camera: view.camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
+    return { camera: view.camera, crosshair: slices.crosshair, remembered: keptLayout() };
   }
 
   private async view(): Promise<Record<string, unknown>> {

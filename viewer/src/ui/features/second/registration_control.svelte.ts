@@ -49,13 +49,20 @@ export class RegistrationControl implements StepOwner<Asked> {
   placing = $state.raw<{ readonly first: Vec3 | null } | null>(null);
   saving = $state.raw(false);
   private pairs = $state.raw<readonly PointPair[]>([]);
-  private pairsOf = "";
+  /** Identity of the second scan that they are of; null where there is none. */
+  private pairsOf: string | null = null;
 
   constructor(
     private readonly session: Session,
     private readonly second: SecondControl,
     private readonly outside: { readonly steps: PageSteps; readonly token: string },
-  ) {}
+  ) {
+    session.memory.onChange((name) => {
+      if (this.pairsOf !== null && name === this.part) {
+        this.pairs = this.kept;
+      }
+    });
+  }
 
   /** Takes what the engine tells. */
   take(reported: Registration): void {
@@ -68,10 +75,10 @@ export class RegistrationControl implements StepOwner<Asked> {
   }
 
   /** Takes up what was set for this scan; another one has pairs of its own. */
-  follow(name: string | null): void {
-    if (name !== this.pairsOf) {
-      this.pairsOf = name ?? "";
-      this.pairs = name === null ? [] : sanePairs(recall<{ list: unknown }>(this.key, { list: [] }).list);
+  follow(identity: string | null): void {
+    if (identity !== this.pairsOf) {
+      this.pairsOf = identity;
+      this.pairs = identity === null ? [] : this.kept;
       this.cancel();
     }
   }
@@ -181,15 +188,20 @@ export class RegistrationControl implements StepOwner<Asked> {
 
   private setPairs(pairs: readonly PointPair[]): void {
     this.pairs = pairs;
-    remember(this.key, { list: pairs });
+    this.session.memory.keep(this.part, { list: pairs });
   }
 
   private get place(): ReturnType<typeof placeOf> {
     return this.second.reported === null ? null : placeOf(this.second.reported);
   }
 
-  private get key(): string {
-    return `landmarks.${this.pairsOf}`;
+  /** Pairs as they are kept with the first scan. */
+  private get kept(): readonly PointPair[] {
+    return sanePairs(this.session.memory.recall<{ list: unknown }>(this.part, { list: [] }).list);
+  }
+
+  private get part(): string {
+    return `landmarks.${this.pairsOf ?? ""}`;
   }
 
   // --- files -------------------------------------------------------------------------------

@@ -1,5 +1,5 @@
 /**
- * The second scan on the page: its values, and how a person wants it shown; remembered for the first scan.
+ * The second scan on the page: its values, and how a person wants it shown; kept with the first scan.
  */
 import { transformPoint } from "../../../core/geometry/affine";
 import { isCurve, transferFunctionOfCurve, type Curve } from "../../../core/appearance/curve";
@@ -27,7 +27,7 @@ import { bringSegments, moveSecond, removeSecond } from "../../../live/second_re
 import { downloadVolume, type DownloadedScan } from "../../../live/volume_download";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
-import { recall, remember } from "../../state/remembered";
+import type { ScanMemory } from "../../state/scan_memory";
 
 /** What a person chooses. */
 export interface SecondChoice {
@@ -82,8 +82,8 @@ const fewVoxels = 2e-4;
 interface Outside {
   readonly steps: PageSteps;
   readonly token: string;
-  /** Name of the first scan. */
-  readonly first: () => string;
+  /** What is kept with the first scan. */
+  readonly memory: ScanMemory;
   /** Largest scan that the GPU takes. */
   readonly limits: { readonly edge: number; readonly values: number };
   readonly complain: (text: string) => void;
@@ -107,6 +107,13 @@ export class SecondControl {
 
   constructor(private readonly outside: Outside) {
     this.state = new PageState<SecondChoice | null>(null, outside.steps, this.keep.bind(this));
+    outside.memory.onChange((name) => {
+      const scan = this.reported?.scan ?? null;
+      if (scan !== null && name === partOf(scan)) {
+        this.state.take(choiceFor(scan, outside.memory));
+        this.follow();
+      }
+    });
   }
 
   get choice(): SecondChoice | null {
@@ -221,15 +228,6 @@ export class SecondControl {
     this.set({ curve }, "transfer function", live);
   }
 
-  /** Shows it as was remembered meanwhile. */
-  again(): void {
-    const scan = this.reported?.scan ?? null;
-    if (scan !== null) {
-      this.state.open(choiceFor(scan, this.outside.first()));
-      this.follow();
-    }
-  }
-
   private set(part: Partial<SecondChoice>, name: string, slides: boolean): void {
     if (this.choice !== null) {
       this.state.change(`second scan, ${name}`, { ...this.choice, ...part }, slides);
@@ -239,7 +237,7 @@ export class SecondControl {
   private keep(choice: SecondChoice | null): void {
     const scan = this.reported?.scan ?? null;
     if (choice !== null && scan !== null) {
-      remember(`second.${this.outside.first()}`, { ...choice, of: scan.name });
+      this.outside.memory.keep(partOf(scan), choice);
       this.follow();
     }
   }
@@ -257,7 +255,7 @@ export class SecondControl {
 
   private async open(scan: Scan, version: number): Promise<void> {
     const frame = frameOf(scan);
-    this.state.open(choiceFor(scan, this.outside.first()));
+    this.state.open(choiceFor(scan, this.outside.memory));
     this.held = null;
     this.progress = 0;
     const still = (): boolean => this.reported?.version === version;
@@ -297,8 +295,13 @@ export class SecondControl {
   }
 }
 
+/** Under which name it is kept. */
+function partOf(scan: Scan): string {
+  return `second.${scan.identity}`;
+}
+
 /** As it was shown last with this first scan, else as fits it. */
-function choiceFor(scan: Scan, first: string): SecondChoice {
+function choiceFor(scan: Scan, memory: ScanMemory): SecondChoice {
   const isDose = scan.modality === "RTDOSE";
   // of most voxels of a dose there is little, and it is the highest that counts
   const whole = { window: scan.range[1], level: scan.range[1] / 2 };
@@ -325,9 +328,9 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     square: 20,
     isolines: firstIsolines(scan),
   };
-  const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
+  const kept = memory.recall(partOf(scan), fitting);
   const named =
     fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
-  const known = of === scan.name && named && areIsolines(kept.isolines) && (kept.curve === null || isCurve(kept.curve));
+  const known = named && areIsolines(kept.isolines) && (kept.curve === null || isCurve(kept.curve));
   return known ? kept : fitting;
 }

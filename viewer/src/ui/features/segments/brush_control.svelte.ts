@@ -84,7 +84,8 @@ export class BrushControl {
   /** Begins with another scan: its values are other ones. */
   open(scan: Scan): void {
     this.chosen = this.awaited = null;
-    this.habits = recall(`brush.${scan.name}`, { ...recall("brush", usual), within: false, ...firstValues(scan) });
+    const first = { ...recall("brush", usual), within: false, ...firstValues(scan) };
+    this.habits = this.session.memory.recall("brush", first);
   }
 
   change(part: Partial<BrushHabits>): void {
@@ -94,7 +95,7 @@ export class BrushControl {
     this.habits = { ...this.habits, ...part };
     remember("brush", this.habits);
     if (this.session.scan !== null) {
-      remember(`brush.${this.session.scan.name}`, this.habits);
+      this.session.memory.keep("brush", this.habits);
     }
   }
 

@@ -34,6 +34,10 @@ import type { ShownSlice, SliceAppearance } from "../../../gl/picture/slices";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
 import { recall, remember } from "../../state/remembered";
+import type { ScanMemory } from "../../state/scan_memory";
+
+/** The window is kept with the scan under this name. */
+const part = "window";
 
 /** What is shown, and not how: remembered whatever scan is open. */
 interface Habits {
@@ -81,8 +85,8 @@ export class SliceControl {
   size = $state.raw({ width: 1, height: 1 });
 
   private frame = $state.raw<ScanFrame | null>(null);
+  private first: WindowLevel = { window: 400, level: 40 };
   private views = $state.raw<Partial<Record<SliceName, SliceView>>>({});
-  private scanName = "";
   /** The appearance of slices: each change is a step of undo, a whole drag too. */
   private readonly state: PageState<SliceAppearance>;
   private followed: Vec3 | null = null;
@@ -92,9 +96,19 @@ export class SliceControl {
   constructor(
     steps: PageSteps,
     private readonly camera: () => Camera | null,
+    private readonly memory: ScanMemory,
   ) {
-    this.state = new PageState<SliceAppearance>({ window: 400, level: 40, ...recalledDrawing() }, steps, () => {
+    const first = { ...this.first, ...recalledDrawing() };
+    this.state = new PageState<SliceAppearance>(first, steps, ({ window, level }, before) => {
+      if (window !== before.window || level !== before.level) {
+        memory.keep(part, { window, level });
+      }
       this.keep();
+    });
+    memory.onChange((name) => {
+      if (name === part) {
+        this.state.take({ ...this.appearance, ...memory.recall(part, this.first) });
+      }
     });
   }
 
@@ -136,7 +150,7 @@ export class SliceControl {
   /** Begins with another scan: its middle, all of each slice. */
   open(scan: Scan): void {
     this.frame = frameOf(scan);
-    this.scanName = scan.name;
+    this.first = firstWindow(scan);
     this.presets = windowsFor(scan);
     this.habits = recalledHabits(this.habits);
     this.views = {};
@@ -144,7 +158,7 @@ export class SliceControl {
     // of a voxel, so that slices show its values
     const middle = scan.dimensions.map((n) => Math.floor(n / 2) + 0.5) as unknown as Vec3;
     this.crosshair = transformPoint(this.frame.sceneFromGrid, middle);
-    this.state.open({ ...recall(`window.${scan.name}`, firstWindow(scan)), ...recalledDrawing() });
+    this.state.open({ ...this.memory.recall(part, this.first), ...recalledDrawing() });
   }
 
   /** Another layout has all of its panes seen. */
@@ -286,8 +300,7 @@ export class SliceControl {
   }
 
   private keep(): void {
-    const { window, level, slab, slabMode, fill, outline } = this.appearance;
-    remember(`window.${this.scanName}`, { window, level });
+    const { slab, slabMode, fill, outline } = this.appearance;
     remember("slices", { ...this.habits, slab, slabMode, fill, outline });
   }
 

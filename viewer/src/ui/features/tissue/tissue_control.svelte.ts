@@ -20,8 +20,10 @@ import type {
   State,
 } from "../../../core/protocol";
 import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
-import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
+
+/** It is kept with the scan under this name. */
+const part = "matter";
 
 /**
  * What the engine's own undo does not know is a step of the page's: how it is asked for, and how for what was before.
@@ -166,7 +168,7 @@ export class TissueControl implements StepOwner<FromPage> {
     const { memory, text } = this.holds(state);
     if (text !== this.held) {
       this.held = text;
-      remember(this.memory, memory);
+      this.session.memory.keep(part, memory);
     }
   }
 
@@ -187,7 +189,7 @@ export class TissueControl implements StepOwner<FromPage> {
       return;
     }
     const { presets, models } = session;
-    const memory = recalledTissue(recall(this.memory, {}), presets, models);
+    const memory = recalledTissue(session.memory.recall(part, {}), presets, models);
     const { model, options, forceSource, materials } = memory;
     const kept = session.segments.map((segment) => ({
       id: segment.id,
@@ -217,10 +219,5 @@ export class TissueControl implements StepOwner<FromPage> {
     if (model !== null) {
       session.send({ type: "set_deformation", model, options, undoable: false });
     }
-  }
-
-  /** Under which name it is kept. */
-  private get memory(): string {
-    return `matter.${this.session.scan?.name ?? ""}`;
   }
 }

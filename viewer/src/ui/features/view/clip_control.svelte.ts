@@ -1,5 +1,5 @@
 /**
- * What of the picture is cut away, as a person has chosen it; remembered for each scan. Every change is one
+ * What of the picture is cut away, as a person has chosen it; kept with the scan. Every change is one
  * step of the page's own history, a whole drag too.
  */
 import type { Camera } from "../../../core/geometry/camera";
@@ -21,16 +21,25 @@ import {
 import type { ScanFrame } from "../../../core/scan/scan_volume";
 import { PageState } from "../../state/page_state.svelte";
 import type { PageSteps } from "../../state/page_steps.svelte";
-import { recall, remember } from "../../state/remembered";
+import type { ScanMemory } from "../../state/scan_memory";
+
+const part = "clip";
 
 export class ClipControl {
   private readonly state: PageState<Clip>;
   frame = $state.raw<ScanFrame | null>(null);
-  private scanName = "";
 
-  constructor(steps: PageSteps) {
+  constructor(
+    steps: PageSteps,
+    private readonly memory: ScanMemory,
+  ) {
     this.state = new PageState(nothingClipped, steps, (clip) => {
-      remember(`clip.${this.scanName}`, clip);
+      memory.keep(part, clip);
+    });
+    memory.onChange((name) => {
+      if (name === part && this.frame !== null) {
+        this.state.take(this.kept(this.frame));
+      }
     });
   }
 
@@ -39,10 +48,9 @@ export class ClipControl {
   }
 
   /** Takes up a scan: cut as it was last. */
-  open(scanName: string, frame: ScanFrame): void {
-    this.scanName = scanName;
+  open(frame: ScanFrame): void {
     this.frame = frame;
-    this.state.open(saneClip(recall(`clip.${scanName}`, nothingClipped), frame));
+    this.state.open(this.kept(frame));
   }
 
   /** All planes that cut something away, in the scene. */
@@ -92,6 +100,10 @@ export class ClipControl {
   /** Nothing is cut away any more. */
   reset(): void {
     this.change(nothingClipped);
+  }
+
+  private kept(frame: ScanFrame): Clip {
+    return saneClip(this.memory.recall(part, nothingClipped), frame);
   }
 
   private withPlane(place: number, part: Partial<FreePlane>): readonly FreePlane[] {

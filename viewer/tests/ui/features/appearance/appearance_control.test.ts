@@ -2,11 +2,13 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Scan } from "../../../../src/core/protocol";
 import { anatomy, AppearanceControl } from "../../../../src/ui/features/appearance/appearance_control.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 import { SliceControl } from "../../../../src/ui/features/slices/slice_control.svelte";
 import { scanOf } from "../../../support/volumes";
 
 let kept = new Map<string, string>();
+let memory = new ScanMemory(() => undefined);
 const scan: Scan = {
   ...scanOf([40, 40, 40], [1, 1, 1]),
   name: "head",
@@ -18,6 +20,7 @@ const scan: Scan = {
 
 beforeEach(() => {
   kept = new Map();
+  memory = new ScanMemory(() => undefined);
   vi.stubGlobal("localStorage", {
     getItem: (key: string) => kept.get(key) ?? null,
     setItem: (key: string, value: string) => kept.set(key, value),
@@ -30,8 +33,8 @@ afterEach(() => {
 
 function opened() {
   const steps = new PageSteps(() => 0);
-  const appearance = new AppearanceControl(steps);
-  const slices = new SliceControl(steps, () => null);
+  const appearance = new AppearanceControl(steps, memory);
+  const slices = new SliceControl(steps, () => null, memory);
   appearance.open(scan);
   slices.open(scan);
   return { steps, appearance, slices };

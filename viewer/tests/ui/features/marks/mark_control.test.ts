@@ -1,29 +1,20 @@
 /** Marks in a person's hand: set point by point, dragged as one step, taken back, remembered. */
-import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import type { Scan } from "../../../../src/core/protocol";
+import { beforeEach, expect, test } from "vitest";
 import { MarkControl } from "../../../../src/ui/features/marks/mark_control.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 
-const scan = { name: "head" } as Scan;
 let steps = new PageSteps(() => 0);
-let kept = new Map<string, string>();
+let memory = new ScanMemory(() => undefined);
 
 beforeEach(() => {
   steps = new PageSteps(() => 0);
-  kept = new Map();
-  vi.stubGlobal("localStorage", {
-    getItem: (key: string) => kept.get(key) ?? null,
-    setItem: (key: string, value: string) => kept.set(key, value),
-  });
-});
-
-afterEach(() => {
-  vi.unstubAllGlobals();
+  memory = new ScanMemory(() => undefined);
 });
 
 function opened(): MarkControl {
-  const marks = new MarkControl(steps);
-  marks.open(scan);
+  const marks = new MarkControl(steps, memory);
+  marks.open();
   return marks;
 }
 
@@ -49,12 +40,13 @@ test("an angle is set by three points, and only then is there a mark", () => {
 test("a drag is one step, and every step can be taken back and made again", () => {
   const marks = opened();
   marks.add("distance", [[0, 0, 0], [1, 0, 0]]);
-  marks.drag(1, 1, [2, 0, 0]);
-  marks.drag(1, 1, [3, 0, 0]);
-  marks.rename(1, "gap");
+  const id = marks.all[0]?.id ?? NaN;
+  marks.drag(id, 1, [2, 0, 0]);
+  marks.drag(id, 1, [3, 0, 0]);
+  marks.rename(id, "gap");
   // nothing has changed: no step
-  marks.rename(1, " ");
-  marks.remove(1);
+  marks.rename(id, " ");
+  marks.remove(id);
   const states = [marks.all];
   while (steps.canUndo) {
     steps.undo();
@@ -73,15 +65,39 @@ test("a drag is one step, and every step can be taken back and made again", () =
   expect(marks.all).toEqual([]);
 });
 
-test("marks are remembered with their scan, and what was kept may be anything", () => {
+test("marks are kept with their scan, and what was kept may be anything", () => {
   const marks = opened();
   marks.add("point", [[1, 2, 3]]);
   expect(opened().all).toEqual(marks.all);
-  const other = new MarkControl(steps);
-  other.open({ name: "foot" } as Scan);
-  expect(other.all).toEqual([]);
-  for (const text of ['{"list": 3}', '{"list": [null, {"kind": "angle"}]}', "[]", "no JSON"]) {
-    kept.set("palpate.marks.head", text);
+  memory = new ScanMemory(() => undefined);
+  expect(opened().all).toEqual([]);
+  for (const bad of [{ list: 3 }, { kind: "angle" }, []]) {
+    memory.keep("mark.1", bad);
     expect(opened().all).toEqual([]);
   }
+});
+
+test("marks of another page stand beside those of this one, and undo leaves them", () => {
+  const marks = opened();
+  marks.add("point", [[1, 2, 3]]);
+  const theirs = { kind: "point", name: "Theirs", points: [[4, 5, 6]], visible: true };
+  const report = (value: object | null, version: number, answers = false): void => {
+    const part = { name: "mark.7", version, value: value === null ? null : JSON.stringify(value) };
+    memory.take({ type: "kept", part, answers });
+  };
+  report(theirs, 1);
+  expect(marks.all.map(({ name }) => name)).toEqual(["Point 1", "Theirs"]);
+  marks.removeAll();
+  steps.undo();
+  report(null, 2, true);
+  report(marks.all.find(({ id }) => id === 7) ?? null, 3, true);
+  expect(marks.all).toHaveLength(2);
+  steps.undo();
+  expect(marks.all.map(({ name }) => name)).toEqual(["Theirs"]);
+  report({ ...theirs, name: "Renamed" }, 9);
+  expect(marks.all.map(({ id, name }) => [id, name])).toEqual([[7, "Renamed"]]);
+  report(null, 10);
+  expect(marks.all).toEqual([]);
+  steps.redo();
+  expect(marks.all.map(({ name }) => name)).toEqual(["Point 1"]);
 });

@@ -4,6 +4,7 @@ import type { FromPage, Registration, SecondScan } from "../../../../src/core/pr
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 import { RegistrationControl } from "../../../../src/ui/features/second/registration_control.svelte";
 import type { SecondControl } from "../../../../src/ui/features/second/second_control.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
 const shifted = [1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -21,6 +22,7 @@ const idle: Registration = {
 let sent: FromPage[] = [];
 let second = {} as SecondControl;
 let steps = new PageSteps(() => 0);
+let memory = new ScanMemory(() => undefined);
 
 beforeEach(() => {
   const kept = new Map<string, string>();
@@ -29,9 +31,10 @@ beforeEach(() => {
     setItem: (key: string, value: string) => kept.set(key, value),
   });
   sent = [];
+  memory = new ScanMemory(() => undefined);
   steps = new PageSteps(() => 0);
   second = {
-    reported: { scan: { name: "mr" }, second_from_first: shifted, version: 0 } as unknown as SecondScan,
+    reported: { scan: { identity: "a1" }, second_from_first: shifted, version: 0 } as unknown as SecondScan,
     only: null,
   } as SecondControl;
 });
@@ -41,9 +44,9 @@ afterEach(() => {
 });
 
 function control(): RegistrationControl {
-  const session = { send: (message: FromPage) => sent.push(message) } as unknown as Session;
+  const session = { send: (message: FromPage) => sent.push(message), memory } as unknown as Session;
   const made = new RegistrationControl(session, second, { steps, token: "" });
-  made.follow("mr");
+  made.follow("a1");
   made.take(idle);
   return made;
 }
@@ -78,9 +81,9 @@ test("a pair is a click on the first scan, shown alone, then one on the second",
 test("pairs are kept with the second scan, and are not those of another one", () => {
   const registration = control();
   registration.addDistances([{ id: 1, kind: "distance", name: "", visible: true, points: [[0, 0, 0], [1, 0, 0]] }]);
-  registration.follow("other");
+  registration.follow("b2");
   expect(registration.shownPairs).toEqual([]);
-  registration.follow("mr");
+  registration.follow("a1");
   expect(registration.shownPairs).toHaveLength(1);
   registration.remove(0);
   expect(control().shownPairs).toEqual([]);

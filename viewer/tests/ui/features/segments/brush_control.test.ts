@@ -10,6 +10,7 @@ import {
 } from "../../../../src/core/segments/brush";
 import type { FromPage, Outline, Scan } from "../../../../src/core/protocol";
 import { BrushControl } from "../../../../src/ui/features/segments/brush_control.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
 const scan = { name: "head", spacing: [0.7, 0.7, 2], soft_tissue: 40, bone: 250.4 } as unknown as Scan;
@@ -17,11 +18,13 @@ const up = [0, 0, 1] as const;
 let sent: FromPage[] = [];
 let frames: (() => void)[] = [];
 let kept = new Map<string, string>();
+let memory = new ScanMemory(() => undefined);
 
 beforeEach(() => {
   sent = [];
   frames = [];
   kept = new Map();
+  memory = new ScanMemory(() => undefined);
   vi.stubGlobal("localStorage", {
     getItem: (key: string) => kept.get(key) ?? null,
     setItem: (key: string, value: string) => kept.set(key, value),
@@ -46,7 +49,8 @@ function taken(): BrushControl {
     answer = listener;
   };
   const send = (message: FromPage): unknown => sent.push(message);
-  const brush = new BrushControl({ scan, segments, send, onOutline, notify, greetings: 1 } as unknown as Session);
+  const session = { scan, segments, send, onOutline, notify, memory, greetings: 1 };
+  const brush = new BrushControl(session as unknown as Session);
   brush.open(scan);
   brush.arm(true);
   return brush;
@@ -105,12 +109,11 @@ test("the engine is told of ball, values and segment as they were chosen, and th
   brush.change({ ball: true, within: true, low: 300, high: 100, erases: true });
   brush.begin([0, 0, 0], up);
   expect(sent).toMatchObject([{ id: 5, erases: true, normal: null, values: [100, 300] }]);
+  expect(taken().habits).toMatchObject({ ball: true, within: true, low: 300, high: 100 });
+  memory = new ScanMemory(() => undefined);
   const again = taken();
-  expect(again.habits).toMatchObject({ ball: true, within: true, low: 300, high: 100 });
-  const other = { ...scan, name: "foot" };
-  again.open(other);
   // values of one scan mean nothing in another
-  expect(again.habits).toMatchObject({ ball: true, within: false, ...firstValues(other) });
+  expect(again.habits).toMatchObject({ ball: true, within: false, ...firstValues(scan) });
 });
 
 test("a radius covers a voxel at least and each step changes it", () => {

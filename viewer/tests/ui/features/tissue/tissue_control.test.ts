@@ -1,10 +1,11 @@
-import { afterEach, expect, test, vi } from "vitest";
+import { expect, test } from "vitest";
 import type { TissueMemory } from "../../../../src/core/tissue/tissue_memory";
 import type { ModelParticles } from "../../../../src/core/tissue/particles";
 import { usualOptions } from "../../../../src/core/tissue/model_options";
 import type { ForceSource, FromPage, MatterRegion, State } from "../../../../src/core/protocol";
 import { TissueControl } from "../../../../src/ui/features/tissue/tissue_control.svelte";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
@@ -46,11 +47,7 @@ class Visit {
   private listener: (state: State) => void = () => undefined;
   private told: (() => void)[] = [];
 
-  constructor(readonly storage: Map<string, string>) {
-    vi.stubGlobal("localStorage", {
-      getItem: (key: string) => storage.get(key) ?? null,
-      setItem: (key: string, value: string) => storage.set(key, value),
-    });
+  constructor(readonly memory: ScanMemory) {
     this.control = new TissueControl(this as unknown as Session, this.steps);
   }
 
@@ -82,17 +79,12 @@ class Visit {
 
   /** What the next visit will find. */
   get kept(): Partial<TissueMemory> | null {
-    const [text] = this.storage.values();
-    return text === undefined ? null : (JSON.parse(text) as TissueMemory);
+    return this.memory.everything["matter"] ?? null;
   }
 }
 
-afterEach(() => {
-  vi.unstubAllGlobals();
-});
-
 test("what is kept of materials is what the engine holds, also after undo and redo", () => {
-  const visit = new Visit(new Map());
+  const visit = new Visit(new ScanMemory(() => undefined));
   visit.holds(null, null);
   visit.passed();
   expect(visit.kept).toBeNull();
@@ -108,13 +100,13 @@ test("what is kept of materials is what the engine holds, also after undo and re
 });
 
 test("another visit brings back what was kept, and keeps what undo does then", () => {
-  const storage = new Map<string, string>();
-  const first = new Visit(storage);
+  const memory = new ScanMemory(() => undefined);
+  const first = new Visit(memory);
   first.holds(null, null);
   first.passed();
   first.control.make({ id: 1, name: "Liver" } as never, "liver", null);
   first.holds(liver, "lattice");
-  const again = new Visit(storage);
+  const again = new Visit(memory);
   again.holds(null, null);
   // the engine has not done it yet: nothing is lost meanwhile
   again.holds(null, null);
@@ -127,7 +119,7 @@ test("another visit brings back what was kept, and keeps what undo does then", (
 });
 
 test("an engine that begins anew is told again, and takes nothing from what is kept", () => {
-  const visit = new Visit(new Map());
+  const visit = new Visit(new ScanMemory(() => undefined));
   visit.holds(null, null);
   visit.passed();
   visit.control.make({ id: 1, name: "Liver" } as never, "liver", null);
@@ -141,7 +133,7 @@ test("an engine that begins anew is told again, and takes nothing from what is k
 });
 
 test("regions are a step of the page's undo; a material is one of the engine's", () => {
-  const visit = new Visit(new Map());
+  const visit = new Visit(new ScanMemory(() => undefined));
   visit.holds(liver, "lattice");
   const rigid: MatterRegion = { treatment: "rigid", shared_with: null, box: null };
   const segment = visit.segments[0] as never;
@@ -157,8 +149,8 @@ test("regions are a step of the page's undo; a material is one of the engine's",
 });
 
 test("what is felt is a step of the page's undo, kept, and told to the next engine", () => {
-  const storage = new Map<string, string>();
-  const visit = new Visit(storage);
+  const memory = new ScanMemory(() => undefined);
+  const visit = new Visit(memory);
   visit.holds(liver, "lattice");
   visit.passed();
   visit.sent.length = 0;
@@ -171,13 +163,13 @@ test("what is felt is a step of the page's undo, kept, and told to the next engi
   visit.source = "voxels";
   visit.holds(liver, "lattice");
   expect(visit.kept).toMatchObject({ forceSource: "voxels" });
-  const again = new Visit(storage);
+  const again = new Visit(memory);
   again.holds(null, null);
   expect(again.sent).toContainEqual({ type: "set_force_source", source: "voxels" });
 });
 
 test("parts that arrive after they were hidden do not stay", () => {
-  const visit = new Visit(new Map());
+  const visit = new Visit(new ScanMemory(() => undefined));
   const parts = { count: 3 } as ModelParticles;
   visit.control.showParts(true);
   visit.holds(liver, "lattice", { time: 1, answers: 0 });

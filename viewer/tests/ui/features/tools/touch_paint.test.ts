@@ -2,6 +2,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { FromPage, Scan, Segment, State } from "../../../../src/core/protocol";
 import { BrushControl } from "../../../../src/ui/features/segments/brush_control.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 import { ToolHand } from "../../../../src/ui/features/tools/tool_hand.svelte";
 import { TouchPaint } from "../../../../src/ui/features/tools/touch_paint.svelte";
@@ -29,6 +30,7 @@ function page(segments: readonly Segment[]) {
     segments,
     settings: null,
     greetings: 1,
+    memory: new ScanMemory(() => undefined),
     send: (message: FromPage): unknown => sent.push(message),
     notify: () => undefined,
     onState: (listener: typeof told) => (told = listener),

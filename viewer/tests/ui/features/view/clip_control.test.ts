@@ -1,36 +1,28 @@
 /** What is cut away: every change is a step of the page's history, in one order with marks. */
-import { beforeEach, afterEach, expect, test, vi } from "vitest";
+import { beforeEach, expect, test } from "vitest";
 import { inProjection, lookFrom, extentOf } from "../../../../src/core/geometry/camera";
-import type { Scan } from "../../../../src/core/protocol";
 import { frameOf } from "../../../../src/core/scan/scan_volume";
 import { ClipControl } from "../../../../src/ui/features/view/clip_control.svelte";
 import { MarkControl } from "../../../../src/ui/features/marks/mark_control.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 import { scanOf } from "../../../support/volumes";
 
 const frame = frameOf(scanOf([40, 40, 40], [1, 1, 1]));
 const extent = extentOf([[0, 0, 0], [40, 40, 40]]);
 const camera = inProjection(lookFrom("A", extent, { width: 100, height: 100 }), false, extent);
-let kept = new Map<string, string>();
+let memory = new ScanMemory(() => undefined);
 
 beforeEach(() => {
-  kept = new Map();
-  vi.stubGlobal("localStorage", {
-    getItem: (key: string) => kept.get(key) ?? null,
-    setItem: (key: string, value: string) => kept.set(key, value),
-  });
-});
-
-afterEach(() => {
-  vi.unstubAllGlobals();
+  memory = new ScanMemory(() => undefined);
 });
 
 function opened(): { readonly clips: ClipControl; readonly marks: MarkControl; readonly steps: PageSteps } {
   const steps = new PageSteps(() => 1);
-  const clips = new ClipControl(steps);
-  const marks = new MarkControl(steps);
-  clips.open("head", frame);
-  marks.open({ name: "head" } as Scan);
+  const clips = new ClipControl(steps, memory);
+  const marks = new MarkControl(steps, memory);
+  clips.open(frame);
+  marks.open();
   return { clips, marks, steps };
 }
 

@@ -4,6 +4,7 @@ import type { ClipPlanes, FromPage, State } from "../../../../src/core/protocol"
 import { frameOf } from "../../../../src/core/scan/scan_volume";
 import { ClipControl } from "../../../../src/ui/features/view/clip_control.svelte";
 import { TouchClip } from "../../../../src/ui/features/view/touch_clip.svelte";
+import { ScanMemory } from "../../../../src/ui/state/scan_memory";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 import { scanOf } from "../../../support/volumes";
@@ -50,9 +51,9 @@ class Engine {
 
 function opened(): { readonly clips: ClipControl; readonly engine: Engine; readonly touch: TouchClip } {
   const engine = new Engine();
-  const clips = new ClipControl(new PageSteps(() => 1));
+  const clips = new ClipControl(new PageSteps(() => 1), new ScanMemory(() => undefined));
   const touch = new TouchClip(engine as unknown as Session, clips);
-  clips.open("head", frame);
+  clips.open(frame);
   engine.tell();
   return { clips, engine, touch };
 }
