@@ -146,10 +146,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     },
     get segments() { return session.segments; },
     get labelsVersion() { return session.labels; },
-    labelAt: (grid) => {
-      const label = stage.edits.labelAt(grid, stage.loader.held?.volume.step ?? 1);
-      return session.segments.some(({ id, visible }) => id === label && visible) ? label : 0;
-    },
+    labelAt: (grid) => shownLabelAt(session, stage, grid),
     get settings() { return session.settings; },
     get settingsHold() {
       return session.settingsHold;
@@ -217,6 +214,12 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
     get kept() { return session.memory.everything; },
     keep: (name, value) => { session.memory.keep(name, value); },
   };
+}
+
+/** Number of the segment that is seen at a point of the grid by its labels; 0 for none. */
+function shownLabelAt(session: Session, stage: Stage, grid: Vec3): number {
+  const label = stage.edits.labelAt(grid, stage.loader.held?.volume.step ?? 1);
+  return session.segments.some(({ id, visible }) => id === label && visible) ? label : 0;
 }
 
 function drawerOf({ drawer: { choice, engineDraws: engine, obstacle } }: Stage): TestHooks["drawer"] {
