@@ -16,7 +16,7 @@ from threading import Lock
 import msgspec
 
 from palpate.base.errors import OptionError, PalpateError
-from palpate.base.state_folder import state_folder
+from palpate.base.state_folder import private_folder, state_folder
 from palpate.base.whole_file import whole_file
 from palpate.saved.second_scan_note import keep_second, kept_second, second_name
 from palpate.session.session import Session
@@ -100,7 +100,7 @@ class Journal:
         """
         with self._lock:
             try:
-                self.path.parent.mkdir(parents=True, exist_ok=True)
+                private_folder(self.path.parent)
                 if recover is None and scene is not None and self._is_saved_in(scene):
                     self._keep_aside(held=True)
                 self._look(wanted=recover is True)
