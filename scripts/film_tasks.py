@@ -27,7 +27,7 @@ LOOK = 0.6
 """Time to look between two actions [s]."""
 AIR, BONE = -400.0, 200.0
 """Values below and above what a needle goes through [HU]."""
-WORK = 4.0
+WORK = 6.0
 """Time that a tool works [s]."""
 LIVER = {"amos_0336": 6, "lidc0001_totalseg": 5}
 """Label of the liver in each scan's own segments."""
@@ -187,7 +187,7 @@ def drill(person: Person) -> None:
     """Comes closer, drills a hole into bone, looks at it from aside, and takes it back."""
     page = person.page
     person.goes_to(683.0, 384.0)
-    page.do("wheel", y=-600)
+    page.do("wheel", y=-1200)
     person.acted()
     person.presses("t")
     person.presses("d")
@@ -197,6 +197,7 @@ def drill(person: Person) -> None:
         raise SystemExit("no hole was drilled")
     page.all_done()
     # the tool stands before the hole
+    person.presses("h")
     person.presses("Escape")
     person.goes_to(440.0, 600.0)
     page.do("mouse", down=True)

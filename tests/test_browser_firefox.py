@@ -5,6 +5,7 @@ The oracle is NumPy: it samples the file itself along the rays of the page's own
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,10 @@ def test_a_mip_in_firefox_is_the_largest_value_on_each_ray_of_the_file(tmp_path:
     window = {"window": WINDOW, "level": LEVEL}
     mip = {"blend": "mip", "windows": {"mip": window, "minip": window, "average": window}}
     with palpate("open", path, "--unit", "HU") as command, firefox() as page:
-        page.remember(**{"optics.ball": mip})
+        page.open(command.url, width=640, height=400)
+        page.read(f"window.palpate.keep('optics', {json.dumps(mip)})")
+        page.read("window.palpate.allDone()")
+        # a page that is opened takes up what is kept
         page.open(command.url, width=640, height=400)
         assert "llvmpipe" in page.read("window.palpate.support.renderer")
         drawn = page.picture(OUTPUT / "firefox-mip.png")[..., 1]

@@ -47,7 +47,7 @@ class CaseProcess:
                 self._process.stdin.flush()
             code = self._process.wait(timeout)
         except subprocess.TimeoutExpired:
-            return f"took longer than {timeout:g} s; allowed: more with --timeout"
+            return f"took longer than the time limit of {timeout:g} s; a higher limit gives it more"
         finally:
             self.end()
         if (part / "failed.json").is_file():

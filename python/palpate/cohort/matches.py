@@ -29,7 +29,7 @@ def cases_over(pattern: str) -> list[Case]:
     """
     paths = sorted(glob(pattern, recursive=True))  # noqa: PTH207  # of absolute patterns too
     if not paths:
-        raise OptionError(f"--over {pattern!r} matches nothing; allowed: a pattern that does")
+        raise OptionError(f"{pattern!r} matches no file; allowed: a pattern that does")
     cases = [
         Case(name, {"case": name, "scan": str(Path(path).absolute())}, Path(path).absolute())
         for path, name in zip(paths, _names(pattern, paths), strict=True)

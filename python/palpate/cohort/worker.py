@@ -40,7 +40,8 @@ def main() -> None:
     try:
         told, name = _run(request, part), "done.json"
     except MemoryError:
-        told, name = {"reason": "not enough memory; allowed: more with --memory"}, "failed.json"
+        reason = "not enough memory; a higher memory limit gives it more"
+        told, name = {"reason": reason}, "failed.json"
     except (PalpateError, OSError) as error:
         told, name = {"reason": str(error)}, "failed.json"
     except Exception as error:  # noqa: BLE001  # a case that fails is told, whatever it is

@@ -92,7 +92,7 @@ def test_a_case_over_its_time_fails_alone_and_is_tried_again_on_demand(
     folder: Path, capsys: Any
 ) -> None:
     assert over("--timeout", "0.001", "--shard", "1/3") == 3
-    assert "p1 failed: took longer than 0.001 s" in capsys.readouterr().err
+    assert "p1 failed: took longer than the time limit of 0.001 s" in capsys.readouterr().err
     assert over("--only-failed") == 0
     assert "1 done, 0 failed, 2 kept" in capsys.readouterr().out
     assert not (folder / "out" / "p1" / "failed.json").exists()
@@ -102,7 +102,7 @@ def test_a_case_over_its_time_fails_alone_and_is_tried_again_on_demand(
 def test_a_case_over_its_memory_fails_alone(capsys: Any) -> None:
     assert over("--memory", "0.001", "--shard", "1/3") == 3
     said = capsys.readouterr()
-    assert "p1 failed: not enough memory; allowed: more with --memory" in said.err
+    assert "p1 failed: not enough memory; a higher memory limit" in said.err
     assert "0 done, 1 failed" in said.out
 
 

@@ -31,8 +31,8 @@ def test_no_public_method_of_a_part_is_left_out() -> None:
             for name, _ in inspect.getmembers(getattr(session, part), inspect.ismethod)
             if not name.startswith("_")
         }
-    # a scene file restores a material whatever is known of the scan's unit
-    assert offered - methods().keys() == {"restore_material"}
+    # a scene file restores a material whatever is known of the unit, and holds values at rest
+    assert offered - methods().keys() == {"restore_material", "values_at_rest"}
 
 
 def test_the_class_shows_signature_and_documentation_of_the_part() -> None:

@@ -117,7 +117,7 @@ def test_labels_hold_no_thresholds(shared_server: Any) -> None:
     assert not voxels(shared_server, "/api/labels", "u1").any()
 
 
-def test_labels_hold_edited_segments_while_they_are_visible(server: Any) -> None:
+def test_labels_hold_edited_segments_also_while_they_are_hidden(server: Any) -> None:
     with server.page() as page:
         before = page.receive("segments")
         server.session.fill_box(1, low=(18, 18, 18), high=(22, 22, 22), solid=False)
@@ -129,8 +129,9 @@ def test_labels_hold_edited_segments_while_they_are_visible(server: Any) -> None
 
         hidden = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
         page.send(hidden | SURFACE_LOOK | {"visible": False, "touchable": True, "locked": False})
-        page.receive("segments", until=lambda m: m["labels"] > after["labels"])
-        assert not voxels(server, "/api/labels", "u1").any()
+        told = page.receive("segments", until=lambda m: not m["segments"][0]["visible"])
+        assert told["labels"] == after["labels"], "nothing is fetched anew"
+        np.testing.assert_array_equal(voxels(server, "/api/labels", "u1"), expected)
 
 
 def test_what_is_hidden_on_a_page_is_not_felt_unless_it_is_pinned(server: Any) -> None:

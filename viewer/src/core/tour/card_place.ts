@@ -31,6 +31,8 @@ export function cardPlace(card: Size, around: Surroundings): Corner {
   const wanted = [
     ...(target === null ? [] : sidesOf(target, card)),
     ...cornersOf(picture ?? whole, card),
+    // a small picture has no room beside its middle
+    ...(picture === null ? [] : sidesOf(picture, card)),
   ].map(({ x, y }) => ({ x: within(x, page.width - card.width), y: within(y, page.height - card.height) }));
   const free = [...(picture === null ? [] : [middleOf(picture)]), ...(target === null ? [] : [target])];
   const coveredOf = (corner: Corner, rects: readonly Rect[]): number =>
