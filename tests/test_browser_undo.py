@@ -43,8 +43,8 @@ def shown(page: Browser) -> dict[str, Any]:
 
 
 def kept(page: Browser, name: str) -> Any:
-    """Returns what the next visit would find."""
-    return page.read(f"JSON.parse(localStorage.getItem('palpate.{name}.CThead'))")
+    """Returns what is kept with the scan."""
+    return page.read(f"window.palpate.kept[{name!r}] ?? null")
 
 
 @pytest.fixture(scope="module")

@@ -103,7 +103,7 @@ class KeptWithScan:
         """Brings the file up to date; where it cannot be written nothing is kept on disk."""
         with self._lock:
             waits, self._waits = self._waits, False
-            mine = {name: self._parts[name].value for name in self._changed}
+            mine = {n: part.value for n, part in self._parts.items() if n in self._changed}
         if self.path is None or not waits:
             return
         # another process may have the same scan open: what it has changed stays

@@ -58,6 +58,16 @@ def test_two_files_of_one_name_have_nothing_in_common(tmp_path: Path) -> None:
     assert values_of(kept_of(first)) == {"mark.1": MARK}
 
 
+def test_marks_come_back_in_the_order_in_which_they_were_set(tmp_path: Path) -> None:
+    path = written(tmp_path / "ct.nii.gz")
+    names = [f"mark.{number:x}" for number in (7, 3, 250, 11, 5, 90, 1, 64)]
+    kept = kept_of(path)
+    for name in names:
+        kept.change(name, MARK)
+    kept.write()
+    assert list(values_of(kept_of(path))) == names
+
+
 def test_the_same_scan_is_known_elsewhere_and_another_one_of_its_name_is_not(
     tmp_path: Path,
 ) -> None:
