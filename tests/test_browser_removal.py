@@ -69,8 +69,9 @@ def test_a_table_is_shown_before_it_goes_and_one_undo_brings_it_back(page: Brows
 def test_a_table_that_is_there_is_suggested_once_and_goes_in_one_step(page: Browser) -> None:
     url = page.read("location.href")
     # a page that a program drives is not asked, unless it says so
-    asked = "localStorage.setItem('palpate.table.lying', JSON.stringify({asked: false}))"
+    asked = "window.palpate.keep('table', {asked: false})"
     page.read(asked)
+    page.all_done()
     page.do("open", url=url, width=1366, height=768)
     page.shows("table-suggested", "text.includes('This scan shows a table. Remove it?')")
     page.do("screenshot", path=str(OUTPUT / "removal-suggested.png"))
@@ -82,11 +83,12 @@ def test_a_table_that_is_there_is_suggested_once_and_goes_in_one_step(page: Brow
     page.wait(f"{BONE} === {both}")
 
     page.read(asked)
+    page.all_done()
     page.do("open", url=url, width=1366, height=768)
     page.shows("table-suggested", "true")
     page.do("click", testid="suggested-keep")
     page.wait("document.querySelector('[data-testid=table-suggested]') === null")
-    assert page.read("JSON.parse(localStorage['palpate.table.lying']).asked") is True
+    assert page.read("window.palpate.kept.table.asked") is True
     assert page.read(BONE) == both
 
 

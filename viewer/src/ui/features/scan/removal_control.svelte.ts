@@ -3,9 +3,10 @@
  * CT that was opened for the first time the engine looks for a table by itself, once all else is at rest.
  */
 import type { ClipBox } from "../../../core/view/clip";
-import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
+/** What is kept with the scan: whether a person was asked about its table. */
+const part = "table";
 /** How often it is looked whether all is at rest, and how often in turn it must be [ms]. */
 const pace = 1000;
 const rests = 3;
@@ -53,7 +54,7 @@ export class RemovalControl {
   /** Takes the table that was suggested out of the scan, or leaves it; it is not asked again. */
   decide(removes: boolean): void {
     this.session.tableSuggested = false;
-    remember(this.memory, { asked: true });
+    this.session.memory.keep(part, { asked: true });
     if (removes) {
       this.session.send({ type: "remove_table" });
     }
@@ -61,11 +62,7 @@ export class RemovalControl {
 
   private get wasAsked(): boolean {
     // nor is a program asked that drives the page
-    return recall(this.memory, { asked: navigator.webdriver }).asked;
-  }
-
-  private get memory(): string {
-    return `table.${this.session.scan?.name ?? ""}`;
+    return this.session.memory.recall(part, { asked: navigator.webdriver }).asked;
   }
 
   /** Looks for a table; it is shown then, and nothing is removed yet. */

@@ -3,17 +3,13 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 import { RemovalControl } from "../../../../src/ui/features/scan/removal_control.svelte";
 
-let kept: Record<string, string> = {};
+let kept: Record<string, object> = {};
 let sent: string[] = [];
 
 beforeEach(() => {
   [kept, sent] = [{}, []];
   vi.useFakeTimers();
   vi.stubGlobal("navigator", { webdriver: false });
-  vi.stubGlobal("localStorage", {
-    getItem: (name: string) => kept[name] ?? null,
-    setItem: (name: string, value: string) => (kept[name] = value),
-  });
 });
 
 afterEach(() => {
@@ -28,6 +24,10 @@ function opened(unit: string): { readonly removal: RemovalControl; readonly sess
     segmentWork: null,
     tableFound: null,
     tableSuggested: false,
+    memory: {
+      recall: (name: string, fallback: object) => ({ ...fallback, ...kept[name] }),
+      keep: (name: string, value: object) => (kept[name] = value),
+    },
     send: ({ type }: { readonly type: string }) => sent.push(type),
   } as unknown as Session;
   return { removal: new RemovalControl(session), session };
