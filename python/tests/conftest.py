@@ -9,11 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
+from hypothesis import settings
 from made_scans import make_ball, series_writer
 from numpy.typing import NDArray
 from palpate.server.workbench import Workbench
 from palpate.volumes.scene import Scene
 from running_server import LibraryClient, RunningServer, running, serving, write_page
+
+# a busy machine is no fault of what is tested
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 
 SMALL = (5, 6, 7)
 """Depth, height, width of small scans: all different, so that no axis stands for another."""
