@@ -134,7 +134,7 @@ impl RigidObstacles {
         } else {
             self.ball.solid_near(hard, solid.voxel)?
         };
-        hard.owners(voxel).last()
+        hard.owner(voxel)
     }
 }
 
@@ -147,7 +147,7 @@ struct HardVoxels<'a> {
 
 impl<'a> HardVoxels<'a> {
     /// All parts with anything hard; with a mask where that alone is.
-    fn parts(&self) -> impl Iterator<Item = (&'a Part, Option<&'a Bits>)> {
+    fn parts(&self) -> impl DoubleEndedIterator<Item = (&'a Part, Option<&'a Bits>)> {
         let soft = self.soft;
         unmoved(self.parts).filter_map(move |part| match soft.contains(part.id) {
             false => Some((part, None)),
@@ -159,18 +159,18 @@ impl<'a> HardVoxels<'a> {
         self.parts().next().is_some()
     }
 
-    /// All that have a voxel.
-    fn owners(&self, voxel: IVec3) -> impl Iterator<Item = SegmentId> {
-        let is_hard = move |(part, rigid): &(&Part, Option<&Bits>)| {
+    /// The last one that has a voxel.
+    fn owner(&self, voxel: IVec3) -> Option<SegmentId> {
+        let is_hard = |(part, rigid): &(&Part, Option<&Bits>)| {
             part.bits.is_solid(voxel) && rigid.is_none_or(|rigid| rigid.is_solid(voxel))
         };
-        self.parts().filter(is_hard).map(|(part, _)| part.id)
+        self.parts().rfind(is_hard).map(|(part, _)| part.id)
     }
 }
 
 impl Occupancy for HardVoxels<'_> {
     fn is_solid(&self, voxel: IVec3) -> bool {
-        self.owners(voxel).next().is_some()
+        self.owner(voxel).is_some()
     }
 
     fn block(&self, min: IVec3) -> BitBrick {

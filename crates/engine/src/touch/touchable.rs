@@ -173,8 +173,8 @@ impl Touchable {
             return Some(first.id);
         }
         let voxel = self.world.solid_near(voxel)?;
-        let owner = unmoved(&self.parts).filter(|part| part.bits.is_solid(voxel));
-        owner.last().map(|part| part.id)
+        let owner = unmoved(&self.parts).rfind(|part| part.bits.is_solid(voxel));
+        owner.map(|part| part.id)
     }
 
     /// Gives the probe another radius [mm] at once; whether the probe admits it is asked before.
@@ -237,7 +237,7 @@ impl Touchable {
 }
 
 /// Parts that are obstacles where the scan has them: neither moved nor punctured.
-pub fn unmoved(parts: &[Part]) -> impl Iterator<Item = &Part> {
+pub fn unmoved(parts: &[Part]) -> impl DoubleEndedIterator<Item = &Part> {
     let stands = |part: &&Part| part.moved.is_none() && !part.punctured;
     parts.iter().filter(stands)
 }

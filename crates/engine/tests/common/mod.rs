@@ -306,8 +306,13 @@ impl Rig {
         }
     }
 
-    /// The device is read at a point [mm].
+    /// The device is read at a point [mm], and has sent nothing.
     pub fn read_at(&mut self, point: DVec3) {
+        self.read_pressed(point, 0.0);
+    }
+
+    /// The device is read at a point [mm], and has sent so much upward [N].
+    fn read_pressed(&mut self, point: DVec3, sent: f64) {
         self.readings += 1;
         self.device.write(DeviceSample {
             number: self.readings,
@@ -316,36 +321,29 @@ impl Rig {
                 position: point,
                 ..DeviceState::default()
             },
-            sent_in_device: DVec3::ZERO,
+            sent_in_device: DVec3::Z * sent,
         });
     }
 
     /// A tick of the servo with the device at a point; gives its record.
     pub fn tick_at(&mut self, point: DVec3) -> TickRecord {
         self.read_at(point);
+        self.tick()
+    }
+
+    fn tick(&mut self) -> TickRecord {
         self.servo.step(self.now);
         self.now += 1e-3;
         self.records.pop().expect("every tick is recorded")
     }
 
-    /// 10 ms: ten ticks with the device at a point, which sends so much [N], and a pass of the
+    /// 10 ms: ten ticks with the device at a point, which sends so much upward [N], and a pass of the
     /// simulation.
     pub fn pass(&mut self, device: DVec3, sent: f64) -> TickRecord {
         let mut last = TickRecord::default();
         for _ in 0..10 {
-            self.readings += 1;
-            self.device.write(DeviceSample {
-                number: self.readings,
-                time: self.now,
-                state: DeviceState {
-                    position: device,
-                    ..DeviceState::default()
-                },
-                sent_in_device: DVec3::Z * sent,
-            });
-            self.servo.step(self.now);
-            self.now += 1e-3;
-            last = self.records.pop().expect("every tick is recorded");
+            self.read_pressed(device, sent);
+            last = self.tick();
         }
         self.simulation.step();
         last

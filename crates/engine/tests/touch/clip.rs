@@ -3,8 +3,6 @@
 use crate::common::*;
 use crate::deformable::soft_block::{go, lattice_rig};
 use glam::{DVec3, IVec3, UVec3};
-use palpate_device::DeviceState;
-use palpate_engine::servo::DeviceSample;
 use palpate_engine::session::Reference;
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::clip::{Clip, Plane};
@@ -45,26 +43,6 @@ fn sink(rig: &mut Rig, height: f64) -> DVec3 {
         rig.ticks(1, ABOVE.with_z(z));
     }
     rig.ticks(SETTLED, ABOVE.with_z(height)).proxy
-}
-
-/// 10 ms with the device at a point, whose motor has sent the hand a force.
-fn pass_pressed(rig: &mut Rig, device: DVec3) {
-    for _ in 0..10 {
-        rig.readings += 1;
-        rig.device.write(DeviceSample {
-            number: rig.readings,
-            time: rig.now,
-            state: DeviceState {
-                position: device,
-                ..DeviceState::default()
-            },
-            sent_in_device: 5.0 * DVec3::Z,
-        });
-        rig.servo.step(rig.now);
-        rig.now += 1e-3;
-        rig.records.pop().expect("every tick is recorded");
-    }
-    rig.simulation.step();
 }
 
 #[test]
@@ -177,7 +155,7 @@ fn tools_leave_what_is_cut_away_as_it_is() {
         rig.simulation.set_tool(Some(tool)).unwrap();
         rig.simulation.stroke(true).unwrap();
         for _ in 0..40 {
-            pass_pressed(&mut rig, ABOVE.with_z(14.0));
+            rig.pass(ABOVE.with_z(14.0), 5.0);
         }
         rig.simulation.stroke(false).unwrap();
         let now = rig.simulation.voxels();
