@@ -11,6 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from palpate.base.own_process import own_process
+
 __all__ = ["CaseProcess"]
 
 
@@ -23,16 +25,8 @@ class CaseProcess:
         Raises:
             OSError: No process can be started.
         """
-        folders = os.pathsep.join(folder for folder in sys.path if folder)
         # Ctrl-C is for the one that waits: it ends this one in its own time
-        self._process = subprocess.Popen(  # of this interpreter
-            [sys.executable, "-P", "-m", "palpate.cohort.worker"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONPATH": folders},
-            start_new_session=True,
-        )
+        self._process = own_process("palpate.cohort.worker", own_session=True)
 
     def run(self, request: dict[str, Any], part: Path, *, timeout: float | None) -> str | None:
         """Runs a case into its folder.

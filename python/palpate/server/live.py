@@ -341,7 +341,7 @@ class Live:
                 # a session that has ended, or a segment that has gone meanwhile
                 with suppress(PalpateError, RuntimeError):
                     await asyncio.to_thread(self.segments.labels)
-            await asyncio.sleep(1.0 / STATES_HZ)
+            await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
 
     def _publish_changes(self) -> None:
         for change in self.session.picture_changes():

@@ -25,7 +25,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from palpate.base.state_folder import keep, kept, state_folder
+from palpate.base.state_folder import keep, kept, private_folder, state_folder
 from palpate.server.answers import errors_as_text, json_body, json_response
 from palpate.server.security import RESUME, Access
 
@@ -91,7 +91,7 @@ def kept_key(port: int) -> str:
     path = _folder() / f"{port}.key"
     fresh = secrets.token_hex(KEY_BYTES)
     with suppress(OSError):
-        _folder().mkdir(parents=True, exist_ok=True, mode=0o700)
+        private_folder(_folder())
         with suppress(FileExistsError):
             _write_private(path, fresh)
         kept = path.read_text("ascii")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import atexit
 import os
 import subprocess
-import sys
 from contextlib import suppress
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
 from typing import Any
 
+from palpate.base.own_process import own_process
 from palpate.base.reader_process.channel import Sender, receive
 
 __all__ = ["Worker", "give_back", "take", "warm"]
@@ -36,14 +36,8 @@ class Worker:
         Raises:
             OSError: No process can be started.
         """
-        folders = os.pathsep.join(folder for folder in sys.path if folder)
-        # without -P what lies in the folder that is read could be taken for a module
-        self._process = subprocess.Popen(  # of this interpreter
-            [sys.executable, "-P", "-m", "palpate.base.reader_process.worker"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, **SETTINGS, "PYTHONPATH": folders},
+        self._process = own_process(
+            "palpate.base.reader_process.worker", settings=SETTINGS, answers=True
         )
         assert self._process.stdin is not None  # noqa: S101  # it is a pipe
         self._send = Sender(self._process.stdin)
