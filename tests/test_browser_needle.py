@@ -118,8 +118,9 @@ def push_from_entry(page: Browser) -> None:
     page.do("point", x=x, y=y)
     page.do("hold", key="Shift")
     page.do("mouse", down=True)
-    # on a busy page some of the way is lost: a person pushes on until it is in
-    for moved in range(1, 45):
+    # on a busy page some of the way is lost: a person pushes on until it is in, here by mm, as far
+    # as the block is deep and again
+    for moved in range(1, EDGE):
         page.do("point", x=x, y=y + moved / pixel)
         page.frames()
         if page.read(f"{NEEDLE}.inside && {NEEDLE}.depth > 5"):

@@ -604,8 +604,11 @@ export class Picture {
     }
     const now = { extent: this.view.extent, quality: restingPictures[this.quality.quality] };
     const signal = AbortSignal.any([wish.signal, this.closing.signal]);
-    const draws = byEngine ? this.saving.byEngine : this.saving.byBrowser;
-    await draws.call(this.saving, context, cameras, { ...wish, signal }, now, taken);
+    if (byEngine) {
+      await this.saving.byEngine(context, cameras, { ...wish, signal }, now, taken);
+    } else {
+      await this.saving.byBrowser(context, cameras, { ...wish, signal }, now, taken);
+    }
   }
 
   /** Pictures and strips that the GPU has drawn to the end. */

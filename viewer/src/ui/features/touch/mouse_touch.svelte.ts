@@ -78,13 +78,14 @@ export class MouseTouch {
   }
 }
 
-/** What was kept, where pressures can be pressed with. */
+/** What was kept, where that can be pressed with; else what is usual. */
 function sanePressures(kept: unknown): Record<Purpose, number> {
-  const { feel, drill } = { ...usual, ...(typeof kept === "object" ? kept : null) } as Record<Purpose, unknown>;
-  return {
-    feel: typeof feel === "number" && Number.isFinite(feel) ? sane(feel) : usual.feel,
-    drill: typeof drill === "number" && Number.isFinite(drill) ? sane(drill) : usual.drill,
+  const given = (typeof kept === "object" && kept !== null ? kept : {}) as Partial<Record<Purpose, unknown>>;
+  const sanePressure = (purpose: Purpose): number => {
+    const pressure = given[purpose];
+    return typeof pressure === "number" && Number.isFinite(pressure) ? sane(pressure) : usual[purpose];
   };
+  return { feel: sanePressure("feel"), drill: sanePressure("drill") };
 }
 
 /** Within what can be pressed with, of a hundredth of a newton. */
