@@ -25,7 +25,7 @@ export function remember(name: string, value: object): void {
 
 /** What earlier versions have left of scans, under the names of these: it may be of any patient. */
 const parts = "marks|landmarks|clip|window|appearance|optics|curve|lighting|inside|unfelt|brush|matter|second|table";
-const ofScans = new RegExp(`^palpate\\.(${parts})\\.`);
+const ofScans = new RegExp(`^palpate\\.((${parts})\\.|needle$)`);
 
 /** Removes all that the browser's storage has of scans. */
 export function forgetScans(): void {

@@ -9,6 +9,11 @@ import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 import type { TouchPaint } from "./touch_paint.svelte";
 
+type Layers = Readonly<Record<string, Layer>>;
+
+/** What segments are to a needle is kept with the scan under this name: another's may have the same names. */
+const part = "needle";
+
 type Radii = Partial<Record<ToolName, number>>;
 
 export class ToolHand {
@@ -17,7 +22,7 @@ export class ToolHand {
   /** Whether a stroke is on, as far as this page is concerned. */
   pressed = $state(false);
   /** What segments are to a needle, by their names, as far as the person has said. */
-  private layers = $state.raw<Readonly<Record<string, Layer>>>(recall<Record<string, Layer>>("needle", {}));
+  private layers = $state.raw<Layers>({});
   private radii = $state.raw<Radii>(recall<Radii>("tools", {}));
 
   /** The segment that is touched, or was last. */
@@ -40,6 +45,11 @@ export class ToolHand {
     session.onState((state) => {
       this.takeUp(state);
       this.follow(state);
+    });
+    session.memory.onChange((name) => {
+      if (name === part) {
+        this.layers = session.memory.recall<Layers>(part, {});
+      }
     });
     paint.onChange(() => {
       this.tell();
@@ -84,7 +94,7 @@ export class ToolHand {
 
   setLayer(segment: Segment, layer: Layer): void {
     this.layers = { ...this.layers, [segment.name]: layer };
-    remember("needle", this.layers);
+    this.session.memory.keep(part, this.layers);
     this.tell();
   }
 
