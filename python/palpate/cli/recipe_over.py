@@ -49,6 +49,8 @@ def run_over(recipe: Path, options: OverOptions) -> int:
         raise OptionError("--over and --table given; allowed: one of both")
     if options.output is None:
         raise OptionError("no output folder given; allowed: --output FOLDER")
+    if options.limits.memory is not None and sys.platform != "linux":
+        raise OptionError("a memory limit given; allowed: none on this system, only Linux has one")
     cases = _cases(options)
     folder = CohortFolder(options.output)
     wanted = wanted_cases(recipe, cases, folder, only_failed=options.only_failed)

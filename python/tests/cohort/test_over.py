@@ -106,6 +106,16 @@ def test_a_case_over_its_memory_fails_alone(capsys: Any) -> None:
     assert "0 done, 1 failed" in said.out
 
 
+def test_a_memory_limit_that_nothing_would_keep_to_is_refused(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    with monkeypatch.context() as elsewhere:
+        elsewhere.setattr(sys, "platform", "darwin")
+        assert over("--memory", "4") == 2
+    assert "only Linux has one" in capsys.readouterr().err
+    assert not (folder / "out").exists()
+
+
 def test_a_signal_ends_its_case_and_is_named(tmp_path: Path) -> None:
     process = CaseProcess()
     os.kill(process._process.pid, signal.SIGKILL)
