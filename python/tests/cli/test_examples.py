@@ -172,7 +172,9 @@ def words(line: str) -> list[str]:
     """Returns what a shell makes of a line, without the program."""
     found: list[str] = []
     for word in shlex.split(line)[1:]:
-        found += sorted(map(str, Path().glob(word))) if "*" in word else [word]
+        # a pattern in quotes is for the program
+        is_pattern = "*" in word and f"'{word}'" not in line
+        found += sorted(map(str, Path().glob(word))) if is_pattern else [word]
     return found
 
 

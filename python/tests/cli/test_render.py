@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from imageio_ffmpeg import count_frames_and_secs
 from palpate.base.request import options_of
 from palpate.cli.commands import run
 from palpate.pictures.film import write_film
@@ -60,11 +60,8 @@ def test_a_turn_is_a_gif_of_its_time(scan: Path, tmp_path: Path) -> None:
     assert sum(times) == 500
 
 
-@pytest.mark.skipif(find_spec("imageio_ffmpeg") is None, reason="FFmpeg is not installed")
 @pytest.mark.parametrize("name", ["turn.mp4", "turn.webm"])
 def test_a_turn_is_a_video(scan: Path, tmp_path: Path, name: str) -> None:
-    from imageio_ffmpeg import count_frames_and_secs
-
     file = tmp_path / name
     assert run(given(scan, "--turntable", str(file), "--seconds", "0.5", "--fps", "16")) == 0
     frames, seconds = count_frames_and_secs(str(file))
