@@ -32,7 +32,12 @@ def element(testid: str) -> str:
 
 def ground(page: Browser, testid: str) -> str:
     """Returns the colour behind an element."""
-    return str(page.read(f"getComputedStyle({element(testid)}).backgroundColor"))
+    return str(page.read(ground_of(testid)))
+
+
+def ground_of(testid: str) -> str:
+    """Returns what gives the colour behind an element in the page."""
+    return f"getComputedStyle({element(testid)}).backgroundColor"
 
 
 def test_the_picture_is_printed_in_its_own_proportions(page: Browser) -> None:
@@ -66,7 +71,8 @@ def test_what_is_pressed_and_switched_on_is_seen_in_colours_of_the_system(page: 
         assert page.read(is_on) is False
         page.do("click", testid="show-path")
         page.wait(f"{is_on} === true")
-        assert ground(page, "show-path") != before, "a switch"
+        # its colour passes over to the other one
+        page.wait(f"{ground_of('show-path')} !== '{before}'")
         page.do("click", testid="show-path")
         page.wait(f"{is_on} === false")
     lamp = f"getComputedStyle({element('light')}.querySelector('.lamp')).backgroundColor"

@@ -155,7 +155,8 @@ const actions = {
     });
     while (!(await ask())) {
       if (Date.now() > ends) {
-        throw new Error(`not true within ${seconds} s`);
+        const reads = await page.evaluate("document.body.innerText.replace(/\\s+/g, ' ').slice(0, 3000)");
+        throw new Error(`not true within ${seconds} s; the page reads: ${reads}`);
       }
       await page.waitForTimeout(30);
     }
