@@ -89,6 +89,14 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say which cases would run; write nothing.")
     ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(help="How many cases run at a time on this machine (Dask).", min=1),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="Run them on the Dask cluster with this scheduler.", metavar="ADDRESS"),
+    ] = None,
     timeout: Annotated[
         float | None, typer.Option(help="Longest time of a case in s.", min=0.001)
     ] = None,
@@ -103,7 +111,7 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     """Run a recipe: import, registration, segments, surfaces, export, report."""
     if over is not None or table is not None:
         from palpate.cli.recipe_over import OverOptions, run_over
-        from palpate.cohort.run import Limits
+        from palpate.cohort.limits import Limits
 
         room = None if memory is None else int(memory * 2**30)
         options = OverOptions(
@@ -113,10 +121,12 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
             shard=shard,
             only_failed=only_failed,
             dry_run=dry_run or check,
+            workers=workers,
+            scheduler=scheduler,
             limits=Limits(seconds=timeout, memory=room, retry=retry),
         )
         raise typer.Exit(run_over(recipe, options))
-    if output is not None or shard is not None or only_failed or dry_run:
+    if any((output, shard, only_failed, dry_run, workers, scheduler)):
         raise OptionError("no scans given for these options; allowed: with --over or --table")
     from palpate.recipes.check import read_inputs
     from palpate.recipes.recipe import read_recipe

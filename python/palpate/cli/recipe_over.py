@@ -5,7 +5,9 @@ from __future__ import annotations
 import signal
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import typer
@@ -13,9 +15,11 @@ import typer
 from palpate.base.console import warn
 from palpate.base.errors import OptionError
 from palpate.cohort.case import Case, share_of
+from palpate.cohort.limits import Limits
 from palpate.cohort.matches import cases_over
 from palpate.cohort.output_folder import CohortFolder
-from palpate.cohort.run import Limits, Outcome, run_cases, wanted_cases
+from palpate.cohort.run import Outcome, run_cases, wanted_cases
+from palpate.cohort.run_case import CaseResult
 from palpate.cohort.table import cases_of_table
 
 __all__ = ["SOME_FAILED", "OverOptions", "run_over"]
@@ -23,6 +27,11 @@ __all__ = ["SOME_FAILED", "OverOptions", "run_over"]
 SOME_FAILED = 3
 """Exit code where some cases failed."""
 STOPPED = 130
+
+NO_DASK = (
+    "Dask is not installed; allowed: neither --workers nor --scheduler, or with it "
+    "(`pip install 'palpate[cohort]'`)"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +44,8 @@ class OverOptions:
     shard: str | None
     only_failed: bool
     dry_run: bool
+    workers: int | None
+    scheduler: str | None
     limits: Limits
 
 
@@ -49,6 +60,8 @@ def run_over(recipe: Path, options: OverOptions) -> int:
         raise OptionError("--over and --table given; allowed: one of both")
     if options.output is None:
         raise OptionError("no output folder given; allowed: --output FOLDER")
+    if options.workers is not None and options.scheduler is not None:
+        raise OptionError("--workers and --scheduler given; allowed: one of both")
     if options.limits.memory is not None and sys.platform != "linux":
         raise OptionError("a memory limit given; allowed: none on this system, only Linux has one")
     cases = _cases(options)
@@ -60,7 +73,7 @@ def run_over(recipe: Path, options: OverOptions) -> int:
             typer.echo(case.name)
         typer.echo(f"{len(wanted)} to run, {kept} kept")
         return 0
-    outcome = _run(recipe, wanted, folder, limits=options.limits)
+    outcome = _run(recipe, wanted, folder, options=options)
     left = len(wanted) - len(outcome.done) - len(outcome.failed)
     typer.echo(
         f"{len(outcome.done)} done, {len(outcome.failed)} failed, {kept} kept"
@@ -79,23 +92,36 @@ def _cases(options: OverOptions) -> list[Case]:
     return cases if options.shard is None else share_of(cases, options.shard)
 
 
-def _run(recipe: Path, cases: list[Case], folder: CohortFolder, *, limits: Limits) -> Outcome:
+def _run(recipe: Path, cases: list[Case], folder: CohortFolder, *, options: OverOptions) -> Outcome:
     stopping: list[bool] = []
-    begun = time.monotonic()
 
     def stop(*_: object) -> None:
         if stopping:
             raise KeyboardInterrupt
         stopping.append(True)
-        warn("stopping once this case is done; Ctrl-C again stops at once")
+        warn("stopping once the cases that run are done; Ctrl-C again stops at once")
 
-    def told(outcome: Outcome, case: Case, reason: str | None) -> None:
-        if reason is not None:
-            warn(f"{case.name} failed: {reason}")
+    told, stopped = _progress(len(cases)), lambda: bool(stopping)
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        if cases and (options.workers is not None or options.scheduler is not None):
+            return _run_on_cluster(recipe, cases, folder, options=options, told=told, stop=stopped)
+        return run_cases(recipe, cases, folder, limits=options.limits, told=told, stop=stopped)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _progress(count: int) -> Callable[[Outcome, CaseResult], None]:
+    """Returns what tells failed cases, and on a terminal how far all are."""
+    begun = time.monotonic()
+
+    def told(outcome: Outcome, result: CaseResult) -> None:
+        if result.reason is not None:
+            warn(f"{result.name} failed: {result.reason}")
         if sys.stderr.isatty():
             ended = len(outcome.done) + len(outcome.failed)
             rate = ended / (time.monotonic() - begun)
-            left = len(cases) - ended
+            left = count - ended
             sys.stderr.write(
                 f"\r{len(outcome.done)} done, {len(outcome.failed)} failed, {left} left, "
                 f"{rate * 60:.1f} a minute, {left / rate / 60:.0f} min to go\x1b[K"
@@ -103,10 +129,32 @@ def _run(recipe: Path, cases: list[Case], folder: CohortFolder, *, limits: Limit
             )
             sys.stderr.flush()
 
-    before = signal.signal(signal.SIGINT, stop)
-    try:
-        return run_cases(
-            recipe, cases, folder, limits=limits, told=told, stop=lambda: bool(stopping)
+    return told
+
+
+def _run_on_cluster(
+    recipe: Path,
+    cases: list[Case],
+    folder: CohortFolder,
+    *,
+    options: OverOptions,
+    told: Callable[[Outcome, CaseResult], None],
+    stop: Callable[[], bool],
+) -> Outcome:
+    if find_spec("distributed") is None:
+        raise OptionError(NO_DASK)
+    from palpate.cohort.cluster import cluster_client, workers_page
+    from palpate.cohort.dask_run import run_on_cluster
+
+    with cluster_client(workers=options.workers, scheduler=options.scheduler) as client:
+        typer.echo(f"workers: {workers_page(client)}")
+        return run_on_cluster(
+            recipe,
+            cases,
+            folder,
+            client=client,
+            limits=options.limits,
+            told=told,
+            warned=warn,
+            stop=stop,
         )
-    finally:
-        signal.signal(signal.SIGINT, before)

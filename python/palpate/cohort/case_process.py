@@ -13,20 +13,34 @@ from typing import Any
 
 from palpate.base.own_process import own_process
 
-__all__ = ["CaseProcess"]
+__all__ = ["CaseProcess", "CaseProcesses"]
+
+THREADS = (
+    "ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS",
+    "MKL_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "RAYON_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+"""What libraries take their number of threads from: images, algebra, the engine."""
 
 
 class CaseProcess:
     """A process that waits for one case; started early, it has its modules ready by then."""
 
-    def __init__(self) -> None:
+    def __init__(self, threads: int | None = None) -> None:
         """Starts it.
+
+        Args:
+            threads: Of the libraries that compute, each; None: as each takes them.
 
         Raises:
             OSError: No process can be started.
         """
         # Ctrl-C is for the one that waits: it ends this one in its own time
-        self._process = own_process("palpate.cohort.worker", own_session=True)
+        settings = {} if threads is None else dict.fromkeys(THREADS, str(threads))
+        self._process = own_process("palpate.cohort.worker", settings=settings, own_session=True)
 
     def run(self, request: dict[str, Any], part: Path, *, timeout: float | None) -> str | None:
         """Runs a case into its folder.
@@ -61,6 +75,31 @@ class CaseProcess:
         self._process.wait()
         with suppress(OSError):
             self._process.stdin.close()  # type: ignore[union-attr]  # it is a pipe
+
+
+class CaseProcesses:
+    """Processes of cases: one runs, the next one starts meanwhile."""
+
+    def __init__(self, threads: int | None = None) -> None:
+        """Starts the first one.
+
+        Args:
+            threads: Of the libraries that compute, each; None: as each takes them.
+
+        Raises:
+            OSError: No process can be started.
+        """
+        self._threads = threads
+        self._waiting = CaseProcess(threads)
+
+    def next(self) -> CaseProcess:
+        """Returns one that waits for its case."""
+        taken, self._waiting = self._waiting, CaseProcess(self._threads)
+        return taken
+
+    def end(self) -> None:
+        """Ends the one that waits."""
+        self._waiting.end()
 
 
 def _ended(code: int) -> str:

@@ -6,9 +6,12 @@ All that a cohort writes or takes away is below this folder; ``CohortFolder.of``
 from __future__ import annotations
 
 import json
+import re
 import shutil
+from glob import escape
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from palpate.base.errors import OptionError
 from palpate.base.whole_file import whole_file
@@ -17,6 +20,9 @@ __all__ = ["CohortFolder"]
 
 MARK = "cohort.json"
 """Says that a folder is a cohort's: in others nothing is replaced."""
+
+PART = re.compile(r"\.[0-9a-f]{8}\.part")
+"""What a folder in the making adds to the name of its case."""
 
 
 class CohortFolder:
@@ -42,9 +48,16 @@ class CohortFolder:
         Raises:
             OSError: It cannot be made.
         """
+        if self.of(MARK).is_file():
+            return
         self._path.mkdir(parents=True, exist_ok=True)
         with whole_file(self.of(MARK)) as unfinished:
             unfinished.write_text('{"kind": "palpate cohort"}\n', "utf-8")
+
+    @property
+    def mark(self) -> Path:
+        """The file that says what the folder is."""
+        return self.of(MARK)
 
     def of(self, *names: str) -> Path:
         """Returns a place within the folder."""
@@ -66,27 +79,34 @@ class CohortFolder:
         return self.of(name, "failed.json").is_file()
 
     def part(self, name: str) -> Path:
-        """Returns an empty folder for a case in the making."""
-        part, old, place = self.of(f"{name}.part"), self.of(f"{name}.old"), self.of(name)
-        shutil.rmtree(part, ignore_errors=True)
+        """Returns an empty folder for a case in the making; what was in the making before goes.
+
+        Its name is used once: a worker that was given up for lost, but still runs, cannot meet it.
+        """
+        old, place = self.of(f"{name}.old"), self.of(name)
+        for each in self._path.glob(f"{escape(name)}.*.part"):
+            if PART.fullmatch(each.name.removeprefix(name)):
+                shutil.rmtree(each, ignore_errors=True)
         # a run that was ended between two renames
         if old.exists() and not place.exists():
             old.rename(place)
         shutil.rmtree(old, ignore_errors=True)
+        part = self.of(f"{name}.{uuid4().hex[:8]}.part")
         part.mkdir()
         return part
 
-    def keep(self, name: str) -> None:
+    def keep(self, name: str, part: Path) -> None:
         """Gives a whole case its name; what an earlier run made of it goes."""
         place, old = self.of(name), self.of(f"{name}.old")
         if place.exists():
             place.rename(old)
-        self.of(f"{name}.part").rename(place)
+        part.rename(place)
         shutil.rmtree(old, ignore_errors=True)
 
-    def fail(self, name: str, reason: str) -> None:
+    def fail(self, name: str, part: Path | None, reason: str) -> None:
         """Tells why a case failed; what an earlier run made of it stays beside that."""
-        shutil.rmtree(self.of(f"{name}.part"), ignore_errors=True)
+        if part is not None:
+            shutil.rmtree(part, ignore_errors=True)
         self.of(name).mkdir(exist_ok=True)
         with whole_file(self.of(name, "failed.json")) as unfinished:
             text = json.dumps({"reason": reason}, indent=1, ensure_ascii=False)

@@ -7,25 +7,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from palpate.cohort.case import Case
-from palpate.cohort.case_process import CaseProcess
+from palpate.cohort.case_process import CaseProcesses
 from palpate.cohort.inputs import inputs_of, recipe_hash, same_inputs
+from palpate.cohort.limits import Limits
 from palpate.cohort.output_folder import CohortFolder
+from palpate.cohort.run_case import CaseResult, run_case
 from palpate.recipes.filled import filled, placed
 from palpate.recipes.recipe import recipe_of
 from palpate.recipes.source import Source, read_source
 
-__all__ = ["Limits", "Outcome", "run_cases", "wanted_cases"]
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What a case may take."""
-
-    seconds: float | None = None
-    memory: int | None = None
-    """Of its process, for data [bytes]."""
-    retry: int = 0
-    """How often a case that failed is tried again."""
+__all__ = ["Outcome", "run_cases", "wanted_cases"]
 
 
 @dataclass
@@ -36,6 +27,13 @@ class Outcome:
     failed: dict[str, str] = field(default_factory=dict)
     """Why, by case."""
     stopped: bool = False
+
+    def add(self, result: CaseResult) -> None:
+        """Takes what became of a case."""
+        if result.reason is None:
+            self.done.append(result.name)
+        else:
+            self.failed[result.name] = result.reason
 
 
 def wanted_cases(
@@ -64,7 +62,7 @@ def run_cases(
     folder: CohortFolder,
     *,
     limits: Limits,
-    told: Callable[[Outcome, Case, str | None], None],
+    told: Callable[[Outcome, CaseResult], None],
     stop: Callable[[], bool],
 ) -> Outcome:
     """Runs cases in order.
@@ -74,7 +72,7 @@ def run_cases(
         cases: What to run.
         folder: Where to.
         limits: What each case may take.
-        told: Takes each case once it is done, with why it failed.
+        told: Takes what became of each case, beside what became of all so far.
         stop: Says, between two cases, whether to end.
 
     Raises:
@@ -82,55 +80,20 @@ def run_cases(
     """
     outcome = Outcome()
     folder.begin()
-    processes = _Processes()
+    processes = CaseProcesses(limits.threads)
     try:
         for case in cases:
             if stop():
                 outcome.stopped = True
                 break
-            reason: str | None = None
-            for _ in range(limits.retry + 1):
-                reason = _run_case(recipe, case, folder, limits=limits, process=processes.next())
-                if reason is None:
-                    break
-            if reason is None:
-                folder.keep(case.name)
-                outcome.done.append(case.name)
-            else:
-                folder.fail(case.name, reason)
-                outcome.failed[case.name] = reason
-            told(outcome, case, reason)
+            result = run_case(
+                case, recipe=recipe, output=folder.of(), limits=limits, processes=processes
+            )
+            outcome.add(result)
+            told(outcome, result)
     finally:
         processes.end()
     return outcome
-
-
-class _Processes:
-    """Processes of cases: one runs, the next one starts meanwhile."""
-
-    def __init__(self) -> None:
-        self._waiting = CaseProcess()
-
-    def next(self) -> CaseProcess:
-        taken, self._waiting = self._waiting, CaseProcess()
-        return taken
-
-    def end(self) -> None:
-        self._waiting.end()
-
-
-def _run_case(
-    recipe: Path, case: Case, folder: CohortFolder, *, limits: Limits, process: CaseProcess
-) -> str | None:
-    part = folder.part(case.name)
-    request = {
-        "recipe": str(recipe.absolute()),
-        "variables": case.variables,
-        "scan": None if case.scan is None else str(case.scan),
-        "part": str(part),
-        "memory": limits.memory,
-    }
-    return process.run(request, part, timeout=limits.seconds)
 
 
 def _unchanged(source: Source, folder: CohortFolder, case: Case) -> bool:
