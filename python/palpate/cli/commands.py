@@ -49,6 +49,7 @@ from palpate.cli.register import register
 from palpate.cli.render import EXAMPLES as RENDER_EXAMPLES
 from palpate.cli.render import render
 from palpate.cli.replay import replay
+from palpate.cli.report import report
 from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
 from palpate.cli.series import series
@@ -189,6 +190,7 @@ app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(statistics)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
+app.command("report")(report)
 app.add_typer(surface, name="surface")
 app.add_typer(scenario, name="scenario")
 

@@ -17,9 +17,10 @@ from palpate.base.errors import OptionError
 from palpate.cohort.case import Case, share_of
 from palpate.cohort.limits import Limits
 from palpate.cohort.matches import cases_over
+from palpate.cohort.one_case import CaseResult
 from palpate.cohort.output_folder import CohortFolder
+from palpate.cohort.overview import write_overview
 from palpate.cohort.run import Outcome, run_cases, wanted_cases
-from palpate.cohort.run_case import CaseResult
 from palpate.cohort.table import cases_of_table
 
 __all__ = ["SOME_FAILED", "OverOptions", "run_over"]
@@ -74,11 +75,13 @@ def run_over(recipe: Path, options: OverOptions) -> int:
         typer.echo(f"{len(wanted)} to run, {kept} kept")
         return 0
     outcome = _run(recipe, wanted, folder, options=options)
+    page, _ = write_overview(folder)
     left = len(wanted) - len(outcome.done) - len(outcome.failed)
     typer.echo(
         f"{len(outcome.done)} done, {len(outcome.failed)} failed, {kept} kept"
         + (f", {left} left: the same command goes on" if left else "")
     )
+    typer.echo(f"{page} written")
     if outcome.stopped:
         return STOPPED
     return SOME_FAILED if outcome.failed else 0

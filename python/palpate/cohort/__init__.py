@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from palpate.cohort.case import Case
     from palpate.cohort.limits import Limits
     from palpate.cohort.matches import cases_over
-    from palpate.cohort.run_case import CaseResult, run_case
+    from palpate.cohort.one_case import CaseResult, run_case
     from palpate.cohort.table import cases_of_table
 
 __all__ = ["Case", "CaseResult", "Limits", "cases_of_table", "cases_over", "run_case"]
@@ -23,10 +23,10 @@ __getattr__ = lazy_exports(
     __name__,
     {
         "Case": "case",
-        "CaseResult": "run_case",
+        "CaseResult": "one_case",
         "Limits": "limits",
         "cases_of_table": "table",
         "cases_over": "matches",
-        "run_case": "run_case",
+        "run_case": "one_case",
     },
 )

@@ -16,14 +16,17 @@ from palpate.base.own_process import own_process
 __all__ = ["CaseProcess", "CaseProcesses"]
 
 THREADS = (
-    "ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS",
     "MKL_NUM_THREADS",
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",
     "RAYON_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
-"""What libraries take their number of threads from: images, algebra, the engine."""
+"""What libraries take their number of threads from: algebra, the engine."""
+
+ALWAYS = {"ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS": "1"}
+"""Several threads of ITK add up mutual information in the order in which they end, so that the last
+digits of a transform differ from run to run; the same case makes the same bytes."""
 
 
 class CaseProcess:
@@ -39,8 +42,10 @@ class CaseProcess:
             OSError: No process can be started.
         """
         # Ctrl-C is for the one that waits: it ends this one in its own time
-        settings = {} if threads is None else dict.fromkeys(THREADS, str(threads))
-        self._process = own_process("palpate.cohort.worker", settings=settings, own_session=True)
+        chosen = {} if threads is None else dict.fromkeys(THREADS, str(threads))
+        self._process = own_process(
+            "palpate.cohort.worker", settings={**chosen, **ALWAYS}, own_session=True
+        )
 
     def run(self, request: dict[str, Any], part: Path, *, timeout: float | None) -> str | None:
         """Runs a case into its folder.

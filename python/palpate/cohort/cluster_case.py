@@ -9,7 +9,7 @@ from distributed import get_worker
 from palpate.cohort.case import Case
 from palpate.cohort.case_process import CaseProcesses
 from palpate.cohort.limits import Limits
-from palpate.cohort.run_case import CaseResult, run_case
+from palpate.cohort.one_case import CaseResult, run_case
 
 __all__ = ["case_on_worker", "end_waiting"]
 

@@ -22,9 +22,9 @@ from palpate.cohort.case import Case
 from palpate.cohort.cluster_case import case_on_worker
 from palpate.cohort.cluster_worker import CaseWorkers
 from palpate.cohort.limits import Limits
+from palpate.cohort.one_case import CaseResult
 from palpate.cohort.output_folder import CohortFolder
 from palpate.cohort.run import Outcome
-from palpate.cohort.run_case import CaseResult
 
 __all__ = ["run_on_cluster"]
 
@@ -173,5 +173,5 @@ def _result(future: Future, case: Case, folder: CohortFolder) -> CaseResult:
     reason = str(error)
     if isinstance(error, KilledWorker):
         reason = "each worker that ran it was lost; its machine's memory may run out"
-    folder.fail(case.name, None, reason)
+    folder.fail(case, None, reason)
     return CaseResult(case.name, reason)

@@ -17,4 +17,4 @@ class Limits:
     retry: int = 0
     """How often a case that failed is tried again."""
     threads: int | None = None
-    """Of the libraries that compute, each; None: as many as the machine has cores."""
+    """Of algebra and the engine, each; None: as many as the machine has cores. ITK has one."""

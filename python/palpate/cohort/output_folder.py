@@ -15,6 +15,7 @@ from uuid import uuid4
 
 from palpate.base.errors import OptionError
 from palpate.base.whole_file import whole_file
+from palpate.cohort.case import Case
 
 __all__ = ["CohortFolder"]
 
@@ -103,11 +104,12 @@ class CohortFolder:
         part.rename(place)
         shutil.rmtree(old, ignore_errors=True)
 
-    def fail(self, name: str, part: Path | None, reason: str) -> None:
+    def fail(self, case: Case, part: Path | None, reason: str) -> None:
         """Tells why a case failed; what an earlier run made of it stays beside that."""
+        name, scan = case.name, case.variables.get("scan")
         if part is not None:
             shutil.rmtree(part, ignore_errors=True)
         self.of(name).mkdir(exist_ok=True)
         with whole_file(self.of(name, "failed.json")) as unfinished:
-            text = json.dumps({"reason": reason}, indent=1, ensure_ascii=False)
+            text = json.dumps({"reason": reason, "scan": scan}, indent=1, ensure_ascii=False)
             unfinished.write_text(text + "\n", "utf-8")

@@ -10,8 +10,8 @@ from palpate.cohort.case import Case
 from palpate.cohort.case_process import CaseProcesses
 from palpate.cohort.inputs import inputs_of, recipe_hash, same_inputs
 from palpate.cohort.limits import Limits
+from palpate.cohort.one_case import CaseResult, run_case
 from palpate.cohort.output_folder import CohortFolder
-from palpate.cohort.run_case import CaseResult, run_case
 from palpate.recipes.filled import filled, placed
 from palpate.recipes.recipe import recipe_of
 from palpate.recipes.source import Source, read_source

@@ -17,14 +17,19 @@ from typing import Any
 from palpate.base.errors import PalpateError
 from palpate.base.package_version import package_version
 from palpate.base.reader_process import warm
+from palpate.cohort.case_figures import THUMBNAIL, measured_segments, write_thumbnail
 from palpate.cohort.inputs import inputs_of, recipe_hash, told_inputs
+from palpate.export.kinds import Kind, kind_of
 from palpate.recipes.check import check_options, read_inputs
 from palpate.recipes.filled import filled, placed
 from palpate.recipes.recipe import recipe_of
 from palpate.recipes.run import run_recipe
 from palpate.recipes.source import read_source
+from palpate.recipes.steps import Recipe
 
 __all__ = ["main"]
+
+HOLD_SEGMENTS: tuple[Kind, ...] = ("seg-nrrd", "labels", "dicom-seg", "dicom-labelmap", "rtstruct")
 
 
 def main() -> None:
@@ -61,6 +66,8 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
     recipe = placed(recipe_of(source), source, part)
     check_options(recipe, source)
     scene, written, told = run_recipe(recipe, read_inputs(recipe, source))
+    measured = measured_segments(scene)
+    write_thumbnail(scene, part / THUMBNAIL)
     return {
         "recipe_sha256": recipe_hash(source),
         "inputs": inputs,
@@ -70,8 +77,19 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
         "peak_memory_bytes": _peak_memory(),
         "warnings": told,
         "files": [path.relative_to(part).as_posix() for path in written],
-        "segments": {shown.name: {"volume_ml": shown.segment.volume_ml} for shown in scene},
+        "labels": _labels(recipe, part),
+        "scan": None if recipe.scan is None else str(recipe.scan.path),
+        "segments": measured,
     }
+
+
+def _labels(recipe: Recipe, part: Path) -> str | None:
+    """Returns the first file that holds the segments: `palpate open --segments` takes it."""
+    for export in recipe.export:
+        kind = export.kind or kind_of(export.out, has_segments=bool(recipe.segment))
+        if kind in HOLD_SEGMENTS:
+            return export.out.relative_to(part).as_posix()
+    return None
 
 
 def _peak_memory() -> int | None:

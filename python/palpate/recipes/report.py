@@ -5,7 +5,6 @@ It does not name the patient.
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -18,6 +17,7 @@ from palpate.base.whole_file import whole_file
 from palpate.pictures.choices import View
 from palpate.pictures.picture_file import png_bytes
 from palpate.pictures.render import DrawnScene
+from palpate.recipes.html_page import data_url, html_page
 from palpate.segmentation.mask_shape import box_of
 from palpate.segmentation.segment_statistics import statistics
 from palpate.segmentation.statistics_table import statistics_cells
@@ -36,13 +36,9 @@ PICTURE_WIDTH = 320
 VIEWS: tuple[View, ...] = ("anterior", "left", "superior")
 
 STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 1040px; margin: 32px auto; padding: 0 16px;
-       color: #1c2430; }
-table { border-collapse: collapse; } td, th { padding: 4px 16px 4px 0; text-align: left; }
-.wide { overflow-x: auto; white-space: nowrap; }
-td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
-figure { display: inline-block; margin: 0 12px 12px 0; } figcaption { color: #5a6675; }
-.swatch { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin-right: 8px; }
+body { max-width: 1040px; }
+figure { display: inline-block; margin: 0 12px 12px 0; } figcaption { color: var(--muted); }
+figure img { border-radius: 6px; }
 """
 
 
@@ -69,25 +65,20 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
         for shown, (name, *cells) in zip(scene, numbers, strict=True)
     )
     figures = "\n".join(
-        f'<figure><img src="data:image/png;base64,{_png(picture)}" '
+        f'<figure><img src="{_png(picture)}" '
         f'width="{PICTURE_WIDTH}" height="{round(PICTURE_WIDTH * ratio)}" alt="{name} slice">'
         f"<figcaption>{name}</figcaption></figure>"
         for name, picture, ratio in slice_pictures(scene)
     )
     views = "\n".join(
-        f'<figure><img src="data:image/png;base64,{_png(picture)}" '
+        f'<figure><img src="{_png(picture)}" '
         f'width="{PICTURE_WIDTH}" height="{PICTURE_WIDTH}" alt="seen from {side}">'
         f"<figcaption>{side}</figcaption></figure>"
         for side, picture in _views(scene)
     )
     files = "".join(f"<li>{escape(each.name)}</li>" for each in written)
     notes = "".join(f"<li>{escape(each)}</li>" for each in told)
-    text = f"""<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<title>Palpate: report</title>
-<style>{STYLE}</style>
-<h1>Segments</h1>
+    body = f"""<h1>Segments</h1>
 <p>{escape(volume.modality or "Scan")}, {size} voxels of {spacing} mm, values {low:g} to {high:g}
 {escape(volume.unit)}. For research and teaching, not for clinical use.</p>
 <div class="wide"><table>
@@ -100,11 +91,9 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
 {figures}
 {f"<h2>Files</h2><ul>{files}</ul>" if files else ""}
 {f"<h2>To know</h2><ul>{notes}</ul>" if notes else ""}
-<p>Palpate {escape(package_version())}</p>
-</html>
-"""
+<p class="muted">Palpate {escape(package_version())}</p>"""
     with whole_file(path) as unfinished:
-        unfinished.write_text(text, "utf-8")
+        unfinished.write_text(html_page("Palpate: report", body, style=STYLE), "utf-8")
 
 
 def _views(scene: Scene) -> list[tuple[str, NDArray[np.uint8]]]:
@@ -166,5 +155,4 @@ def _hex(colour: tuple[float, float, float]) -> str:
 
 
 def _png(picture: NDArray[np.uint8]) -> str:
-    """Returns a picture as PNG in base64."""
-    return b64encode(png_bytes(picture)).decode("ascii")
+    return data_url("image/png", png_bytes(picture))

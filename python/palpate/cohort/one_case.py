@@ -66,5 +66,5 @@ def run_case(
         if reason is None:
             folder.keep(case.name, part)
             return CaseResult(case.name, None)
-    folder.fail(case.name, part, str(reason))
+    folder.fail(case, part, str(reason))
     return CaseResult(case.name, reason)

@@ -1,0 +1,43 @@
+"""What the overview shows of a case: numbers of its segments, and a small picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from palpate.pictures.picture_file import image_of
+from palpate.pictures.render import DrawnScene
+from palpate.segmentation.segment_statistics import statistics
+from palpate.segmentation.statistics_table import statistics_row
+from palpate.volumes.scene import Scene
+
+__all__ = ["THUMBNAIL", "measured_segments", "write_thumbnail"]
+
+THUMBNAIL = "thumbnail.jpg"
+EDGE = 200
+"""Of the picture [pixels]: of thousands of cases the overview is still opened at once."""
+QUALITY = 80
+
+
+def measured_segments(scene: Scene) -> dict[str, dict[str, Any]]:
+    """Returns what ``palpate statistics`` tells of each segment, by name, and its colour."""
+    return {
+        shown.name: {**statistics_row(one), "colour": _hex(shown.colour)}
+        for shown, one in zip(scene, statistics(scene), strict=True)
+    }
+
+
+def write_thumbnail(scene: Scene, path: Path) -> None:
+    """Writes a small picture of a scan and its segments, seen from the front of the patient.
+
+    Raises:
+        OSError: The disk refuses it.
+    """
+    drawn = DrawnScene(scene)
+    size = (EDGE, EDGE)
+    picture = drawn.draw(drawn.camera("anterior", size), size, quality="fast")
+    image_of(picture).convert("RGB").save(path, "JPEG", quality=QUALITY)
+
+
+def _hex(colour: tuple[float, float, float]) -> str:
+    return "#" + "".join(f"{round(255 * share):02x}" for share in colour)
