@@ -16,6 +16,7 @@ from palpate.base.console import warn
 from palpate.base.errors import OptionError
 from palpate.cohort.case import Case, share_of
 from palpate.cohort.limits import Limits
+from palpate.cohort.locked_cases import locked_cases
 from palpate.cohort.matches import cases_over
 from palpate.cohort.one_case import CaseResult
 from palpate.cohort.output_folder import CohortFolder
@@ -74,7 +75,9 @@ def run_over(recipe: Path, options: OverOptions) -> int:
             typer.echo(case.name)
         typer.echo(f"{len(wanted)} to run, {kept} kept")
         return 0
-    outcome = _run(recipe, wanted, folder, options=options)
+    folder.begin()
+    with locked_cases(folder, wanted, warned=warn):
+        outcome = _run(recipe, wanted, folder, options=options)
     page, _ = write_overview(folder)
     left = len(wanted) - len(outcome.done) - len(outcome.failed)
     typer.echo(

@@ -40,7 +40,7 @@ def cases_over(pattern: str) -> list[Case]:
 def case_name(text: str) -> str:
     """Returns a text as the name of a folder that every system takes."""
     name = re.sub(r"[^\w.-]+", "_", text, flags=re.ASCII).strip(".-_")
-    return re.sub(r"\.(part|old|csv|html|json)$", r"_\1", name) or "case"
+    return re.sub(r"\.(part|old|csv|html|json|lock)$", r"_\1", name) or "case"
 
 
 def _names(pattern: str, paths: Sequence[str]) -> list[str]:

@@ -14,7 +14,7 @@ from threading import Thread
 from time import monotonic
 from typing import Any
 
-from palpate.base.errors import PalpateError
+from palpate.base.errors import OptionError, PalpateError
 from palpate.base.package_version import package_version
 from palpate.base.reader_process import warm
 from palpate.cohort.case_figures import THUMBNAIL, measured_segments, write_thumbnail
@@ -65,7 +65,10 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
     inputs = told_inputs(inputs_of(source))
     recipe = placed(recipe_of(source), source, part)
     check_options(recipe, source)
-    scene, written, told = run_recipe(recipe, read_inputs(recipe, source))
+    try:
+        scene, written, told = run_recipe(recipe, read_inputs(recipe, source))
+    except PalpateError as error:
+        raise OptionError(source.said(str(error))) from error
     measured = measured_segments(scene)
     write_thumbnail(scene, part / THUMBNAIL)
     return {
@@ -75,7 +78,7 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
         "wall_s": round(monotonic() - begun, 3),
         "cpu_s": round(sum(os.times()[:4]), 3),
         "peak_memory_bytes": _peak_memory(),
-        "warnings": told,
+        "warnings": [source.said(sentence) for sentence in told],
         "files": [path.relative_to(part).as_posix() for path in written],
         "labels": _labels(recipe, part),
         "scan": None if recipe.scan is None else str(recipe.scan.path),

@@ -45,8 +45,12 @@ class Source:
             line = around if around != line else "$"
         step = step_of(where)
         told = f"{step}: " if step else ""
-        said = in_recipe(str(why), known=_options_of(step), files=self._files())
+        said = self.said(str(why), step=step)
         return OptionError(f"{self.path}, line {self.lines.get(line, 1)}: {told}{said}")
+
+    def said(self, message: str, *, step: str = "import") -> str:
+        """Returns a message with options as the recipe has them, such as "unit: HU"."""
+        return in_recipe(message, known=_options_of(step), files=self._files())
 
     def _files(self) -> list[Path]:
         """Returns the files that it names, as this process sees them."""

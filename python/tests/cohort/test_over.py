@@ -143,6 +143,41 @@ def test_a_run_that_was_killed_goes_on_where_it_was(folder: Path) -> None:
     assert done == ["p1", "p2", "p3"]
 
 
+def test_a_second_run_of_the_same_cases_is_told_and_changes_nothing(
+    folder: Path, capsys: Any
+) -> None:
+    command = [sys.executable, "-m", "palpate", "run", "recipe.yaml"]
+    running = subprocess.Popen(
+        [*command, "--over", "data/*/ct.nii.gz", "-o", "out", "--shard", "1/2"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    while not list((folder / "out").glob("*.part")):
+        assert running.poll() is None
+        time.sleep(0.01)
+    # it has its cases until it ends: held still, it cannot end meanwhile
+    os.kill(running.pid, signal.SIGSTOP)
+    try:
+        begun = content(folder / "out")
+        assert over() == 2
+        assert "another run has case 'p1' of" in capsys.readouterr().err
+        assert content(folder / "out").keys() >= begun.keys()
+        # other cases run beside it
+        assert over("--shard", "2/2") == 0
+    finally:
+        os.kill(running.pid, signal.SIGCONT)
+    assert running.wait() == 0
+    assert over() == 0
+    assert "0 done, 0 failed, 3 kept" in capsys.readouterr().out
+
+
+def test_warnings_tell_options_as_the_recipe_has_them(folder: Path) -> None:
+    assert over("--shard", "1/3") == 0
+    told = json.loads((folder / "out" / "p1" / "done.json").read_text())
+    assert any("`unit: HU`" in warning for warning in told["warnings"])
+    assert "unit=HU" not in str(told["warnings"])
+
+
 def test_columns_of_a_table_fill_the_recipe(folder: Path, capsys: Any) -> None:
     (folder / "cases.csv").write_text(
         "case,scan,low\na,data/p1/ct.nii.gz,100\nb,data/p2/ct.nii.gz,200\n", "utf-8"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from palpate.base.whole_file import whole_file
+from palpate.cohort.locked_cases import page_lock
 from palpate.cohort.output_folder import CohortFolder
 from palpate.cohort.overview.csv_table import cohort_csv
 from palpate.cohort.overview.page import cohort_page
@@ -21,9 +22,11 @@ def write_overview(folder: CohortFolder) -> tuple[Path, int]:
     Raises:
         OSError: The disk refuses it.
     """
-    cases = told_cases(folder)
     page, table = folder.of(PAGE), folder.of(TABLE)
-    for path, text in ((table, cohort_csv(cases)), (page, cohort_page(cases))):
-        with whole_file(path) as unfinished:
-            unfinished.write_text(text, "utf-8")
+    # another run must not write an older one over it
+    with page_lock(folder):
+        cases = told_cases(folder)
+        for path, text in ((table, cohort_csv(cases)), (page, cohort_page(cases))):
+            with whole_file(path) as unfinished:
+                unfinished.write_text(text, "utf-8")
     return page, len(cases)

@@ -63,7 +63,6 @@ def _told(place: Path) -> ToldCase | None:
     done = _read(place / "done.json")
     if done is None:
         return None
-    picture = place / THUMBNAIL
     return ToldCase(
         place.name,
         None,
@@ -73,8 +72,15 @@ def _told(place: Path) -> ToldCase | None:
         warnings=done.get("warnings", []),
         files=done.get("files", []),
         wall_s=done.get("wall_s"),
-        thumbnail=picture.read_bytes() if picture.is_file() else None,
+        thumbnail=_picture(place / THUMBNAIL),
     )
+
+
+def _picture(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return None
 
 
 def _read(path: Path) -> dict[str, Any] | None:
