@@ -11,6 +11,7 @@ from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import Plot
 
 __all__ = [
+    "bench_cohort",
     "bench_deform",
     "bench_edit",
     "bench_fuzz_import",
@@ -138,6 +139,31 @@ def bench_render(
         )
     if json_file is not None:
         write_rows("render", found.rows, json_file)
+
+
+def bench_cohort(
+    *,
+    cases: Annotated[
+        int, typer.Option(min=1, max=1_000_000, help="Number of cases without steps.")
+    ] = 10_000,
+    json_file: Json = None,
+) -> None:
+    """Measure what a case of a cohort costs beside its steps."""
+    from importlib.util import find_spec
+
+    from palpate.base.errors import OptionError
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.cli.recipe_over import NO_DASK
+
+    if find_spec("distributed") is None:
+        raise OptionError(NO_DASK)
+    from palpate.bench.cohort import measure
+
+    with Display() as display:
+        rows = measure(cases, display)
+    print_rows("cohort", rows)
+    if json_file is not None:
+        write_rows("cohort", rows, json_file)
 
 
 def bench_register(*, json_file: Json = None) -> None:

@@ -15,6 +15,7 @@ from typer.exceptions import TyperException
 from palpate.base.console import WRONG_INPUT, fail, told_by
 from palpate.base.errors import PalpateError
 from palpate.cli.bench import (
+    bench_cohort,
     bench_deform,
     bench_edit,
     bench_fuzz_import,
@@ -198,6 +199,7 @@ app.add_typer(scenario, name="scenario")
 bench = typer.Typer(help="Run benchmarks.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 bench.command("fuzz-import")(bench_fuzz_import)
+bench.command("cohort")(bench_cohort)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
 bench.command("render")(bench_render)

@@ -42,6 +42,7 @@ def run_on_cluster(
     told: Callable[[Outcome, CaseResult], None],
     warned: Callable[[str], None],
     stop: Callable[[], bool],
+    run: Callable[..., CaseResult] = case_on_worker,
 ) -> Outcome:
     """Runs cases, as many at a time as there are workers; each worker has one.
 
@@ -54,6 +55,7 @@ def run_on_cluster(
         told: Takes what became of each case, beside what became of all so far.
         warned: Takes what a person should know of the workers.
         stop: Says whether to begin no further case.
+        run: What a worker does with a case; benchmarks have another one.
 
     Raises:
         OptionError: There are workers, but none of them can run cases.
@@ -78,7 +80,7 @@ def run_on_cluster(
             while waiting and len(running) < crew.size():
                 case = waiting.popleft()
                 future = client.submit(
-                    case_on_worker,
+                    run,
                     case,
                     recipe=str(recipe.absolute()),
                     output=str(folder.of()),

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from palpate.bench.goals.cohort import COHORT_ROWS
 from palpate.bench.goals.goal import Goal
 from palpate.bench.goals.growing import GROW_ROWS
 from palpate.bench.goals.opening import OPEN_ROWS
@@ -465,6 +466,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
     ),
     "open": OPEN_ROWS,
     "render": RENDER_ROWS,
+    "cohort": COHORT_ROWS,
     "register": REGISTER_ROWS,
     "segment": SEGMENT_ROWS,
     "segment --grow": GROW_ROWS,

@@ -1,0 +1,148 @@
+"""``palpate bench cohort``: what a case costs beside its steps.
+
+Cases without steps go through the scheduler, as those of ``palpate run --workers 2`` do: what is
+left is the cost of handing them out. Small phantoms then run one after the other, each in a process
+of its own, and again in one process; the difference is what the processes cost.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic
+
+from palpate.base.progress import Progress, silent
+from palpate.base.simpleitk import simpleitk
+from palpate.bench.goals.cohort import COHORT_ROWS, EMPTY_CASES, SMALL_CASES
+from palpate.bench.report import Row, rows_in
+from palpate.cohort.case import Case
+from palpate.cohort.case_figures import measured_segments, write_thumbnail
+from palpate.cohort.limits import Limits
+from palpate.cohort.matches import cases_over
+from palpate.cohort.one_case import CaseResult
+from palpate.cohort.output_folder import CohortFolder
+from palpate.cohort.run import Outcome, run_cases
+from palpate.recipes.check import read_inputs
+from palpate.recipes.filled import filled, placed
+from palpate.recipes.recipe import recipe_of
+from palpate.recipes.run import run_recipe
+from palpate.recipes.source import read_source
+from palpate.volumes.phantom import phantom
+
+__all__ = ["empty_case", "measure"]
+
+WORKERS = 2
+PHANTOMS = 10
+RECIPE = """\
+import:
+  path: ct.nii.gz
+  unit: HU
+segment:
+  - threshold: 250
+    name: bone
+export:
+  - out: bone.seg.nrrd
+"""
+
+
+def empty_case(case: Case, *, recipe: str, output: str, limits: Limits) -> CaseResult:  # noqa: ARG001
+    """Does nothing, in the place of a case."""
+    return CaseResult(case.name, None)
+
+
+def measure(count: int, progress: Progress = silent) -> list[Row]:
+    """Returns the figures.
+
+    Args:
+        count: Number of cases without steps.
+        progress: Takes the progress.
+
+    Raises:
+        OSError: No process can be started, or the disk is full.
+    """
+    with TemporaryDirectory() as folder:
+        place = Path(folder)
+        (place / "recipe.yaml").write_text(RECIPE, "utf-8")
+        progress(f"{count} cases without steps", None)
+        seconds = _empty_cases(place, count)
+        progress(f"{PHANTOMS} small phantoms", None)
+        steps, all_of_it = _small_cases(place)
+    return rows_in(
+        COHORT_ROWS,
+        {
+            EMPTY_CASES: {"case": seconds / count},
+            SMALL_CASES: {"steps": steps, "overhead": all_of_it - steps},
+        },
+    )
+
+
+def _empty_cases(place: Path, count: int) -> float:
+    """Returns the time that cases without steps took [s]; the start of workers does not count."""
+    from palpate.cohort.cluster import cluster_client
+    from palpate.cohort.dask_run import run_on_cluster
+
+    cases = [Case(f"case-{number}", {}) for number in range(count)]
+    with cluster_client(workers=WORKERS, scheduler=None) as client:
+        begun = monotonic()
+        outcome = run_on_cluster(
+            place / "recipe.yaml",
+            cases,
+            CohortFolder(place / "empty"),
+            client=client,
+            limits=Limits(),
+            told=_silent,
+            warned=_unheard,
+            stop=lambda: False,
+            run=empty_case,
+        )
+        seconds = monotonic() - begun
+    _require(outcome, count)
+    return seconds
+
+
+def _small_cases(place: Path) -> tuple[float, float]:
+    """Returns the time of a small case: its steps in this process, and all of it in its own [s]."""
+    values = simpleitk().GetImageFromArray(phantom((64, 48, 64)).volume.array)
+    for number in range(PHANTOMS):
+        scan = place / "data" / f"p{number}" / "ct.nii.gz"
+        scan.parent.mkdir(parents=True)
+        simpleitk().WriteImage(values, str(scan))
+    recipe, cases = place / "recipe.yaml", cases_over(str(place / "data" / "*" / "ct.nii.gz"))
+    begun = monotonic()
+    for case in cases:
+        _in_this_process(recipe, case, place / "here" / case.name)
+    steps = monotonic() - begun
+    begun = monotonic()
+    outcome = run_cases(
+        recipe,
+        cases,
+        CohortFolder(place / "out"),
+        limits=Limits(),
+        told=_silent,
+        stop=lambda: False,
+    )
+    all_of_it = monotonic() - begun
+    _require(outcome, PHANTOMS)
+    return steps / PHANTOMS, all_of_it / PHANTOMS
+
+
+def _in_this_process(path: Path, case: Case, part: Path) -> None:
+    part.mkdir(parents=True)
+    source = filled(read_source(path), case.variables, scan=case.scan)
+    recipe = placed(recipe_of(source), source, part)
+    scene, _, _ = run_recipe(recipe, read_inputs(recipe, source))
+    measured_segments(scene)
+    write_thumbnail(scene, part / "thumbnail.jpg")
+
+
+def _require(outcome: Outcome, count: int) -> None:
+    if len(outcome.done) != count:
+        raise RuntimeError(f"cases of the benchmark failed: {outcome.failed}")
+
+
+def _silent(_: Outcome, __: CaseResult) -> None:
+    """Tells nothing."""
+
+
+def _unheard(_: str) -> None:
+    """Tells nothing."""
