@@ -43,6 +43,8 @@ def cluster_client(*, workers: int | None, scheduler: str | None) -> Iterator[Cl
             processes=True,
             memory_limit=0,
             dashboard_address="127.0.0.1:0",
+            # keys of this run alone: else any user of the machine could have it run programs
+            security=True,
             silence_logs=logging.CRITICAL,
         )
     with cluster, Client(cluster) as client:
