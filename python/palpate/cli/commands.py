@@ -7,6 +7,7 @@ modules are imported inside the commands, so that ``palpate --help`` is quick.
 from __future__ import annotations
 
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Annotated, Any
 
 import typer
@@ -14,6 +15,7 @@ from typer.exceptions import TyperException
 
 from palpate.base.console import WRONG_INPUT, fail, told_by
 from palpate.base.errors import PalpateError
+from palpate.base.temporary_files import temporary_files
 from palpate.cli.bench import (
     bench_deform,
     bench_edit,
@@ -33,6 +35,7 @@ from palpate.cli.bench_touch import (
     bench_stress,
     bench_touch_quality,
 )
+from palpate.cli.ended_by_signal import signals_as_ctrl_c
 from palpate.cli.export import export
 from palpate.cli.flags import as_flags
 from palpate.cli.import_scan import EXAMPLES as IMPORT_EXAMPLES
@@ -79,7 +82,10 @@ def run(arguments: list[str]) -> int:
     """Runs the command line with these arguments; returns the exit code."""
     part = _only(arguments)
     with told_by(lambda message: as_flags(message, part, arguments)):
-        return _run(part, arguments)
+        if current_thread() is not main_thread():
+            return _run(part, arguments)
+        with signals_as_ctrl_c(), temporary_files():
+            return _run(part, arguments)
 
 
 def _run(part: typer.Typer, arguments: list[str]) -> int:

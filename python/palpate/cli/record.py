@@ -130,7 +130,6 @@ def _record_page(
     scene: Scene, out: Path, *, port: int, seconds: float | None, rate: int, browser: bool
 ) -> None:
     """Records what a person does on the page."""
-    from palpate.cli.ended_by_signal import signals_as_ctrl_c
     from palpate.cli.show_page import check_page, serve_page
     from palpate.server.app import bind
     from palpate.server.open_scan import OpenScan
@@ -140,7 +139,6 @@ def _record_page(
 
     check_page()
     with (
-        signals_as_ctrl_c(),
         bind(port) as listener,
         Session(scene, options=SessionOptions(rate_hz=rate)) as session,
     ):
