@@ -6,60 +6,75 @@ import os
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import IO
 
-__all__ = ["let_go", "taken"]
-
-
-def taken(path: Path, *, new: bool = True) -> IO[bytes] | None:
-    """Takes the lock at a path; returns its file, or None where another one has it.
-
-    Args:
-        path: Of the file, which is made where it is not there.
-        new: Whether it may be made.
-
-    Raises:
-        OSError: The file cannot be opened.
-    """
-    while True:
-        file = path.open("ab" if new else "r+b")
-        if not _locked(file):
-            file.close()
-            return None
-        if _is_at(file, path):
-            return file
-        # whoever had it has removed the file
-        file.close()
+__all__ = ["FileLock"]
 
 
-def let_go(file: IO[bytes], path: Path) -> None:
-    """Removes the file of a lock, and lets go of it."""
-    with suppress(OSError):
-        path.unlink()
-    file.close()
-    if sys.platform == "win32":
-        # there a file that is open stays
+class FileLock:
+    """A lock that is held until it is let go of, or until nobody knows it any more."""
+
+    def __init__(self, path: Path, descriptor: int) -> None:
+        """Takes over an open file that is locked; see ``take``."""
+        self.path = path
+        self._descriptor: int | None = descriptor
+
+    @classmethod
+    def take(cls, path: Path, *, new: bool = True) -> FileLock | None:
+        """Takes the lock at a path; returns None where another one has it.
+
+        Args:
+            path: Of the file, which is made where it is not there.
+            new: Whether it may be made.
+
+        Raises:
+            OSError: The file cannot be opened.
+        """
+        while True:
+            descriptor = os.open(path, os.O_RDWR | (os.O_CREAT if new else 0), 0o600)
+            if not _locked(descriptor):
+                os.close(descriptor)
+                return None
+            if _is_at(descriptor, path):
+                return cls(path, descriptor)
+            # whoever had it has removed the file
+            os.close(descriptor)
+
+    def let_go(self) -> None:
+        """Removes the file, and lets go of the lock."""
         with suppress(OSError):
-            path.unlink()
+            self.path.unlink()
+        self._close()
+        if sys.platform == "win32":
+            # there a file that is open stays
+            with suppress(OSError):
+                self.path.unlink()
+
+    def _close(self) -> None:
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
+
+    def __del__(self) -> None:
+        self._close()
 
 
-def _is_at(file: IO[bytes], path: Path) -> bool:
+def _is_at(descriptor: int, path: Path) -> bool:
     try:
-        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+        return os.path.samestat(os.fstat(descriptor), path.stat())
     except OSError:
         return False
 
 
-def _locked(file: IO[bytes]) -> bool:
+def _locked(descriptor: int) -> bool:
     try:
         if sys.platform == "win32":
             import msvcrt
 
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
         else:
             import fcntl
 
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         return False
     return True

@@ -14,9 +14,8 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
 
-from palpate.base.file_lock import taken
+from palpate.base.file_lock import FileLock
 
 __all__ = ["OF_A_COMMAND", "SYSTEM_FOLDER", "temporary_files"]
 
@@ -46,14 +45,14 @@ def temporary_files() -> Iterator[None]:
         _remove(folder, lock)
 
 
-def _made() -> tuple[Path, IO[bytes]]:
+def _made() -> tuple[Path, FileLock]:
     """Makes the folder; returns it with its locked file.
 
     Raises:
         OSError: There is no place for it.
     """
     folder = Path(tempfile.mkdtemp(prefix=OF_A_COMMAND))
-    lock = taken(folder / LOCK)
+    lock = FileLock.take(folder / LOCK)
     if lock is None:
         # another start took it for one that was left
         raise OSError("no file can be locked there")
@@ -67,7 +66,7 @@ def _sweep(place: Path) -> None:
             # one of them may go just now, or be no such folder
             with suppress(OSError):
                 if entry.name.startswith(OF_A_COMMAND) and _is_own_folder(entry):
-                    lock = taken(Path(entry.path) / LOCK, new=False)
+                    lock = FileLock.take(Path(entry.path) / LOCK, new=False)
                     if lock is not None:
                         _remove(Path(entry.path), lock)
 
@@ -78,9 +77,9 @@ def _is_own_folder(entry: os.DirEntry[str]) -> bool:
     return sys.platform == "win32" or entry.stat(follow_symlinks=False).st_uid == os.getuid()
 
 
-def _remove(folder: Path, lock: IO[bytes]) -> None:
+def _remove(folder: Path, lock: FileLock) -> None:
     """Removes a folder, locked to the end."""
     shutil.rmtree(folder, ignore_errors=True)
-    lock.close()
+    lock.let_go()
     # a file that is open cannot be removed everywhere
     shutil.rmtree(folder, ignore_errors=True)

@@ -47,6 +47,8 @@ from palpate.cli.recipe import run_file
 from palpate.cli.reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
 from palpate.cli.reconstruct import reconstruct
 from palpate.cli.record import record
+from palpate.cli.recover import EXAMPLES as RECOVER_EXAMPLES
+from palpate.cli.recover import recover
 from palpate.cli.register import EXAMPLES as REGISTER_EXAMPLES
 from palpate.cli.register import register
 from palpate.cli.render import EXAMPLES as RENDER_EXAMPLES
@@ -195,6 +197,7 @@ app.command("render", epilog=RENDER_EXAMPLES)(keeping_files(render))
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(keeping_files(segment))
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(keeping_files(statistics))
+app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.add_typer(surface, name="surface")
 app.add_typer(scenario, name="scenario")

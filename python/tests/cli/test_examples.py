@@ -31,8 +31,8 @@ SPACING = 2.5
 SHAPE = (28, 30, 32)
 ORIGIN = (-123.0, 240.5, 1135.0)
 """Around the point of the liver in the examples [mm]."""
-UNSERVED = ("--dicomweb", "--auto", "palpate reconstruct")
-"""What needs a server, TotalSegmentator or RTK: of these only the options are looked at."""
+UNSERVED = ("--dicomweb", "--auto", "palpate reconstruct", "palpate recover --re")
+"""What needs a server, TotalSegmentator, RTK or changes: only its options are looked at."""
 
 
 def commands(command: Any = None) -> Iterator[Any]:
