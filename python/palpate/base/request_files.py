@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from palpate.base.files_read import note_read
+from palpate.base.replacing import check_replaceable
 from palpate.base.request import Option, Request, options_of
 from palpate.base.whole_file import check_target
 
@@ -24,9 +26,13 @@ def check_file(option: Option, path: Path) -> None:
 
     Raises:
         FileNotFoundError: What is to be read is not there.
-        OptionError: What is to be written has another ending, or its folder does not exist.
+        OptionError: What is to be written has another ending, its folder does not exist, or a file
+            is there that must not be replaced.
     """
-    if option.reads and not path.exists():
-        raise FileNotFoundError(f"{path} does not exist; allowed: an existing file or folder")
+    if option.reads:
+        if not path.exists():
+            raise FileNotFoundError(f"{path} does not exist; allowed: an existing file or folder")
+        note_read(path)
     if option.writes:
         check_target(path, option.writes)
+        check_replaceable(path)

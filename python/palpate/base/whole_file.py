@@ -1,6 +1,7 @@
 """Files and folders that appear under their name only once they are complete.
 
-Until then, an existing file of that name stays as it is, even where the disk is full.
+Until then, an existing file of that name stays as it is, even where the disk is full. What may be
+replaced at all, ``replacing`` says.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from palpate.base.errors import OptionError
+from palpate.base.replacing import check_replaceable
 
 __all__ = ["check_target", "whole_file", "whole_folder"]
 
@@ -21,15 +23,25 @@ __all__ = ["check_target", "whole_file", "whole_folder"]
 def whole_file(path: Path) -> Iterator[Path]:
     """Yields a temporary file beside a path, with the same extension; then renames it to the path.
 
+    A link stays, and what it leads to is written. Who could not read a file that is replaced cannot
+    read the new one.
+
     Raises:
+        OptionError: A file is there that must not be replaced.
         OSError: The file cannot be written; nothing is left behind then.
     """
-    unfinished = _beside(path)
+    check_replaceable(path)
+    target = path.resolve() if path.is_symlink() else path
+    unfinished = _beside(target)
     try:
         yield unfinished
         with unfinished.open("rb") as written:
             os.fsync(written.fileno())
-        unfinished.replace(path)
+        # another program may have made it meanwhile
+        check_replaceable(path)
+        if target.exists():
+            unfinished.chmod(unfinished.stat().st_mode & target.stat().st_mode)
+        unfinished.replace(target)
     finally:
         unfinished.unlink(missing_ok=True)
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palpate.base.errors import OptionError
+from palpate.base.whole_file import whole_file
 from palpate.bench.goals import (
     BODIES,
     GRIDS,
@@ -228,4 +229,5 @@ def _finish(figure: Figure, panels: list[Axes], legend_of: Axes, *, path: Path) 
     handles, labels = legend_of.get_legend_handles_labels()
     columns = min(len(labels), 4)
     figure.legend(handles, labels, loc="outside upper center", ncols=columns, frameon=False)
-    figure.savefig(path, dpi=150)
+    with whole_file(path) as unfinished:
+        figure.savefig(unfinished, dpi=150)

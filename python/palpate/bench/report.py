@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from palpate.base.whole_file import whole_file
 from palpate.bench.goals import Goal
 
 __all__ = ["Row", "print_rows", "row_of", "rows_in", "write_rows"]
@@ -47,7 +48,8 @@ def rows_in(goals: Iterable[Goal], report: dict[str, dict[str, float]]) -> list[
 def write_rows(bench: str, rows: Iterable[Row], path: Path) -> None:
     """Writes the figures of a benchmark as one JSON object."""
     content = {"bench": bench, "rows": [asdict(row) for row in rows]}
-    path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
 
 
 def print_rows(bench: str, rows: Iterable[Row]) -> None:

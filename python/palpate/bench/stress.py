@@ -16,6 +16,7 @@ from typing import Any, Self, cast
 from palpate import _core
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
+from palpate.base.whole_file import whole_file
 from palpate.bench.goals import GOALS
 from palpate.bench.report import Row, row_of
 from palpate.bench.results import StressResult, StressViolation
@@ -186,4 +187,5 @@ def rows_of(found: Found) -> list[Row]:
 def write_case(found: Found, path: Path) -> None:
     """Writes a violation so that its run can be repeated."""
     content = {"bench": "stress", **asdict(found.plan), **(found.violation or {})}
-    path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")

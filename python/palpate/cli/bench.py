@@ -9,6 +9,7 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import Plot
+from palpate.cli.written_files import WRITES
 
 __all__ = [
     "bench_cohort",
@@ -25,7 +26,9 @@ __all__ = [
 ]
 
 Json = Annotated[
-    Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+    Path | None,
+    typer.Option("--json", help="Write the results to this file (.json)."),
+    WRITES,
 ]
 
 

@@ -9,6 +9,7 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.options import Plot
+from palpate.cli.written_files import WRITES
 
 __all__ = ["bench_haptics", "bench_passivity", "bench_servo", "bench_stress", "bench_touch_quality"]
 
@@ -20,7 +21,9 @@ def bench_haptics(
         typer.Option(help="Data set by name, or a scan; repeatable; by default all."),
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+        Path | None,
+        typer.Option("--json", help="Write the results to this file (.json)."),
+        WRITES,
     ] = None,
     plot: Plot = None,
     count: Annotated[int | None, typer.Option(help="Number of calls per case.")] = None,
@@ -52,7 +55,9 @@ def bench_passivity(
         list[str] | None, typer.Option(help="Device; repeatable; by default all.")
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+        Path | None,
+        typer.Option("--json", help="Write the results to this file (.json)."),
+        WRITES,
     ] = None,
 ) -> None:
     """Measure passivity: energy given to the hand, and the stiffest passive wall."""
@@ -83,7 +88,9 @@ def bench_touch_quality(
         typer.Option(help="Kind of touch; repeatable; by default all."),
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+        Path | None,
+        typer.Option("--json", help="Write the results to this file (.json)."),
+        WRITES,
     ] = None,
     plot: Plot = None,
 ) -> None:
@@ -117,13 +124,15 @@ def bench_stress(  # one per option of the command line
         Path | None, typer.Option(help="Scan with bone; by default the phantom.")
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+        Path | None,
+        typer.Option("--json", help="Write the results to this file (.json)."),
+        WRITES,
     ] = None,
     threads: Annotated[
         int | None, typer.Option(help="Number of threads; by default all cores.")
     ] = None,
     case: Annotated[
-        Path, typer.Option(help="Write a violation to this file, for --replay.")
+        Path, typer.Option(help="Write a violation to this file, for --replay."), WRITES
     ] = Path("stress-violation.json"),
     deform: Annotated[
         list[str] | None,
@@ -170,7 +179,9 @@ def bench_servo(
     *,
     seconds: Annotated[float, typer.Option(help="Duration per case in s.")] = 10.0,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the results to this file (.json).")
+        Path | None,
+        typer.Option("--json", help="Write the results to this file (.json)."),
+        WRITES,
     ] = None,
 ) -> None:
     """Measure the lateness of servo ticks: idle, with all cores busy, and with soft tissue."""

@@ -7,6 +7,7 @@ modules are imported inside the commands, so that ``palpate --help`` is quick.
 from __future__ import annotations
 
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Annotated, Any
 
 import typer
@@ -14,6 +15,7 @@ from typer.exceptions import TyperException
 
 from palpate.base.console import WRONG_INPUT, fail, told_by
 from palpate.base.errors import PalpateError
+from palpate.base.temporary_files import temporary_files
 from palpate.cli.bench import (
     bench_cohort,
     bench_deform,
@@ -34,6 +36,7 @@ from palpate.cli.bench_touch import (
     bench_stress,
     bench_touch_quality,
 )
+from palpate.cli.ended_by_signal import signals_as_ctrl_c
 from palpate.cli.export import export
 from palpate.cli.flags import as_flags
 from palpate.cli.import_scan import EXAMPLES as IMPORT_EXAMPLES
@@ -45,6 +48,8 @@ from palpate.cli.recipe import run_file
 from palpate.cli.reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
 from palpate.cli.reconstruct import reconstruct
 from palpate.cli.record import record
+from palpate.cli.recover import EXAMPLES as RECOVER_EXAMPLES
+from palpate.cli.recover import recover
 from palpate.cli.register import EXAMPLES as REGISTER_EXAMPLES
 from palpate.cli.register import register
 from palpate.cli.render import EXAMPLES as RENDER_EXAMPLES
@@ -59,6 +64,7 @@ from palpate.cli.statistics import statistics
 from palpate.cli.surface import surface
 from palpate.cli.transform import EXAMPLES as TRANSFORM_EXAMPLES
 from palpate.cli.transform import transform
+from palpate.cli.written_files import keeping_files
 
 __all__ = ["app", "run"]
 
@@ -80,7 +86,10 @@ def run(arguments: list[str]) -> int:
     """Runs the command line with these arguments; returns the exit code."""
     part = _only(arguments)
     with told_by(lambda message: as_flags(message, part, arguments)):
-        return _run(part, arguments)
+        if current_thread() is not main_thread():
+            return _run(part, arguments)
+        with signals_as_ctrl_c(), temporary_files():
+            return _run(part, arguments)
 
 
 def _run(part: typer.Typer, arguments: list[str]) -> int:
@@ -179,17 +188,18 @@ def root(
 app.command("open")(open_scan)
 app.command("demo")(demo)
 app.command("info")(info)
-app.command("record")(record)
-app.command("replay")(replay)
-app.command("export")(export)
-app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
-app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
-app.command("register", epilog=REGISTER_EXAMPLES)(register)
-app.command("transform", epilog=TRANSFORM_EXAMPLES)(transform)
-app.command("render", epilog=RENDER_EXAMPLES)(render)
+app.command("record")(keeping_files(record))
+app.command("replay")(keeping_files(replay))
+app.command("export")(keeping_files(export))
+app.command("import", epilog=IMPORT_EXAMPLES)(keeping_files(import_scan))
+app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(keeping_files(reconstruct))
+app.command("register", epilog=REGISTER_EXAMPLES)(keeping_files(register))
+app.command("transform", epilog=TRANSFORM_EXAMPLES)(keeping_files(transform))
+app.command("render", epilog=RENDER_EXAMPLES)(keeping_files(render))
 app.command("series")(series)
-app.command("segment", epilog=EXAMPLES)(segment)
-app.command("statistics", epilog=STATISTICS_EXAMPLES)(statistics)
+app.command("segment", epilog=EXAMPLES)(keeping_files(segment))
+app.command("statistics", epilog=STATISTICS_EXAMPLES)(keeping_files(statistics))
+app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.command("report")(report)
 app.add_typer(surface, name="surface")
@@ -199,18 +209,18 @@ app.add_typer(scenario, name="scenario")
 bench = typer.Typer(help="Run benchmarks.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 bench.command("fuzz-import")(bench_fuzz_import)
-bench.command("cohort")(bench_cohort)
-bench.command("deform")(bench_deform)
-bench.command("open")(bench_open)
-bench.command("render")(bench_render)
-bench.command("register")(bench_register)
-bench.command("segment")(bench_segment)
-bench.command("session")(bench_session)
-bench.command("truth-cube")(bench_truth_cube)
-bench.command("haptics")(bench_haptics)
-bench.command("passivity")(bench_passivity)
-bench.command("touch-quality")(bench_touch_quality)
-bench.command("stress")(bench_stress)
-bench.command("servo")(bench_servo)
-bench.command("edit")(bench_edit)
-bench.command("surface")(bench_surface)
+bench.command("cohort")(keeping_files(bench_cohort))
+bench.command("deform")(keeping_files(bench_deform))
+bench.command("open")(keeping_files(bench_open))
+bench.command("render")(keeping_files(bench_render))
+bench.command("register")(keeping_files(bench_register))
+bench.command("segment")(keeping_files(bench_segment))
+bench.command("session")(keeping_files(bench_session))
+bench.command("truth-cube")(keeping_files(bench_truth_cube))
+bench.command("haptics")(keeping_files(bench_haptics))
+bench.command("passivity")(keeping_files(bench_passivity))
+bench.command("touch-quality")(keeping_files(bench_touch_quality))
+bench.command("stress")(keeping_files(bench_stress))
+bench.command("servo")(keeping_files(bench_servo))
+bench.command("edit")(keeping_files(bench_edit))
+bench.command("surface")(keeping_files(bench_surface))

@@ -59,6 +59,7 @@ def export(
     """Writes what was asked for and says what it is."""
     from palpate.base.early_imports import DICOM_WRITING, IMAGE_WRITING, import_early
     from palpate.base.errors import OptionError
+    from palpate.base.replacing import check_replaceable
     from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.scenes import scene_at
     from palpate.export.kinds import FROM_DICOM
@@ -71,6 +72,8 @@ def export(
         raise OptionError(
             "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
         )
+    if kind == "labels" and (table := request.table(())) is not None:
+        check_replaceable(table)
     import_early(DICOM_WRITING if kind in FROM_DICOM else IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
         scene = scene_at(

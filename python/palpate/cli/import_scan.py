@@ -11,6 +11,7 @@ import typer
 from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import AnotherPatient, Resample
 from palpate.cli.request_options import with_requests
+from palpate.cli.written_files import WRITES
 from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
             "files.",
             metavar="OUT",
         ),
+        WRITES,
     ] = None,
     segments: Annotated[
         Path | None,

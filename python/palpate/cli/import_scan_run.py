@@ -11,6 +11,7 @@ from typing import Any, Literal
 from palpate.base.errors import OptionError, PalpateError, SeriesChoiceError, VolumeFormatError
 from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.base.progress import Progress
+from palpate.base.replacing import check_replaceable
 from palpate.base.whole_file import whole_folder
 from palpate.cli.scenes import scene_of, wanted_scene
 from palpate.export.export import export_scene
@@ -44,7 +45,8 @@ def check_target(out: Path, *, paths: Sequence[Path], segments: Path | None) -> 
     """Returns what a name asks for; refuses what could not be written, before anything is read.
 
     Raises:
-        OptionError: It ends with nothing known, its folder is not there, or it is what is read.
+        OptionError: It ends with nothing known, its folder is not there, or the segments beside it
+            would replace a file.
     """
     if not out.absolute().parent.is_dir():
         raise OptionError(f"folder {str(out.parent)!r} given; allowed: one that exists")
@@ -54,11 +56,8 @@ def check_target(out: Path, *, paths: Sequence[Path], segments: Path | None) -> 
         target = "scene"
     elif name.endswith(IMAGE_SUFFIXES) and not name.endswith(".seg.nrrd"):
         target = "image"
-    made = [out, *([beside_of(out)] if target == "image" and segments is not None else [])]
-    for read_from in (*paths, *([] if segments is None else [segments])):
-        for file in made:
-            if read_from.resolve() == file.resolve():
-                raise OptionError(f"{file} is what is read; allowed: a new file")
+    if target == "image" and segments is not None:
+        check_replaceable(beside_of(out))
     if target == "folder" and paths:
         endings = ", ".join((*IMAGE_SUFFIXES, ENDING))
         raise OptionError(

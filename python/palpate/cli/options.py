@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli.written_files import WRITES
+
 __all__ = [
     "Browser",
     "Mesh",
@@ -105,5 +107,5 @@ MeshSpacing = Annotated[
 ]
 Port = Annotated[int, typer.Option(help="Port on 127.0.0.1; 0 chooses a free one.")]
 Browser = Annotated[bool, typer.Option(help="Open the page in the browser if there is a display.")]
-Plot = Annotated[Path | None, typer.Option(help="Plot the results (.png, .svg, .pdf).")]
+Plot = Annotated[Path | None, typer.Option(help="Plot the results (.png, .svg, .pdf)."), WRITES]
 Rate = Annotated[int, typer.Option(help="Servo rate in Hz: 1000 or 4000.")]

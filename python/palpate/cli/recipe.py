@@ -9,6 +9,9 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.base.errors import OptionError
+from palpate.base.files_read import files_noted, note_read
+from palpate.base.replacing import agreed_by
+from palpate.cli.written_files import Force, asked
 
 __all__ = ["EXAMPLES", "run_file"]
 
@@ -107,9 +110,15 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     retry: Annotated[
         int, typer.Option(help="How often a case that failed is tried again.", min=0)
     ] = 0,
+    force: Force = False,
 ) -> None:
     """Run a recipe: import, registration, segments, surfaces, export, report."""
     if over is not None or table is not None:
+        if force:
+            raise OptionError(
+                "--force given with many cases; allowed: without it, since a case's folder is "
+                "replaced only where it is made again"
+            )
         from palpate.cli.recipe_over import OverOptions, run_over
         from palpate.cohort.limits import Limits
 
@@ -132,8 +141,14 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe
 
-    wanted, source = read_recipe(recipe)
-    with quiet_libraries(), Display() as display:
+    with (
+        files_noted(),
+        agreed_by(asked(force=force or check)),
+        quiet_libraries(),
+        Display() as display,
+    ):
+        note_read(recipe)
+        wanted, source = read_recipe(recipe)
         inputs = read_inputs(wanted, source, progress=display)
         if not check:
             scene, written, told = run_recipe(wanted, inputs, progress=display)

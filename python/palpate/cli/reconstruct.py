@@ -9,6 +9,7 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries
 from palpate.cli.request_options import with_requests
+from palpate.cli.written_files import WRITES
 from palpate.reconstruction.request import ReconstructionRequest
 
 __all__ = ["EXAMPLES", "reconstruct"]
@@ -43,6 +44,7 @@ def reconstruct(
         typer.Option(
             "--out", "--output", "-o", help="Scan to write, in HU (.nii.gz, .nii, .nrrd, .mha)."
         ),
+        WRITES,
     ],
     request: ReconstructionRequest,
 ) -> None:

@@ -20,6 +20,7 @@ from palpate.cli.options import (
     Threshold,
 )
 from palpate.cli.request_options import with_requests
+from palpate.cli.written_files import WRITES
 from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def record(  # noqa: PLR0913  # one per option of the command line
     path: Scan,
     *,
     out: Annotated[
-        Path, typer.Option(help="Recording to write (.palpate-session).", metavar="FILE")
+        Path, typer.Option(help="Recording to write (.palpate-session).", metavar="FILE"), WRITES
     ],
     seconds: Annotated[
         float | None,
@@ -89,14 +90,12 @@ def _check_out(out: Path) -> None:
     """Refuses a file that cannot become a recording, before anything is recorded.
 
     Raises:
-        OptionError: There is no such folder, or there is such a file already.
+        OptionError: There is no such folder.
     """
     from palpate.base.errors import OptionError
 
     if not out.parent.is_dir():
         raise OptionError(f"{out.parent} is no folder; allowed: a file in an existing folder")
-    if out.exists():
-        raise OptionError(f"{out} exists already; allowed: a new file")
 
 
 def _check_seconds(seconds: float | None) -> None:
@@ -131,7 +130,6 @@ def _record_page(
     scene: Scene, out: Path, *, port: int, seconds: float | None, rate: int, browser: bool
 ) -> None:
     """Records what a person does on the page."""
-    from palpate.cli.ended_by_signal import signals_as_ctrl_c
     from palpate.cli.show_page import check_page, serve_page
     from palpate.server.app import bind
     from palpate.server.open_scan import OpenScan
@@ -141,7 +139,6 @@ def _record_page(
 
     check_page()
     with (
-        signals_as_ctrl_c(),
         bind(port) as listener,
         Session(scene, options=SessionOptions(rate_hz=rate)) as session,
     ):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palpate.base.console import warn
+from palpate.cli.written_files import WRITES
 
 if TYPE_CHECKING:
     from palpate.session.recording import Recording, Replay
@@ -26,10 +27,12 @@ def replay(
     ],
     *,
     csv: Annotated[
-        Path | None, typer.Option(help="Write positions, forces and events as CSV.")
+        Path | None, typer.Option(help="Write positions, forces and events as CSV."), WRITES
     ] = None,
     npz: Annotated[
-        Path | None, typer.Option(help="Write positions, forces and events as NumPy arrays.")
+        Path | None,
+        typer.Option(help="Write positions, forces and events as NumPy arrays."),
+        WRITES,
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
 ) -> int:

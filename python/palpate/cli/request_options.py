@@ -10,16 +10,14 @@ from typing import Annotated, Any, TypeVar, get_origin
 
 import typer
 
-from palpate.base.errors import OptionError
 from palpate.base.hints import retold
 from palpate.base.request import Option, Request, options_of
 from palpate.base.request_files import check_file, files_of
+from palpate.cli.written_files import WRITES
 
 __all__ = ["with_requests"]
 
 Result = TypeVar("Result")
-INPUTS = ("path", "fixed", "projections", "segments")
-"""Parameters of commands that are read."""
 PARSED = (bool, int, float, Path)
 """Types that the command line reads; all others it takes as texts."""
 
@@ -55,7 +53,6 @@ def with_requests(command: Callable[..., Result]) -> Callable[..., Result]:
         }
         for request in made.values():
             _check(request)
-        _refuse_replacing(given, list(made.values()))
         return command(**given, **made)
 
     # what the command line is made of
@@ -86,24 +83,6 @@ def _check(request: Request) -> None:
         check()
 
 
-def _refuse_replacing(given: dict[str, Any], requests: list[Request]) -> None:
-    """Refuses what would be written over what is read, or twice.
-
-    Raises:
-        OptionError: Two are one file.
-    """
-    files = [each for request in requests for each in files_of(request)]
-    taken = {given[name].resolve() for name in INPUTS if isinstance(given.get(name), Path)}
-    taken |= {path.resolve() for option, path in files if option.reads}
-    written = [path for option, path in files if option.writes]
-    if isinstance(given.get("out"), Path):
-        written.append(given["out"])
-    for path in written:
-        if path.resolve() in taken:
-            raise OptionError(f"{path} is read or written already; allowed: a new file")
-        taken.add(path.resolve())
-
-
 def _parameter(option: Option) -> inspect.Parameter:
     """Returns an option as a parameter that the command line is made of."""
     kind: Any = option.kind if option.kind in PARSED else str
@@ -124,5 +103,5 @@ def _parameter(option: Option) -> inspect.Parameter:
         option.field,
         inspect.Parameter.KEYWORD_ONLY,
         default=inspect.Parameter.empty if option.required else default,
-        annotation=Annotated[kind, info],
+        annotation=Annotated[kind, info, WRITES] if option.writes else Annotated[kind, info],
     )

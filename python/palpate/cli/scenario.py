@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from palpate.base.console import Display, quiet_libraries
+from palpate.cli.written_files import WRITES, keeping_files
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
@@ -28,8 +29,9 @@ Scan = Annotated[
 Json = Annotated[
     Path | None,
     typer.Option("--json", help="Write positions, forces and events of the run.", metavar="FILE"),
+    WRITES,
 ]
-Plot = Annotated[Path | None, typer.Option(help="Plot the run (.png, .svg, .pdf).")]
+Plot = Annotated[Path | None, typer.Option(help="Plot the run (.png, .svg, .pdf)."), WRITES]
 Speed = Annotated[float, typer.Option(help="Speed of the tool in mm/s.")]
 ForceLimit = Annotated[float, typer.Option(help="Force at which the tool stops, in N.")]
 BoneFrom = Annotated[float | None, typer.Option(help="Threshold of bone, in the unit of the scan.")]
@@ -41,6 +43,7 @@ Depth = Annotated[float, typer.Option(help="Depth of the tool in mm.")]
 
 
 @scenario.command("needle-skull")
+@keeping_files
 def needle_skull(
     path: Scan = None,
     *,
@@ -55,6 +58,7 @@ def needle_skull(
 
 
 @scenario.command("needle-liver")
+@keeping_files
 def needle_liver(
     path: Scan = None,
     *,
@@ -73,6 +77,7 @@ def needle_liver(
 
 
 @scenario.command("drilling")
+@keeping_files
 def drilling(
     path: Scan = None,
     *,
@@ -96,6 +101,7 @@ def drilling(
 
 
 @scenario.command("palpation")
+@keeping_files
 def palpation(  # noqa: PLR0913  # one per option of the command line
     path: Scan = None,
     *,

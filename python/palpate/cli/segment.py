@@ -9,6 +9,7 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.request_options import with_requests
+from palpate.cli.written_files import WRITES
 from palpate.io.request import ReadRequest
 from palpate.segmentation.request import SegmentRequest
 
@@ -40,6 +41,7 @@ def segment(
         typer.Option(
             "--out", "-o", help="Segments to write (.seg.nrrd, .nrrd, .nii, .nii.gz, .mha)."
         ),
+        WRITES,
     ],
     request: SegmentRequest,
     reading: ReadRequest,
@@ -47,9 +49,13 @@ def segment(
     """Segment a scan and write the result."""
     from palpate.base.early_imports import IMAGE_WRITING, import_early
     from palpate.base.file_suffixes import IMAGE_SUFFIXES
+    from palpate.base.replacing import check_replaceable
     from palpate.base.whole_file import check_target
+    from palpate.labels.name_table import table_beside
 
     check_target(out, (".seg.nrrd", *IMAGE_SUFFIXES))
+    if not out.name.lower().endswith(".seg.nrrd"):
+        check_replaceable(table_beside(out))
     import_early(IMAGE_WRITING)
     with quiet_libraries(), Display() as display:
         volume = reading.read(path, display)

@@ -15,7 +15,6 @@ import typer
 from palpate.base.console import Display, warn
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
-from palpate.cli.ended_by_signal import signals_as_ctrl_c
 from palpate.saved.autosave import note_scene
 from palpate.saved.opening import Opening
 from palpate.saved.recent import note_recent
@@ -154,11 +153,10 @@ def choose_on_page(listener: socket.socket, *, rate: int, browser: bool, journal
 
 def show_workbench(workbench: Workbench, listener: socket.socket, *, browser: bool) -> None:
     """Serves a workbench until Ctrl-C, and keeps what is kept of what is open then."""
-    with signals_as_ctrl_c():
-        try:
-            serve_page(workbench, listener, browser=browser)
-        finally:
-            workbench.end()
+    try:
+        serve_page(workbench, listener, browser=browser)
+    finally:
+        workbench.end()
 
 
 def serve_page(

@@ -10,6 +10,7 @@ import typer
 from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
 from palpate.cli.request_options import with_requests
+from palpate.cli.written_files import WRITES
 from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
@@ -47,7 +48,9 @@ def statistics(
     as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Write a file (.csv, .json) instead.")
+        Path | None,
+        typer.Option("--out", "-o", help="Write a file (.csv, .json) instead."),
+        WRITES,
     ] = None,
     reading: ReadRequest,
 ) -> None:

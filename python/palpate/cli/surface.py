@@ -11,6 +11,7 @@ from palpate.base.console import Display, quiet_libraries, warn
 from palpate.base.file_suffixes import IMAGE_SUFFIXES
 from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
 from palpate.cli.request_options import with_requests
+from palpate.cli.written_files import WRITES, keeping_files
 from palpate.io.request import ReadRequest
 from palpate.volumes.surface_request import SurfaceRequest
 
@@ -27,6 +28,7 @@ surface = typer.Typer(
 
 
 @surface.command("export")
+@keeping_files
 @with_requests
 def surface_export(
     path: Annotated[
@@ -40,6 +42,7 @@ def surface_export(
     json_file: Annotated[
         Path | None,
         typer.Option("--json", help="Write the report to this file (.json); in mm, mm² and mm³."),
+        WRITES,
     ] = None,
     reading: ReadRequest,
     threshold: Threshold = None,
@@ -79,12 +82,15 @@ def surface_export(
 
 
 @surface.command("voxels")
+@keeping_files
 def surface_voxels(
     mesh: Annotated[
         Path, typer.Argument(help="Mesh to read (.stl, .ply, .obj, .glb).", metavar="MESH")
     ],
     file: Annotated[
-        Path, typer.Argument(help="Label map to write (.nrrd, .nii.gz, .mha).", metavar="FILE")
+        Path,
+        typer.Argument(help="Label map to write (.nrrd, .nii.gz, .mha).", metavar="FILE"),
+        WRITES,
     ],
     *,
     spacing: Annotated[float | None, typer.Option(help="Voxel size in mm.")] = None,

@@ -9,6 +9,7 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.cli.request_options import with_requests
+from palpate.cli.written_files import WRITES
 from palpate.registration.transform_request import TransformRequest
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ def transform(
     output: Annotated[
         list[Path] | None,
         typer.Option("--output", "-o", help="File to write; once for each INPUT, in their order."),
+        WRITES,
     ] = None,
     write_inverse: Annotated[
         Path | None,
@@ -57,6 +59,7 @@ def transform(
             help="Write the inverse transform (.tfm). One that bends needs --like MOVING.",
             metavar="FILE",
         ),
+        WRITES,
     ] = None,
 ) -> None:
     """Carry scans, segments, surfaces and points from one scan to another."""
@@ -98,10 +101,6 @@ def _pairs(inputs: list[Path], outputs: list[Path], *, more: bool) -> list[tuple
             f"{len(inputs)} inputs and {len(outputs)} outputs given; allowed: --output once for "
             "each INPUT, in their order"
         )
-    taken = [path.resolve() for path in (*inputs, *outputs)]
-    for path in outputs:
-        if taken.count(path.resolve()) > 1:
-            raise OptionError(f"{path} is given twice; allowed: a new file for each INPUT")
     return list(zip(inputs, outputs, strict=True))
 
 
@@ -109,9 +108,10 @@ def _check_tables(pairs: list[tuple[Path, Path]], kinds: Sequence[CarriedKind | 
     """Refuses an output that a table of names would replace, or that would replace one.
 
     Raises:
-        OptionError: There is one.
+        OptionError: There is one, or a table is there that must not be replaced.
     """
     from palpate.base.errors import OptionError
+    from palpate.base.replacing import check_replaceable
     from palpate.export.carried_file import carried_table
 
     taken = {path.resolve() for pair in pairs for path in pair}
@@ -122,6 +122,8 @@ def _check_tables(pairs: list[tuple[Path, Path]], kinds: Sequence[CarriedKind | 
             raise OptionError(
                 f"{table} is the table of names of {out} too; allowed: another name for one of them"
             )
+        if table is not None:
+            check_replaceable(table)
 
 
 def _carried(

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 
 from palpate.base.errors import VolumeFormatError
+from palpate.base.files_read import note_read
 
 __all__ = ["DEFLATE_RATIO", "check_held", "numbered", "voxel_file"]
 
@@ -94,6 +95,9 @@ def check_held(header: Path, files: Sequence[Path], *, wanted: int, ratio: int =
     Raises:
         VolumeFormatError: They are too short.
     """
+    for file in files:
+        # ITK opens them unseen
+        note_read(file)
     held = sum(file.stat().st_size for file in files)
     if wanted > ratio * held:
         packed = " of packed voxels" if ratio > 1 else ""

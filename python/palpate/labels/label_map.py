@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, SeriesChoiceError
+from palpate.base.files_read import note_read
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart
 from palpate.io.image_file import is_beside
@@ -192,6 +193,7 @@ def _nifti_table(path: Path) -> Names:
 
 
 def _csv_table(path: Path) -> Names:
+    note_read(path)
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
         try:
             rows = list(csv.DictReader(file))

@@ -12,6 +12,7 @@ from pathlib import Path
 from palpate.base.errors import OptionError
 from palpate.base.nearest import perhaps
 from palpate.base.progress import Progress, silent
+from palpate.base.replacing import check_replaceable
 from palpate.base.request import Request
 from palpate.base.request_files import check_file, files_of
 from palpate.export.carried_file import carried_kind, carried_table, check_ending
@@ -168,10 +169,10 @@ def _check_files(recipe: Recipe, source: Source) -> None:
         for option, path in files_of(step):
             place = path.resolve()
             with source.at(f"{where}.{option.name}"):
-                if not (option.reads and place in written):
-                    check_file(option, path)
                 if option.writes:
                     _check_new(path, str(path), read=read, written=written)
+                if not (option.reads and place in written):
+                    check_file(option, path)
             (written if option.writes else read).add(place)
         out = "out" if isinstance(step, ExportRequest) else "output"
         with source.at(f"{where}.{out}"):
@@ -179,6 +180,7 @@ def _check_files(recipe: Recipe, source: Source) -> None:
             if table is not None:
                 called = f"{table.name}, the table of names that comes beside it,"
                 _check_new(table, called, read=read, written=written)
+                check_replaceable(table)
                 written.add(table.resolve())
 
 

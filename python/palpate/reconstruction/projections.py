@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.base.files_read import note_read
 from palpate.base.progress import Progress, silent
 from palpate.base.reader_process import apart, expect
 from palpate.base.simpleitk import reason_of, simpleitk
@@ -136,6 +137,8 @@ def read_projections(path: Path, *, sinograms: bool = False, progress: Progress 
         VolumeFormatError: It is not a stack of images.
     """
     files = _files(path)
+    for file in files:
+        note_read(file)
     array = apart(_values_of, path, files, path=path, progress=progress)
     stacked = array.transpose(1, 0, 2) if sinograms else array
     return np.ascontiguousarray(stacked, np.float32)

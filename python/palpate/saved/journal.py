@@ -1,7 +1,8 @@
 """The journal of a scan's changes on disk, and recovery of one that an earlier session left.
 
 There is one file for each scan in ``state_folder()``, named by a hash of its values and geometry. A
-file with steps is offered for recovery; if it is declined, it is kept under another name.
+file with steps is offered for recovery; if it is declined, it is set aside (``set_aside``). Whoever
+writes a journal or offers it holds its lock: no other session touches it.
 """
 
 from __future__ import annotations
@@ -15,10 +16,24 @@ from threading import Lock
 
 import msgspec
 
+from palpate.base.counted import counted
 from palpate.base.errors import OptionError, PalpateError
-from palpate.base.state_folder import private_folder, state_folder
+from palpate.base.file_lock import FileLock
+from palpate.base.state_folder import private_folder
 from palpate.base.whole_file import whole_file
 from palpate.saved.second_scan_note import keep_second, kept_second, second_name
+from palpate.saved.set_aside import (
+    JOURNAL,
+    KEPT_DAYS,
+    SCAN,
+    SECOND,
+    STEPS,
+    folder_of_journals,
+    lock_of,
+    note_scan,
+    put_aside,
+    remove_old,
+)
 from palpate.session.session import Session
 from palpate.volumes.scan_hash import scan_hash
 from palpate.volumes.second_scan import SecondScan
@@ -28,7 +43,7 @@ __all__ = ["Journal", "Offer", "journal_place"]
 
 def journal_place(of_scan: bytes, folder: Path | None = None) -> Path:
     """Returns the path of the journal of a scan with this hash."""
-    return (folder or state_folder()) / "journals" / f"{of_scan.hex()[:32]}.journal"
+    return folder_of_journals(folder) / f"{of_scan.hex()[:32]}{JOURNAL}"
 
 
 @dataclass(frozen=True)
@@ -70,6 +85,8 @@ class Journal:
         self._lock = Lock()
         self._hash = scan_hash(session.scene.volume)
         self._running = False
+        self._owned: FileLock | None = None
+        self._folder = folder
         self.path = journal_place(self._hash, folder)
         self.offer: Offer | None = None
         """Changes of an earlier session; None once it was decided about them."""
@@ -101,6 +118,8 @@ class Journal:
         with self._lock:
             try:
                 private_folder(self.path.parent)
+                self._own()
+                self._remove_old()
                 if recover is None and scene is not None and self._is_saved_in(scene):
                     self._keep_aside(held=True)
                 self._look(wanted=recover is True)
@@ -124,9 +143,15 @@ class Journal:
                     self._bring_back_second()
                     self._bring_back()
                 else:
-                    self._keep_aside(held=offer is not None)
+                    aside = self._keep_aside(held=offer is not None)
                     self._session.begin_journal(self.path, self._hash)
+                    if aside is not None:
+                        self._tell(
+                            "The earlier changes are set aside: `palpate recover` in a terminal "
+                            f"lists them for {KEPT_DAYS} days."
+                        )
                 self._running = True
+                note_scan(self.path, self._session.scene.volume)
                 self.note_second(self.second)
                 self._note_steps()
             except (OSError, OptionError) as error:
@@ -161,8 +186,14 @@ class Journal:
     def close(self) -> None:
         """Removes a journal without changes, and reports one with changes.
 
-        To be called after the session was stopped.
+        To be called after the session was stopped. It is let go of for other sessions.
         """
+        try:
+            self._close()
+        finally:
+            self._disown()
+
+    def _close(self) -> None:
         if not self._running:
             return
         self._running = False
@@ -170,9 +201,34 @@ class Journal:
         if frame["can_undo"] or frame["can_redo"] or self._second_path.exists():
             self._tell("Your changes are kept: the next start with this scan offers them.")
         else:
-            self.path.unlink(missing_ok=True)
-            self._steps_path.unlink(missing_ok=True)
-            self._saved_path.unlink(missing_ok=True)
+            for path in (self.path, self._steps_path, self._saved_path, self._scan_path):
+                path.unlink(missing_ok=True)
+
+    def _own(self) -> None:
+        """Takes the lock of the journal.
+
+        Raises:
+            OptionError: Another session has it.
+        """
+        self._owned = FileLock.take(lock_of(self.path))
+        if self._owned is None:
+            raise OptionError(
+                "this scan is open in another session, which has its journal; allowed: one session "
+                "of a scan at a time"
+            )
+
+    def _disown(self) -> None:
+        if self._owned is not None:
+            self._owned.let_go()
+            self._owned = None
+
+    def _remove_old(self) -> None:
+        removed = remove_old(self._folder)
+        if removed:
+            some = counted(removed, "journal that was", "journals that were")
+            self._tell(
+                f"{some} set aside {KEPT_DAYS} days ago or longer, or beyond 1 GiB, is removed."
+            )
 
     def _note_steps(self) -> None:
         steps = self._session.kept_steps(all_of_them=True)
@@ -205,7 +261,11 @@ class Journal:
 
     @property
     def _second_path(self) -> Path:
-        return self.path.with_suffix(".second")
+        return self.path.with_suffix(SECOND)
+
+    @property
+    def _scan_path(self) -> Path:
+        return self.path.with_suffix(SCAN)
 
     def _is_saved_in(self, scene: str) -> bool:
         """Says whether a scene file has all that an earlier session left."""
@@ -228,7 +288,7 @@ class Journal:
 
     @property
     def _steps_path(self) -> Path:
-        return self.path.with_suffix(".steps")
+        return self.path.with_suffix(STEPS)
 
     def _bring_back_steps(self) -> None:
         try:
@@ -245,7 +305,7 @@ class Journal:
         try:
             self.second = kept_second(self._second_path)
         except (PalpateError, OSError) as error:
-            aside = self._put_aside(self._second_path)
+            aside = put_aside(self.path, [SECOND])
             self.lost_second = (
                 f"The second scan was not brought back: {error}. What is known of it was kept as "
                 f"{aside}."
@@ -273,15 +333,9 @@ class Journal:
             for path in (self.path, self._second_path, self._steps_path):
                 path.unlink(missing_ok=True)
             return None
-        for path in (self._second_path, self._steps_path):
-            if path.exists():
-                self._put_aside(path)
-        return self._put_aside(self.path) if self.path.exists() else None
-
-    def _put_aside(self, path: Path) -> Path:
-        moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")
-        return path.rename(path.with_name(f"{path.stem}-{moment}{path.suffix}"))
+        return put_aside(self.path)
 
     def _give_up(self, error: Exception) -> None:
         self.problem = f"Changes are not kept for a crash: {error}"
         self._tell(self.problem)
+        self._disown()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.base.whole_file import whole_file
 from palpate.scenarios.run import UNITS, ScenarioRun
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
         panel.spines[["top", "right"]].set_visible(False)
         # above the panel, where it hides nothing
         panel.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4)
-    figure.savefig(path, dpi=150)
+    with whole_file(path) as unfinished:
+        figure.savefig(unfinished, dpi=150)
 
 
 def _draw_force(panel: Axes, run: ScenarioRun) -> None:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
+from palpate.base.whole_file import whole_file
 from palpate.scenarios.engine_run import EngineRun
 
 __all__ = ["UNITS", "Press", "ScenarioEvent", "ScenarioRun", "read_run", "samples_of", "write_run"]
@@ -200,7 +201,8 @@ def write_run(run: ScenarioRun, path: Path) -> None:
     content["events"] = [asdict(event) for event in run.events]
     content["presses"] = [asdict(press) for press in run.presses]
     content = {"format": FORMAT, "figures": run.figures(), **content}
-    path.write_text(json.dumps(content) + "\n", encoding="utf-8")
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps(content) + "\n", encoding="utf-8")
 
 
 def read_run(path: Path) -> ScenarioRun:

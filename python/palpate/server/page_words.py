@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from tempfile import gettempdir
+
+from palpate.base.temporary_files import OF_A_COMMAND, SYSTEM_FOLDER
 
 __all__ = ["page_words"]
 
@@ -26,7 +27,7 @@ OPTIONS = (
 """How messages name options, and what stands for that on the page."""
 
 
-DROPPED = re.escape(gettempdir()) + r"[\\/]palpate-\w{8}[\\/]"
+DROPPED = re.escape(str(SYSTEM_FOLDER)) + rf"[\\/]({OF_A_COMMAND}\w{{8}}[\\/])?palpate-\w{{8}}[\\/]"
 """Where files wait that were dropped into the page: a person knows them by their own names."""
 
 ADVICE = (

@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from threading import Lock
 
 from palpate.base.errors import OptionError
+from palpate.base.whole_file import whole_file
 from palpate.session.recording import Recording
 from palpate.session.session import Session
 
@@ -101,7 +102,8 @@ class Recorder:
         """Copies the last finished recording to a place of its own."""
         file = self.newest()
         if file is not None:
-            shutil.copyfile(file, target)
+            with whole_file(target) as unfinished:
+                shutil.copyfile(file, unfinished)
 
     def close(self) -> None:
         """Removes the files that were not kept."""

@@ -11,9 +11,7 @@ Frames: those of ``recording.py``.
 from __future__ import annotations
 
 import math
-import os
 import re
-import tempfile
 import zipfile
 import zlib
 from pathlib import Path
@@ -24,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import RecordingFormatError
+from palpate.base.whole_file import whole_file
 from palpate.session.recording_columns import (
     SINCE_3,
     SINCE_4,
@@ -113,15 +112,8 @@ def write_file(path: Path, *, ticks: TickColumns, tape: TapeColumns | None, abou
     """
     columns = by_name(ticks) | ({} if tape is None else by_name(tape))
     columns["about"] = np.frombuffer(msgspec.json.encode(about), np.uint8)
-    handle, unfinished = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **columns)
-        Path(unfinished).chmod(0o644)
-        Path(unfinished).replace(path)
-    except BaseException:
-        Path(unfinished).unlink(missing_ok=True)
-        raise
+    with whole_file(path) as unfinished, unfinished.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **columns)
 
 
 def read_file(path: Path) -> tuple[TickColumns, TapeColumns | None, About]:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.whole_file import whole_file
 from palpate.session.recording_columns import TickColumns, by_name
 
 __all__ = ["write_csv", "write_npz"]
@@ -41,7 +42,10 @@ ROWS_AT_ONCE = 10_000
 
 def write_csv(path: Path, ticks: TickColumns, events: Sequence[str]) -> None:
     """Writes a header and a row for each tick; contact is 0 or 1."""
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with (
+        whole_file(path) as unfinished,
+        unfinished.open("w", encoding="utf-8", newline="") as file,
+    ):
         writer = csv.writer(file)
         writer.writerow([name for names in EXPORTED.values() for name in names] + ["event"])
         for first in range(0, len(events), ROWS_AT_ONCE):
@@ -54,7 +58,7 @@ def write_csv(path: Path, ticks: TickColumns, events: Sequence[str]) -> None:
 def write_npz(path: Path, ticks: TickColumns, events: Sequence[str]) -> None:
     """Writes arrays under the names of a recording's columns, and ``event``."""
     columns = {name: by_name(ticks)[name] for name in EXPORTED}
-    with path.open("wb") as file:
+    with whole_file(path) as unfinished, unfinished.open("wb") as file:
         np.savez_compressed(
             file, allow_pickle=False, event=np.asarray(list(events), dtype=np.str_), **columns
         )

@@ -8,14 +8,13 @@ under its name only once it is complete.
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from palpate.base.errors import OptionError
+from palpate.base.whole_file import whole_file
 from palpate.volumes.surface import Mesh
 
 __all__ = ["GLTF_FROM_PATIENT", "SUFFIXES", "write_mesh"]
@@ -43,15 +42,8 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
     if encode is None:
         raise OptionError(f"{path.name!r} given; allowed: a name with {', '.join(SUFFIXES)}")
     content = encode(mesh)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    with whole_file(path) as unfinished:
+        unfinished.write_bytes(content)
 
 
 def _stl(mesh: Mesh) -> bytes:

@@ -255,7 +255,7 @@ def test_the_command_that_is_told_can_be_typed_as_it_stands(
         assert Path(f"NEW{number}.nrrd").exists()
     # a mask may lie on another grid, as the hint says
     write_image(np.ones((9, 9, 9), np.uint8), "mask.mha", spacing=(2.7, 2.7, 2.7))
-    asked += ["-o", "T.tfm", "--fixed-mask", "mask.mha"]
+    asked += ["-o", "masked.tfm", "--fixed-mask", "mask.mha"]
     assert run(asked) == 2
     assert "or others with --resample" in capsys.readouterr().err
     assert run([*asked, "--resample"]) == 0

@@ -165,8 +165,9 @@ def test_image_files_of_a_folder_or_an_archive_are_chosen_alike(
             (2, "2.nii.gz"),
         ]
         for wanted in ("2", "2.nii.gz"):
-            imported(capsys, place, "--series", wanted, "-o", out)
+            imported(capsys, place, "--series", wanted, "-o", out, "--force")
             np.testing.assert_array_equal(palpate.read(out).array, small_values + 2)
+        out.unlink()
         assert "none is '3'" in fails(capsys, place, "--series", "3", "-o", out)
 
 

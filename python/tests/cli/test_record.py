@@ -175,7 +175,7 @@ def test_files_that_are_no_recordings_are_one_line(recorded: Path, tmp_path: Pat
 def test_what_cannot_be_recorded_is_one_line(scan: Path, script: Path, tmp_path: Path) -> None:
     out = tmp_path / "new.palpate-session"
     record = ("record", scan, "--threshold", "0", "--script", script, "--out")
-    assert "exists already" in fails(*record, script)
+    assert "is what is read" in fails(*record, script)
     assert "is no folder" in fails(*record, tmp_path / "nowhere" / "x")
     assert "allowed: more than 0" in fails(*record, out, "--seconds", "-1")
     assert "allowed: more than 0" in fails(*record, out, "--seconds", "nan")

@@ -95,7 +95,7 @@ def test_a_label_map_is_resampled_to_its_own_labels(
     assert register(fixed, labels, *few, "--resampled", out) == 0
     assert set(np.unique(palpate.read(out).values())) == {0, 2, 5}
     assert "resampled by the nearest voxel" in capsys.readouterr().out
-    words = ("--resampled", out, "--interpolation", "linear", "--json")
+    words = ("--resampled", out, "--interpolation", "linear", "--json", "--force")
     assert register(fixed, labels, *few, *words) == 0
     assert {1, 3, 4} & set(np.unique(palpate.read(out).values()).tolist())
     assert json.loads(capsys.readouterr().out)["interpolation"] == "linear"
@@ -162,7 +162,7 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(
     Path("far.csv").write_text("0,0,0,900,0,0\n1,0,0,901,0,0\n0,1,0,900,1,0\n")
     Path("T.tfm").write_text("kept")
     before = sorted(tmp_path.iterdir())
-    assert register(*scans, *options) == 2
+    assert register(*scans, *options, "--force") == 2
     assert said in capsys.readouterr().err
     assert Path("T.tfm").read_text() == "kept"
     assert sorted(tmp_path.iterdir()) == before

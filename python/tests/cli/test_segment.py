@@ -176,7 +176,7 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(
 ) -> None:
     out = tmp_path / "none.seg.nrrd"
     out.write_bytes(b"kept")
-    assert segment(scan, *options, "-o", out) == 2
+    assert segment(scan, *options, "--force", "-o", out) == 2
     assert said in capsys.readouterr().err
     assert out.read_bytes() == b"kept"
     assert sorted(one.name for one in tmp_path.iterdir()) == ["none.seg.nrrd", "scan.mha"]

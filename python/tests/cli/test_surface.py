@@ -57,6 +57,7 @@ def test_scenes_are_read_and_their_segments_chosen(scan: Path, tmp_path: Path, c
     mesh = tmp_path / "a.stl"
     assert export(path, mesh, "--segment", "2") == 0
     assert "segment 'segment 2' of 2, " in capsys.readouterr().out
+    mesh.unlink()
     assert export(path, mesh) != 0
     told = capsys.readouterr().err
     assert "allowed: a name or a number of 1 segment 1, 2 segment 2" in told

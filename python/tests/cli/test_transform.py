@@ -186,7 +186,7 @@ def test_the_inverse_is_written(capsys: pytest.CaptureFixture[str]) -> None:
         (["plain.csv", "-o", "a.nrrd"], "'a.nrrd' given; allowed: a name with .csv"),
         (["moving.mha"], "1 inputs and 0 outputs given; allowed: --output once for each INPUT"),
         ([], "nothing to carry given; allowed: one INPUT or more, or --write-inverse"),
-        (["moving.mha", "-o", "moving.mha"], "moving.mha is given twice; allowed: a new file"),
+        (["moving.mha", "-o", "moving.mha"], "moving.mha is what is read; allowed: a new file"),
         (["none.mha", "-o", "a.mha"], "none.mha does not exist"),
         (
             ["moving.mha", "-o", "a.mha", "--like", "fixed.mha", "--interpolation", "cubic"],

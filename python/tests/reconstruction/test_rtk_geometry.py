@@ -383,6 +383,7 @@ def test_the_command_takes_the_file(
     # what agrees may be given
     assert run([*command, "--zero", "front", "--offset", "0,0"]) == 0
     np.testing.assert_allclose(middle_of(palpate.read(out))[:3], BALL, atol=1.0)
+    out.unlink()
     capsys.readouterr()
     for option, value in (
         ("--arc", "360"),

@@ -152,13 +152,14 @@ def test_a_session_with_changes_says_that_they_are_kept(tmp_path: Path) -> None:
 
 def test_a_second_session_of_the_same_scan_keeps_none_and_says_so(left: Path) -> None:
     with Session(make_ball(), options=STILL) as first:
-        begun(first, left, recover=True)
+        mine, _ = begun(first, left, recover=True)
         with Session(make_ball(), options=STILL) as second:
             journal, told = begun(second, left)
             assert not journal.is_running
-            assert "in use by another session" in told[0]
+            assert "open in another session" in told[0]
             open_box(second, 18)
         open_box(first, 25)
+    mine.close()
     with Session(make_ball(), options=STILL) as session:
         journal, _ = begun(session, left)
         assert journal.offer is not None
@@ -389,6 +390,7 @@ def test_a_note_that_is_none_is_told_of_and_the_voxels_are_back(left: Path, tmp_
     with Session(make_ball(), options=STILL) as session:
         journal, _ = begun(session, left, recover=True)
         journal.note(b"\xff no looks")
+    journal.close()
     with (
         running(make_ball(), write_page(tmp_path / "page"), state=left) as server,
         server.page() as page,

@@ -126,6 +126,8 @@ def running(scene: Scene, page: Path, *, state: Path | None = None) -> Iterator[
         with serving(Workbench(opened), page) as access:
             yield RunningServer(access, session, journal, opened.live)
         opened.recorder.close()
+    if journal is not None:
+        journal.close()
 
 
 @contextmanager

@@ -271,11 +271,13 @@ def test_the_command_exports_a_surface_and_makes_voxels_of_it(
     np.testing.assert_array_equal(made, (volume.array > 0).astype(made.dtype))
     assert "triangles" in capsys.readouterr().out
 
+    new = str(tmp_path / "new.glb")
+    Path(labels).unlink()
     for arguments, said in (
         (["export", scan, str(tmp_path / "ball.xyz")], ".stl, .ply, .obj, .glb"),
         (["export", scan, str(tmp_path / "none" / "ball.stl")], "exists"),
-        (["export", scan, mesh, "--threshold", "500", "--segment", "liver"], "threshold"),
-        (["export", scan, mesh, "--threshold", "500", "--smoothing", "99"], "0 to 12"),
+        (["export", scan, new, "--threshold", "500", "--segment", "liver"], "threshold"),
+        (["export", scan, new, "--threshold", "500", "--smoothing", "99"], "0 to 12"),
         (["voxels", mesh, labels], "--spacing"),
         (["voxels", mesh, labels, "--spacing", "1", "--frame", "up"], "LPS, RAS"),
     ):

@@ -12,6 +12,7 @@ from time import monotonic
 from typing import Any, ParamSpec, TypeVar, cast
 
 from palpate.base.errors import PalpateError, VolumeFormatError
+from palpate.base.files_read import note_files, note_read
 from palpate.base.progress import Progress
 from palpate.base.reader_process import pool
 from palpate.base.reader_process.exchange import shared_file, unpacked
@@ -64,6 +65,8 @@ def apart(
         PalpateError: As the function raises it, or because it ended the worker, hung or took too
             much memory.
     """
+    # libraries that are not Python's open it unseen
+    note_read(path)
     reported = {} if progress is None else {"progress": progress}
     if inside() or not sys.executable:
         return function(*given, **options, **reported)
@@ -189,6 +192,8 @@ class _Call:
             self._said = what, share
             if self._progress is not None:
                 self._progress(what, share)
+        elif kind == "read":
+            note_files(told[0])
         elif kind == "expect":
             self._voxels = max(self._voxels, told[0])
         elif kind == "at":

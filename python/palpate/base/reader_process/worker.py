@@ -8,16 +8,20 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import sys
 import tempfile
 import traceback
 from collections.abc import Callable
 from importlib import import_module
+from os import PathLike
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
 from time import monotonic
 from typing import Any
 
 from palpate.base.errors import PalpateError
+from palpate.base.files_read import files_noted, note_read
 from palpate.base.reader_process.channel import Sender, receive
 from palpate.base.reader_process.exchange import packed
 from palpate.base.reader_process.limits import begin, end
@@ -49,6 +53,7 @@ def main() -> None:
     for module in NEEDED:
         import_module(module)
     likely = [*LIKELY]
+    sys.addaudithook(_note_opened)
     while True:
         try:
             _answer(requests.get(timeout=QUIET if likely else None), tell)
@@ -63,6 +68,17 @@ def _listen(requests: SimpleQueue[Request]) -> None:
     os._exit(0)
 
 
+def _note_opened(event: str, arguments: tuple[Any, ...]) -> None:
+    """Notes each file that Python opens for reading; what a call unpacks goes with it."""
+    if event != "open":
+        return
+    path, mode, _ = arguments
+    # the other kinds are files that are open already
+    is_read = isinstance(path, str | PathLike) and (mode is None or mode.startswith("r"))
+    if is_read and not str(path).startswith(tempfile.tempdir or os.sep):
+        note_read(Path(path))
+
+
 def _answer(request: Request, tell: Sender) -> None:
     try:
         if request["folder"] is not None:
@@ -72,13 +88,15 @@ def _answer(request: Request, tell: Sender) -> None:
         if request["reports"]:
             options["progress"] = _progress(tell)
         begin(tell, file_bytes=request["file_bytes"])
-        result = function(*arguments, **options)
-        if request["each"]:
-            for item in result:
-                tell(("item", item))
-            result = None
+        with files_noted() as read:
+            result = function(*arguments, **options)
+            if request["each"]:
+                for item in result:
+                    tell(("item", item))
+                result = None
         # what is sent may be as large as it is
         end()
+        tell(("read", read))
         tell(("done", *packed(result, request["shared"])))
     except (PalpateError, OSError, MemoryError) as error:
         end()
