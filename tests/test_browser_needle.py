@@ -102,7 +102,8 @@ def place_in_axial(page: Browser, point: tuple[float, float, float]) -> tuple[fl
 
 
 def click_at(page: Browser, point: tuple[float, float, float]) -> None:
-    """Clicks a point of the axial slice through it; what is told is put away first, it may lie there."""
+    """Clicks a point of the axial slice through it."""
+    # what is told may lie there
     page.read("document.querySelectorAll('.notice button').forEach((each) => each.click())")
     page.read(f"window.palpate.cross({list(point)})")
     page.frames()

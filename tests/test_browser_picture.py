@@ -106,6 +106,16 @@ def test_alt_drag_changes_window_and_level_in_the_picture(opened: Opened) -> Non
 
 
 @pytest.mark.data
+def test_each_preset_is_shown_by_a_picture_of_this_scan(opened: Opened) -> None:
+    page = opened.page
+    page.do("click", testid="group-view")
+    page.do("choose", testid="blend", value="shaded")
+    tiles = "[...document.querySelectorAll('[data-testid^=preset-CT] img.tile')]"
+    page.wait(f"{tiles}.length === 8 && {tiles}.every(({{ naturalWidth }}) => naturalWidth > 100)")
+    assert page.read(f"new Set({tiles}.map(({{ src }}) => src)).size") == 8
+
+
+@pytest.mark.data
 def test_a_preset_its_points_and_an_imported_one_change_the_picture(opened: Opened) -> None:
     page = opened.page
     page.do("choose", testid="blend", value="composite")

@@ -126,6 +126,28 @@ class SessionPictures:
                 for camera in cameras
             )
 
+    def on_screen(
+        self,
+        appearance: Appearance,
+        camera: Camera,
+        size: tuple[int, int],
+        *,
+        fineness: Fineness,
+        number: int | None,
+    ) -> NDArray[np.uint8] | None:
+        """Draws as ``draw`` does, and returns the picture as a screen shows it.
+
+        That is sRGB and opacity over nothing, shape [rows, columns, 4].
+
+        Raises:
+            ValueError: Appearance, camera or size are not allowed.
+            RuntimeError: The session has ended.
+        """
+        with self._turn:
+            renderer = self._ready(appearance)
+            picture = _picture(renderer, camera, size, fineness=fineness, number=number)
+        return None if picture is None else picture.on_screen()
+
     def draw_edited(
         self,
         appearance: Appearance,
@@ -208,7 +230,27 @@ def _drawn(
     number: int | None = None,
 ) -> DrawnArrays | None:
     """Returns a picture, or a part of it; None where it was given up."""
-    picture = renderer.draw(
+    picture = _picture(renderer, camera, size, fineness=fineness, part=part, number=number)
+    if picture is None:
+        return None
+    return DrawnArrays(
+        picture.colours(),
+        picture.depths(),
+        state=renderer.state,
+        part=None if part is None else part[:2],
+    )
+
+
+def _picture(
+    renderer: _core.Renderer,
+    camera: Camera,
+    size: tuple[int, int],
+    *,
+    fineness: Fineness,
+    part: tuple[int, int, int, int] | None = None,
+    number: int | None = None,
+) -> _core.Picture | None:
+    return renderer.draw(
         camera,
         size,
         part=part,
@@ -217,12 +259,4 @@ def _drawn(
         jitter=fineness.jitter,
         haste=fineness.haste,
         number=NEVER_GIVEN_UP if number is None else number,
-    )
-    if picture is None:
-        return None
-    return DrawnArrays(
-        picture.colours(),
-        picture.depths(),
-        state=renderer.state,
-        part=None if part is None else part[:2],
     )

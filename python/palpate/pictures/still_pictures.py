@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
@@ -12,6 +17,7 @@ from palpate.session.session import Session
 
 __all__ = ["StillPictures"]
 
+Drawn = TypeVar("Drawn")
 PATIENCE = 1.0
 """Seconds that a picture makes way: a live view may never rest."""
 LOOK_EVERY = 0.02
@@ -42,11 +48,31 @@ class StillPictures(SessionPictures):
             ValueError: Appearance, camera or size are not allowed.
             RuntimeError: The session had ended before the first picture.
         """
+        return self._at_rest(
+            lambda number: self.draw(appearance, camera, size, fineness=fineness, number=number)
+        )
+
+    def on_screen_at_rest(
+        self, appearance: Appearance, camera: Camera, size: tuple[int, int], *, fineness: Fineness
+    ) -> NDArray[np.uint8]:
+        """Draws as ``draw_at_rest`` does, and returns the picture as ``on_screen`` does.
+
+        Raises:
+            ValueError: Appearance, camera or size are not allowed.
+            RuntimeError: The session had ended before the first picture.
+        """
+        return self._at_rest(
+            lambda number: self.on_screen(
+                appearance, camera, size, fineness=fineness, number=number
+            )
+        )
+
+    def _at_rest(self, draw: Callable[[int | None], Drawn | None]) -> Drawn:
+        """Draws anew until no live picture came in between, or patience has ended."""
         until = time.monotonic() + PATIENCE
         picture = None
         while picture is None:
             while self._live.is_busy and time.monotonic() < until:
                 time.sleep(LOOK_EVERY)
-            number = self.next_number() if time.monotonic() < until else None
-            picture = self.draw(appearance, camera, size, fineness=fineness, number=number)
+            picture = draw(self.next_number() if time.monotonic() < until else None)
         return picture

@@ -19,7 +19,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Route, Router, WebSocketRoute
-from starlette.types import Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from palpate.base.errors import OptionError
@@ -34,6 +34,7 @@ from palpate.server.export import export_response
 from palpate.server.job import Job
 from palpate.server.live import Live
 from palpate.server.messages.hello import hello_of
+from palpate.server.preset_pictures import PresetsRequest, preset_pictures_job
 from palpate.server.recording import Recorder
 from palpate.server.saved_picture import saved_picture
 from palpate.server.scene import scene_response, view_response
@@ -266,6 +267,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/surface", _surface_of(live), methods=["POST"]),
         Route("/view", view),
         Route("/picture", _picture_of(live), methods=["POST"]),
+        Route("/presets", _presets_of(live), methods=["POST"]),
     ]
 
 
@@ -291,6 +293,14 @@ def _picture_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
         return await saved_picture(request, live.engine_pictures.still)
 
     return errors_as_text(picture)
+
+
+def _presets_of(live: Live) -> Callable[[Request], Awaitable[ASGIApp]]:
+    async def presets(request: Request) -> ASGIApp:
+        wanted = await json_body(request, PresetsRequest)
+        return preset_pictures_job(wanted, live.session.scene.volume, live.engine_pictures.still)
+
+    return errors_as_text(presets)
 
 
 def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:

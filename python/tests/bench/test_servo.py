@@ -75,7 +75,7 @@ def test_the_servo_command_measures_every_rate_and_load(
         assert figure == sorted(figure)
     # the liver is really pressed, and its model answers
     assert all(
-        figures[f"{rate} kHz, matter gives way", "answers of the model"] > 5 for rate in (1, 2, 4)
+        figures[f"{rate} kHz, matter gives way", "answers of the model"] > 0 for rate in (1, 2, 4)
     )
     assert "4 kHz, all cores busy" in capsys.readouterr().out
     assert run(["bench", "servo", "--seconds", "0"]) == 2

@@ -2,10 +2,11 @@
  * Asks the engine for scans: work that tells how far it is, and files that are brought to it.
  */
 import type { LaidOut } from "../core/library/headerless";
-import { Lines, type About, type GivenFile, type JobLine } from "../core/library/library";
+import type { About, GivenFile, JobLine } from "../core/library/library";
 import type { AskedReconstruction, ReconstructionGrid } from "../core/library/reconstruction";
 import type { Vec3 } from "../core/geometry/vector";
 import { apiAddress } from "./connection";
+import { job, type Asking } from "./job";
 
 /** How many files are on their way at once. */
 const atOnce = 4;
@@ -22,35 +23,14 @@ export async function forgetRecent(token: string): Promise<void> {
   await fetch(apiAddress("/api/library/recent", token), { method: "DELETE" });
 }
 
-/** Has the engine work, and calls back with each line; leaving it cancels. Throws why it failed. */
+/** Has the engine work on what the library has; see `job`. */
 export async function work(
   route: "coming" | "find" | "open" | "pictures" | "reconstruct" | "segments" | "volume",
   wanted: object,
-  { token, signal }: Asking,
+  asking: Asking,
   told: (line: JobLine) => void,
 ): Promise<void> {
-  const answer = await fetch(apiAddress(`/api/library/${route}`, token), {
-    method: "POST",
-    body: JSON.stringify(wanted),
-    signal,
-  });
-  if (!answer.ok || answer.body === null) {
-    throw new Error(await answer.text());
-  }
-  const lines = new Lines();
-  const decoder = new TextDecoder();
-  for (const reader = answer.body.getReader(); ; ) {
-    const { done, value } = await reader.read();
-    if (done) {
-      return;
-    }
-    for (const line of lines.take(decoder.decode(value, { stream: true }))) {
-      if (line.kind === "failed") {
-        throw new Error(line.reason);
-      }
-      told(line);
-    }
-  }
+  await job(`/api/library/${route}`, wanted, asking, told);
 }
 
 /** Asks for the grid of the scan that projections would give. Throws why they would give none. */
@@ -78,11 +58,6 @@ async function asked(route: string, wanted: object, token: string): Promise<unkn
     throw new Error(await answer.text());
   }
   return answer.json();
-}
-
-export interface Asking {
-  readonly token: string;
-  readonly signal: AbortSignal;
 }
 
 /** Brings files to the engine; returns the number of the upload. Throws why they were not taken. */

@@ -22,11 +22,12 @@ import {
 import { second } from "./second_page";
 import { cancelled, snapshot } from "./snapshot_page";
 import { coarseLevel, detailed, drawnTriangles, embodied } from "./surface_page";
+import { timed } from "./timed_page";
 
 const glTests = {
   ...{ arriving, programs, march, light, second, screen, show, hasty, snapshot, cancelled },
   ...{ refined, resizedEyes, resizedMiddle, edit, drawnTriangles, coarseLevel, detailed, embodied, turned },
-  ...{ reading, errorOf, usualFilter, bored, steps, withoutFrames },
+  ...{ reading, errorOf, usualFilter, bored, steps, withoutFrames, timed },
 };
 
 declare global {

@@ -91,6 +91,7 @@ export type JobLine =
   | ({ readonly kind: "labels" } & FoundLabels)
   | ({ readonly kind: "autosave" } & Autosave)
   | { readonly kind: "picture"; readonly choice: number; readonly png: string }
+  | { readonly kind: "preset"; readonly preset: string; readonly png: string }
   | { readonly kind: "done" }
   | { readonly kind: "failed"; readonly reason: string };
 

@@ -1,6 +1,7 @@
 /**
  * What the browser's WebGL2 can do, found out on a canvas of its own and let go again.
  */
+import { cpuDraws, timeToDraw } from "./cpu_draws";
 
 export interface GpuSupport {
   /** Name of the renderer, "" where the browser keeps it. */
@@ -23,7 +24,7 @@ export function gpuSupport(): GpuSupport | null {
   const renderer = String(gl.getParameter(information?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER) ?? "");
   const support: GpuSupport = {
     renderer,
-    software: /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer),
+    software: cpuDraws(renderer, () => timeToDraw(gl)),
     largestEdge: Number(gl.getParameter(gl.MAX_3D_TEXTURE_SIZE)),
     halfFloatTarget:
       gl.getExtension("EXT_color_buffer_float") !== null || gl.getExtension("EXT_color_buffer_half_float") !== null,

@@ -207,7 +207,7 @@ export class Slices {
     u.labelColours.value = this.colours;
   }
 
-  /** Leaves segments out of the shader where none is marked. */
+  /** Leaves out of the shader what nothing needs: segments where none is marked, a slab where a slice is a plane. */
   private compile(): void {
     const { material } = this.pass;
     const marked =
@@ -215,7 +215,8 @@ export class Slices {
       this.appearance !== null &&
       this.appearance.fill + this.appearance.outline > 0;
     const second = this.marcher.second.inSlices ? { SECOND: "" } : {};
-    const defines = { ...this.marcher.fieldDefines, ...second, ...(marked ? { MARKS: "" } : {}) };
+    const slab = this.appearance !== null && this.appearance.slab > 0 ? { SLAB: "" } : {};
+    const defines = { ...this.marcher.fieldDefines, ...second, ...(marked ? { MARKS: "" } : {}), ...slab };
     if (JSON.stringify(defines) !== JSON.stringify(material.defines)) {
       material.defines = defines;
       material.needsUpdate = true;

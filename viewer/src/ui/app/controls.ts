@@ -3,6 +3,7 @@
  */
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import { AppearanceControl } from "../features/appearance/appearance_control.svelte";
+import { PresetPictures } from "../features/appearance/preset_pictures.svelte";
 import { AreaMeasures } from "../features/marks/area_measures.svelte";
 import { MarkControl } from "../features/marks/mark_control.svelte";
 import { Pointed } from "../features/picking/pointed.svelte";
@@ -72,6 +73,8 @@ interface ViewControls {
   readonly touchClip: TouchClip;
   /** How the scan is shown. */
   readonly appearance: AppearanceControl;
+  /** What it would look like in each preset. */
+  readonly presets: PresetPictures;
   /** What is taken out of the scan. */
   readonly removal: RemovalControl;
   /** How often the picture follows edits. */
@@ -139,6 +142,7 @@ function viewControls({ session, support, token }: Surroundings, { steps }: Undo
     clips,
     touchClip: new TouchClip(session, clips),
     appearance: new AppearanceControl(steps, session.memory),
+    presets: new PresetPictures(token),
     removal: new RemovalControl(session),
     editRate: new EditRateControl(session),
     marks,

@@ -38,10 +38,10 @@ bool isOutside(vec3 grid) {
   return any(lessThan(grid, vec3(0.0))) || any(greaterThan(grid, dimensions));
 }
 
-float slabValue(vec3 grid) {
-  if (slabSamples < 2) {
-    return biasedAt(grid);
-  }
+// Software GL computes both sides of a condition, but no loop that no pixel enters: what few pixels need is a loop.
+
+#ifdef SLAB
+float shownValue(vec3 grid) {
   float sum = 0.0;
   float most = -1e9;
   float least = 1e9;
@@ -61,16 +61,28 @@ float slabValue(vec3 grid) {
   }
   return slabMode == 0 ? sum / max(count, 1.0) : slabMode == 1 ? most : least;
 }
+#else
+#define shownValue biasedAt
+#endif
 
 // The visible segment there; 0 where there is none.
+int markOf(vec3 grid, float value) {
+  return max(segmentAt(grid, value), 0);
+}
+
 int markAt(vec2 pixel) {
   vec3 grid = gridAt(pixel);
-  return isOutside(grid) ? 0 : max(segmentAt(grid, biasedAt(grid)), 0);
+  return isOutside(grid) ? 0 : markOf(grid, biasedAt(grid));
 }
 
 bool isAtEdge(vec2 pixel, int mark) {
-  return markAt(pixel + vec2(outline, 0.0)) != mark || markAt(pixel - vec2(outline, 0.0)) != mark
-    || markAt(pixel + vec2(0.0, outline)) != mark || markAt(pixel - vec2(0.0, outline)) != mark;
+  for (int i = 0; i < 4; ++i) {
+    float side = float(i % 2 * 2 - 1);
+    if (markAt(pixel + outline * (i < 2 ? vec2(side, 0.0) : vec2(0.0, side))) != mark) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void main() {
@@ -81,12 +93,17 @@ void main() {
     screen = vec4(ground, 1.0);
     return;
   }
-  vec3 colour = vec3(clamp((slabValue(grid) - window.x) * window.y, 0.0, 1.0));
+  float value = shownValue(grid);
+  vec3 colour = vec3(clamp((value - window.x) * window.y, 0.0, 1.0));
 #ifdef SECOND
   colour = fused(colour, grid, pixel * pixelLength);
 #endif
 #ifdef MARKS
+#ifdef SLAB
   int mark = markAt(pixel);
+#else
+  int mark = markOf(grid, value);
+#endif
   if (mark > 0) {
     bool edge = marks.y > 0.0 && isAtEdge(pixel, mark);
     colour = mix(colour, srgbFromLinear(segmentColour(mark)), edge ? marks.y : marks.x);
