@@ -96,7 +96,9 @@ test("a segment's name suggests a tissue only where it is offered", () => {
   expect(suggestedPreset("Liver, part 3", presets)).toBe("liver");
   expect(suggestedPreset("left gluteus maximus", presets)).toBeNull();
   expect(suggestedPreset("bone", presets)).toBeNull();
-  const organs = ["kidney", "lung", "tumour", "spleen"].map((name) => ({ ...presets[0]!, name }));
+  const organs = ["kidney", "lung", "tumour", "spleen"].map((name) => {
+    return { name, source: "", needs_hounsfield: false, low: soft, high: soft };
+  });
   const suggested = ["Left kidney", "Adrenal gland", "Lung tumor", "lungs", "Spleen"];
   expect(suggested.map((name) => suggestedPreset(name, organs))).toEqual(["kidney", null, "tumour", "lung", "spleen"]);
 });
