@@ -893,8 +893,8 @@ def bench_stress(
         ValueError: There is no such model, or the numbers are not allowed.
     """
 
-def material_presets() -> list[tuple[str, str, bool, _Solid, _Solid]]:
-    """Name, source, whether it follows HU, and the constants at the ends of its HU."""
+def material_presets() -> list[tuple[str, str, bool, _Solid, _Solid, tuple[float, float]]]:
+    """Name, source, whether it follows HU, constants at the ends of its HU, range of E [Pa]."""
 
 def deformation_models() -> list[ModelOffer]:
     """The deformation models, with their options."""

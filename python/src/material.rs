@@ -95,8 +95,16 @@ pub fn region((treatment, within, shared): RegionTuple) -> Result<(Region, Treat
     Ok((region, treatment))
 }
 
-/// Name, source, whether it follows HU, and the constants at the ends of its HU.
-type PresetTuple = (&'static str, &'static str, bool, SolidTuple, SolidTuple);
+/// Name, source, whether it follows HU, the constants at the ends of its HU, and the range of Young's
+/// moduli [Pa].
+type PresetTuple = (
+    &'static str,
+    &'static str,
+    bool,
+    SolidTuple,
+    SolidTuple,
+    (f64, f64),
+);
 
 /// Materials by name, each with the source of its constants.
 #[pyfunction]
@@ -110,6 +118,7 @@ pub fn material_presets() -> Result<Vec<PresetTuple>, CoreError> {
             law.needs_hounsfield(),
             low,
             high,
+            preset.young_range.into(),
         ))
     };
     PRESETS.iter().map(preset).collect()

@@ -181,6 +181,33 @@ fn every_preset_is_matter_and_says_where_its_numbers_come_from() {
         let solid = law.at(500.0);
         assert!(solid.young > 0.0 && solid.poisson < 0.5, "{}", preset.name);
         assert!(preset.source.len() > 20, "{}", preset.name);
+        let [least, most] = preset.young_range;
+        let within = |young: f64| (0.99 * least..=1.01 * most).contains(&young);
+        let ends = law.ends().map(|solid| solid.si().young);
+        assert!(
+            least < most && ends.into_iter().all(within),
+            "{}",
+            preset.name
+        );
+    }
+    // what people press
+    for organ in [
+        "skin",
+        "fat",
+        "muscle",
+        "liver",
+        "kidney",
+        "spleen",
+        "brain",
+        "breast",
+        "prostate",
+        "vessel-wall",
+        "lung",
+        "cartilage",
+        "tumour",
+    ] {
+        let law = preset(organ).expect(organ).law().expect(organ);
+        assert!(!law.needs_hounsfield(), "{organ}");
     }
     assert!(preset("cheese").is_err());
 }

@@ -80,6 +80,9 @@ pub struct ServoLoop {
     marked: bool,
     /// Whether a moved segment stands elsewhere than was told.
     moved: bool,
+    /// What has pressed until now [N·s], and the time of the last tick [s]: told, and else without effect.
+    pressed: f64,
+    last_time: f64,
     /// Whether a needle was felt when it was last told of.
     had_needle: bool,
     ends: Ends,
@@ -170,6 +173,8 @@ impl ServoLoop {
             hard,
             marked: false,
             moved: true,
+            pressed: 0.0,
+            last_time: f64::INFINITY,
             had_needle: true,
             ends: Ends {
                 samples,
@@ -247,6 +252,7 @@ impl ServoLoop {
         self.publish_force(inputs, &output);
         self.publish_poses();
         self.publish_needle();
+        self.note_pressure(inputs, &output, sent_in_device);
         self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;

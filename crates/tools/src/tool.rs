@@ -33,7 +33,7 @@ pub struct ToolInput {
     /// Radius of the probe's own body [mm], 0 for a point; none where nothing that the tool
     /// changes is an obstacle to it.
     pub body_radius: Option<f64>,
-    /// Size of the force that was sent to the hand [N].
+    /// Mean force that pressed on the surface since the last pass, without friction [N].
     pub force: f64,
     /// Direction out of the obstacle, of any length; zero without contact.
     pub contact_normal: DVec3,

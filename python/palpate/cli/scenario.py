@@ -15,6 +15,8 @@ from palpate.base.console import Display, quiet_libraries
 from palpate.cli.written_files import WRITES, keeping_files
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from palpate.base.progress import Progress
     from palpate.scenarios.run import ScenarioRun
     from palpate.scenarios.scenarios import Body
@@ -117,32 +119,59 @@ def palpation(  # noqa: PLR0913  # one per option of the command line
     voxel: Annotated[
         float, typer.Option(help="Downsample finer voxels to about this size in mm.")
     ] = 2.0,
-    places: Annotated[int, typer.Option(help="Number of places to press.")] = 9,
+    map_liver: Annotated[
+        bool,
+        typer.Option(
+            "--map",
+            help="Press the front of the liver at the places of a square, and map how stiff it "
+            "feels; the phantom's has a tumour that the scan does not show.",
+        ),
+    ] = False,
+    places: Annotated[
+        int | None,
+        typer.Option(help="Number of places to press, in a row of a map.", show_default="9, 5"),
+    ] = None,
     length: Annotated[
-        float, typer.Option(help="Distance from the first place to the last in mm.")
-    ] = 40.0,
-    depth: Depth = 2.5,
+        float | None,
+        typer.Option(
+            help="Distance from the first place to the last in mm.", show_default="40, 36"
+        ),
+    ] = None,
+    depth: Annotated[
+        float | None, typer.Option(help="Depth of the tool in mm.", show_default="2.5, 5")
+    ] = None,
     radius: Annotated[float | None, typer.Option(help="Radius of the ball in mm.")] = None,
     json: Json = None,
     plot: Plot = None,
 ) -> None:
-    """Press soft tissue along a line that crosses underlying bone."""
+    """Press soft tissue along a line that crosses underlying bone, or at the places of a square."""
     from palpate.scenarios.press_lines import SIDES
-    from palpate.scenarios.scenarios import run_palpation
+    from palpate.scenarios.scenarios import run_palpation, run_palpation_map
 
     _check_files((json, plot))
     with quiet_libraries(), Display() as display:
         body = _body((path, segments, liver, bone), display)
-        run = run_palpation(
-            body,
-            sides=tuple(SIDES) if side == "any" else (side,),
-            voxel=voxel,
-            places=places,
-            length=length,
-            depth=depth,
-            radius=radius,
-            progress=display,
-        )
+        if map_liver:
+            run = run_palpation_map(
+                body,
+                voxel=voxel,
+                places=5 if places is None else places,
+                width=36.0 if length is None else length,
+                depth=5.0 if depth is None else depth,
+                radius=radius,
+                progress=display,
+            )
+        else:
+            run = run_palpation(
+                body,
+                sides=tuple(SIDES) if side == "any" else (side,),
+                voxel=voxel,
+                places=9 if places is None else places,
+                length=40.0 if length is None else length,
+                depth=2.5 if depth is None else depth,
+                radius=radius,
+                progress=display,
+            )
     _tell(run, (json, plot))
 
 
@@ -246,6 +275,13 @@ def _tell(run: ScenarioRun, files: Files) -> None:
         + ("" if wall is None else f"bone at {wall:.2f} mm, ")
         + f"spikes {figures['spikes']}, violations {run.violations}"
     )
+    if run.lump is not None:
+        x, y, z = run.lump.place
+        aside = run.lump.aside
+        typer.echo(
+            f"stiffest at ({x:.1f}, {y:.1f}, {z:.1f}) mm, {run.lump.times:.1f} times the median"
+            + ("" if aside is None else f"; the tumour is {aside:.1f} mm aside of there")
+        )
     json, plot = files
     if json is not None:
         write_run(run, json)
@@ -259,7 +295,9 @@ def _print_table(run: ScenarioRun) -> None:
     from rich.table import Table
 
     table = Table(title=f"{run.scenario}: {run.scan}", title_justify="left")
-    if run.presses:
+    if run.lump is not None:
+        _add_map(table, run)
+    elif run.presses:
         for name in ("along [mm]", "soft over bone [mm]", "depth [mm]", "force [N]"):
             table.add_column(name, justify="right")
         table.add_column("stiffness [N/mm]", justify="right")
@@ -276,3 +314,14 @@ def _print_table(run: ScenarioRun) -> None:
             table.add_row(event.kind, event.segment, *felt)
     # brackets are units there, not styles
     Console(markup=False).print(table)
+
+
+def _add_map(table: Table, run: ScenarioRun) -> None:
+    """Adds the modulus felt at the places of a square: from the top down, as one sees them."""
+    columns = sorted({press.along for press in run.presses})
+    table.add_column("felt modulus [kPa]", justify="right")
+    for along in columns:
+        table.add_column(f"{along:.0f} mm", justify="right")
+    for across in sorted({press.across or 0.0 for press in run.presses}, reverse=True):
+        row = sorted((p for p in run.presses if p.across == across), key=lambda press: press.along)
+        table.add_row(f"{across:.0f} mm", *(f"{press.young or 0.0:.1f}" for press in row))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.base.whole_file import whole_file
-from palpate.scenarios.run import UNITS, ScenarioRun
+from palpate.scenarios.run import UNITS, Lump, ScenarioRun
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +30,10 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
 
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=not run.presses)
-    if run.presses:
+    if run.lump is not None:
+        _draw_map(upper, run, run.lump)
+        _draw_depths(lower, run)
+    elif run.presses:
         _draw_presses(upper, run)
         _draw_depths(lower, run)
     else:
@@ -39,11 +42,21 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
         for panel in (upper, lower):
             _mark(panel, run)
         lower.set_xlabel(_label(run.over))
-    upper.set_title(f"{run.scenario}: {run.scan}", loc="left")
+    title = f"{run.scenario}: {run.scan}"
+    if run.lump is None:
+        upper.set_title(title, loc="left")
+    else:
+        figure.suptitle(title)
     for panel in (upper, lower):
         panel.spines[["top", "right"]].set_visible(False)
-        # above the panel, where it hides nothing
-        panel.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4)
+        is_map = run.lump is not None and panel is upper
+        # above the panel, or beside a map, where it hides nothing
+        panel.legend(
+            frameon=False,
+            loc="center right" if is_map else "lower right",
+            bbox_to_anchor=(-0.2, 0.5) if is_map else (1.0, 1.0),
+            ncols=1 if is_map else 4,
+        )
     with whole_file(path) as unfinished:
         figure.savefig(unfinished, dpi=150)
 
@@ -84,6 +97,32 @@ def _draw_presses(panel: Axes, run: ScenarioRun) -> None:
     beside.set_ylabel("soft tissue over the bone [mm] (grey)")
     beside.set_ylim(bottom=0.0)
     beside.spines["top"].set_visible(False)
+
+
+def _draw_map(panel: Axes, run: ScenarioRun, lump: Lump) -> None:
+    """Plots the stiffness at the places of a square as one who presses sees it."""
+    across = sorted({press.across or 0.0 for press in run.presses})
+    along = sorted({press.along for press in run.presses})
+    # presses come row by row
+    places = np.array([press.place for press in run.presses]).reshape(len(across), len(along), 3)
+    young = np.array([press.young or 0.0 for press in run.presses])
+    drawn = panel.pcolormesh(
+        places[..., 0],
+        places[..., 2],
+        young.reshape(len(across), len(along)),
+        shading="nearest",
+        cmap="viridis",
+    )
+    panel.figure.colorbar(drawn, ax=panel, label="felt modulus [kPa]")
+    panel.plot(
+        lump.place[0], lump.place[2], "x", color="#D55E00", ms=10, mew=2, label="felt stiffest"
+    )
+    if lump.hidden is not None:
+        x, _, z = lump.hidden
+        panel.plot(x, z, "o", mfc="none", mec="#D55E00", ms=16, mew=2, label="tumour")
+    panel.set_aspect("equal")
+    panel.set_xlabel("to the patient's left [mm]")
+    panel.set_ylabel("to the head [mm]")
 
 
 def _draw_depths(panel: Axes, run: ScenarioRun) -> None:

@@ -1,11 +1,14 @@
 """Palpation without a device: a ball presses soft tissue at one place after the other.
 
+What feels stiff in a square of places shows what lies below them: elastography by touch.
+
 ``docs/understand/deformation.md`` explains models and materials.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +17,11 @@ from palpate import _core
 from palpate.base.errors import OptionError
 from palpate.scenarios.drive import Drive
 from palpate.scenarios.press_lines import PressLine
-from palpate.scenarios.run import Press, ScenarioEvent, ScenarioRun, samples_of
+from palpate.scenarios.run import Lump, Press, ScenarioEvent, ScenarioRun, samples_of
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
-__all__ = ["palpate_line"]
+__all__ = ["palpate_line", "with_lump"]
 
 Progress = Callable[[str, float | None], None]
 
@@ -101,8 +104,19 @@ def palpate_line(
         below = samples["tip"] - margin
         inward = np.array(run["phase"]) == "in"
         felt = _felt(below[inward], samples["force"][inward], depth)
+        young = _young(below[inward], samples["force"][inward], (depth, radius))
         x, y, z = surface.tolist()
-        presses.append(Press(place=(x, y, z), along=along, thickness=thickness, **felt))
+        across = line.across[number] if line.across else None
+        presses.append(
+            Press(
+                place=(x, y, z),
+                along=along,
+                across=across,
+                thickness=thickness,
+                young=young,
+                **felt,
+            )
+        )
         samples["time"] = samples["time"] + begins
         samples["press"] = np.full(len(below), float(number))
         events += _contacts(samples, names)
@@ -122,6 +136,30 @@ def palpate_line(
         presses=tuple(presses),
         violations=violations,
     )
+
+
+def with_lump(run: ScenarioRun, hidden: NDArray[np.float64] | None) -> ScenarioRun:
+    """Returns a run of a square with the place where it feels stiffest.
+
+    That is the middle of all places weighted by how much stiffer they are than the middle between
+    the median and the stiffest one.
+
+    Args:
+        run: The run.
+        hidden: Where a lump is [mm]; None where that is not known.
+    """
+    places = np.array([press.place for press in run.presses])
+    young = np.array([press.young or 0.0 for press in run.presses])
+    usual, most = float(np.median(young)), float(young.max())
+    weight = np.maximum(young - 0.5 * (usual + most), 0.0)
+    # where all feels alike no place is stiffer
+    place = places[young.argmax()] if most <= usual else np.average(places, 0, weight)
+    x, y, z = place.tolist()
+    lump = Lump(place=(x, y, z), times=most / usual, hidden=None)
+    if hidden is not None:
+        x, y, z = hidden.tolist()
+        lump = replace(lump, hidden=(x, y, z))
+    return replace(run, lump=lump)
 
 
 def _contacts(samples: Columns, names: Sequence[str]) -> list[ScenarioEvent]:
@@ -148,3 +186,24 @@ def _felt(below: NDArray[np.float64], force: NDArray[np.float64], depth: float) 
     last = (np.arange(len(below)) < end) & (below >= 0.75 * deepest)
     slope = float(np.polyfit(below[last], force[last], 1)[0])
     return {"depth": deepest, "force": float(force[end - 1]), "stiffness": slope}
+
+
+def _young(
+    below: NDArray[np.float64], force: NDArray[np.float64], press: tuple[float, float]
+) -> float | None:
+    """Returns the modulus by which F to the power of 2/3 rises with depth in its lower half [kPa].
+
+    Hertz: F = 4/3 E / (1 - ν²) √R δ^(3/2), here with ν = 0.45. Where the ball first touches, which
+    steps of voxels make uncertain, does not count.
+
+    Source: Johnson, Contact Mechanics (1985), section 4.2.
+    """
+    depth, radius = press
+    reached = np.nonzero(below >= depth)[0]
+    end = int(reached[0]) + 1 if len(reached) else len(below)
+    half = (np.arange(len(below)) < end) & (below >= 0.5 * below[:end].max()) & (force > 0.0)
+    if half.sum() < 10:
+        return None
+    slope = float(np.polyfit(below[half], force[half] ** (2 / 3), 1)[0])
+    # N/mm² are 1000 kPa
+    return 750.0 * (1.0 - 0.45**2) * float(max(slope, 0.0) ** 1.5 / np.sqrt(radius))

@@ -1,4 +1,4 @@
-"""Lines of places to palpate, over bone that is near in the middle and deep at both ends.
+"""Places to palpate: lines over bone that is near in the middle and deep at both ends, and squares.
 
 Sides are the patient's. Masks have the shape of the volume; points are in the patient, LPS [mm].
 """
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.volumes.volume import Volume
 
-__all__ = ["SIDES", "PressLine", "line_over"]
+__all__ = ["SIDES", "PressLine", "line_over", "square_on"]
 
 Mask = NDArray[np.bool_]
 
@@ -54,6 +54,8 @@ class PressLine:
     """Distance of each place from the first [mm]."""
     thickness: tuple[float | None, ...]
     """Thickness of tissue over the first bone at each place [mm]; None where there is no bone."""
+    across: tuple[float, ...] = ()
+    """Distance of each place from the first across the rows of a square [mm]; empty for a line."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,65 @@ def line_over(
     raise OptionError(
         f"no line over bone from {', '.join(sides)} given; allowed: bone {low:g} to {high:g} mm "
         f"below the surface, and {DEEPER:g} mm deeper beside it"
+    )
+
+
+def square_on(
+    volume: Volume, mask: Mask, *, width: float, count: int, side: str = "anterior"
+) -> PressLine:
+    """Returns the places of a square, row by row, around the place of a mask nearest to a side.
+
+    Args:
+        volume: The scan.
+        mask: What is pressed.
+        width: Distance from the first place of a row to the last [mm].
+        count: Places in a row, and rows.
+        side: Side from which it is pressed, a name of :data:`SIDES`.
+
+    Raises:
+        OptionError: The mask is too small for the square, or it is steeper than a finger follows.
+    """
+    if count < 3:
+        raise OptionError(f"{count} places in a row given; allowed: 3 or more")
+    view = _views(volume, SIDES[side])[0]
+    first = _first(view.of(mask))
+    if not (first >= 0).any():
+        raise OptionError("nothing to press given; allowed: tissue with voxels")
+    nearest = np.argwhere(first == first[first >= 0].min())
+    middle = nearest[((nearest - nearest.mean(axis=0)) ** 2).sum(axis=1).argmin()]
+    steps = [
+        np.unique(np.rint(np.linspace(-0.5, 0.5, count) * width / view.spacing(axis)).astype(int))
+        for axis in (view.across, view.along)
+    ]
+    rows, columns = (centre + step for centre, step in zip(middle, steps, strict=True))
+    fits = all(
+        len(places) == count and places[0] >= 0 and places[-1] < size
+        for places, size in zip((rows, columns), first.shape, strict=True)
+    )
+    there = first[np.ix_(rows, columns)] if fits else np.full((count, count), -1)
+    up = (rows - middle[0]) * view.spacing(view.across)
+    aside = (columns - middle[1]) * view.spacing(view.along)
+    away = np.hypot(up[:, None], aside)
+    falls = (there - first[tuple(middle)]) * view.spacing(view.inward)
+    # from the middle, so that steps of voxels count little
+    steepest = np.max(falls[away > 0.0] / away[away > 0.0])
+    if (there < 0).any() or steepest > STEEP:
+        raise OptionError(
+            f"a square of {width:g} mm given; allowed: one that lies on what is pressed, where it "
+            f"is no steeper than {STEEP:g}"
+        )
+    points = [view.point(row, first[row, column], column) for row in rows for column in columns]
+    inward = view.point(rows[0], 1.0, columns[0]) - view.point(rows[0], 0.0, columns[0])
+    return PressLine(
+        surface=tuple(points),
+        direction=inward / np.linalg.norm(inward),
+        along=tuple(
+            float(n) for n in np.tile(columns - columns[0], count) * view.spacing(view.along)
+        ),
+        thickness=(None,) * len(points),
+        across=tuple(
+            float(n) for n in np.repeat(rows - rows[0], count) * view.spacing(view.across)
+        ),
     )
 
 

@@ -23,7 +23,16 @@ from palpate.base.errors import OptionError
 from palpate.base.whole_file import whole_file
 from palpate.scenarios.engine_run import EngineRun
 
-__all__ = ["UNITS", "Press", "ScenarioEvent", "ScenarioRun", "read_run", "samples_of", "write_run"]
+__all__ = [
+    "UNITS",
+    "Lump",
+    "Press",
+    "ScenarioEvent",
+    "ScenarioRun",
+    "read_run",
+    "samples_of",
+    "write_run",
+]
 
 FORMAT = "palpate-scenario-1"
 
@@ -87,6 +96,32 @@ class Press:
     """Force at that depth [N]."""
     stiffness: float
     """Slope of the force there [N/mm]."""
+    young: float | None = None
+    """Young's modulus of an even body that a ball feels so [kPa], by Hertz; None if unknown."""
+    across: float | None = None
+    """Distance across the rows of a square of places [mm]; None in a line."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lump:
+    """Where a square of places feels stiffest."""
+
+    place: tuple[float, float, float]
+    """Point on the surface [mm]."""
+    times: float
+    """How many times as stiff as the median place."""
+    hidden: tuple[float, float, float] | None
+    """Middle of the lump that is there [mm]; None where none is known."""
+
+    @property
+    def aside(self) -> float | None:
+        """Distance from the place to the line of sight through the middle of the lump [mm].
+
+        Presses are along the second patient axis.
+        """
+        if self.hidden is None:
+            return None
+        return float(np.hypot(self.place[0] - self.hidden[0], self.place[2] - self.hidden[2]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,6 +155,8 @@ class ScenarioRun:
     events: tuple[ScenarioEvent, ...]
     presses: tuple[Press, ...] = ()
     """Of a palpation, one for each place."""
+    lump: Lump | None = None
+    """Of a palpation of a square, where it feels stiffest."""
     wall_at: float | None = None
     """Travel at which the path meets a rigid obstacle [mm]; None where it does not."""
     violations: int
@@ -175,6 +212,7 @@ class ScenarioRun:
             "deepest": float(self.tip.max()),
             "deepest_probe": float(self.probe.max()),
             "wall": self.wall_at,
+            "lump_aside": None if self.lump is None else self.lump.aside,
             "spikes": self.spikes(),
             "violations": self.violations,
         }
@@ -200,9 +238,21 @@ def write_run(run: ScenarioRun, path: Path) -> None:
     }
     content["events"] = [asdict(event) for event in run.events]
     content["presses"] = [asdict(press) for press in run.presses]
+    content["lump"] = None if run.lump is None else asdict(run.lump)
     content = {"format": FORMAT, "figures": run.figures(), **content}
     with whole_file(path) as unfinished:
         unfinished.write_text(json.dumps(content) + "\n", encoding="utf-8")
+
+
+def _lump(told: Mapping[str, Any] | None) -> Lump | None:
+    if told is None:
+        return None
+    hidden = told["hidden"]
+    return Lump(
+        place=tuple(told["place"]),
+        times=told["times"],
+        hidden=None if hidden is None else tuple(hidden),
+    )
 
 
 def read_run(path: Path) -> ScenarioRun:
@@ -232,6 +282,7 @@ def read_run(path: Path) -> ScenarioRun:
                     Press(**{**press, "place": tuple(press["place"])})
                     for press in content["presses"]
                 ),
+                "lump": _lump(content.get("lump")),
             }
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:

@@ -1,7 +1,8 @@
 """The scenarios of ``palpate scenario``, on the built-in phantom or on a scan (thesis 5.28.3).
 
 ``drilling`` drills into bone, ``needle-skull`` passes the tissue over a bone, ``needle-liver`` the
-liver in front of bone, and ``palpation`` presses soft tissue along a line over bone.
+liver in front of bone, and ``palpation`` presses soft tissue along a line over bone, or the liver
+at the places of a square.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from palpate.scenarios.drilling import drive_drill
 from palpate.scenarios.drive import Drive
 from palpate.scenarios.lines import before_body, line_into, line_through
 from palpate.scenarios.needle import drive_needle
-from palpate.scenarios.palpation import palpate_line
-from palpate.scenarios.press_lines import line_over
+from palpate.scenarios.palpation import palpate_line, with_lump
+from palpate.scenarios.press_lines import line_over, square_on
 from palpate.scenarios.run import ScenarioRun
 from palpate.segmentation.mask_shape import keep_largest, margin, opened
 from palpate.session.needle import TISSUES, Tissue
@@ -38,6 +39,7 @@ __all__ = [
     "run_drilling",
     "run_needle",
     "run_palpation",
+    "run_palpation_map",
     "scene_of_body",
 ]
 
@@ -76,6 +78,8 @@ class Body:
     soft: Mapping[str, Mask]
     """Masks of deformable tissue by name; one ``soft tissue`` where tissues are not known."""
     bone: Mask
+    tumour: Mask | None = None
+    """Mask of a tumour that the scan does not show; None where none is known."""
 
     @property
     def all_soft(self) -> Mask:
@@ -90,7 +94,12 @@ def body_of_phantom() -> Body:
     bone = np.isin(made.labels, [made.names[name] for name in BONES])
     soft = {name: made.labels == made.names[name] for name in SOFT}
     known = np.isin(made.labels, [made.names[name] for name in (*SOFT, "air")]) | bone
-    return Body(volume=made.volume, soft={**soft, "soft tissue": ~known}, bone=bone)
+    return Body(
+        volume=made.volume,
+        soft={**soft, "soft tissue": ~known},
+        bone=bone,
+        tumour=made.tumour().mask() != 0,
+    )
 
 
 def body_of_scan(
@@ -256,6 +265,62 @@ def run_palpation(
         depth=depth,
         progress=progress,
     )
+
+
+def run_palpation_map(
+    body: Body,
+    *,
+    voxel: float = 2.0,
+    places: int = 5,
+    width: float = 36.0,
+    depth: float = 5.0,
+    radius: float | None = None,
+    progress: Callable[[str, float | None], None] | None = None,
+) -> ScenarioRun:
+    """Presses the front of the liver at the places of a square, and finds where it is stiffest.
+
+    The liver of the phantom has a tumour that the scan does not show.
+
+    Args:
+        body: A body whose liver is known.
+        voxel: Voxel size to which finer scans are downsampled [mm].
+        places: Number of places in a row, and of rows.
+        width: Width of the square [mm].
+        depth: Depth of a press [mm].
+        radius: Radius of the ball [mm]; the default is three times the smallest spacing after
+            downsampling, over which steps of voxels even out.
+        progress: Called before each press.
+
+    Raises:
+        OptionError: The liver is not known, the square does not fit its front, or an option is not
+            allowed.
+    """
+    _check_lengths(voxel=voxel, width=width, depth=depth, radius=radius)
+    if "liver" not in body.soft:
+        raise OptionError("no label map given; allowed: one that has the liver")
+    masks = {"liver": body.soft["liver"]}
+    if body.tumour is not None:
+        masks["tumour"] = body.tumour
+    volume, masks = merged(body.volume, masks, size=voxel)
+    line = square_on(volume, masks["liver"], width=width, count=places)
+    # where both have a voxel it is of the last one
+    layers = [(volume.segment(mask, name=name), name) for name, mask in masks.items()]
+    run = palpate_line(
+        volume,
+        layers,
+        line,
+        radius=3.0 * min(volume.spacing) if radius is None else radius,
+        depth=depth,
+        progress=progress,
+    )
+    return with_lump(run, None if body.tumour is None else _middle(volume, masks["tumour"]))
+
+
+def _middle(volume: Volume, mask: Mask) -> NDArray[np.float64]:
+    """Returns the middle of a mask in the patient [mm]."""
+    z, y, x = np.argwhere(mask).mean(axis=0) + 0.5
+    middle: NDArray[np.float64] = (volume.patient_from_grid @ np.array([x, y, z, 1.0]))[:3]
+    return middle
 
 
 def _check_lengths(**lengths: float | None) -> None:

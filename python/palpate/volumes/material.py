@@ -84,6 +84,8 @@ class Preset:
     """Constants, at the lower end of HU where they depend on it."""
     high: Material
     """Constants, at the upper end of HU where they depend on it."""
+    young_range: tuple[float, float]
+    """Range of Young's moduli in its sources, or a standard deviation around the mean [Pa]."""
 
 
 def require_hounsfield(material: Material | LinearMaterial | str | None, *, unit: str) -> None:
@@ -107,6 +109,6 @@ def require_hounsfield(material: Material | LinearMaterial | str | None, *, unit
 def material_presets() -> list[Preset]:
     """Returns all materials with a name."""
     return [
-        Preset(name, source, needs_hounsfield, Material(*low), Material(*high))
-        for name, source, needs_hounsfield, low, high in _core.material_presets()
+        Preset(name, source, needs_hounsfield, Material(*low), Material(*high), young_range)
+        for name, source, needs_hounsfield, low, high, young_range in _core.material_presets()
     ]

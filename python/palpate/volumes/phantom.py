@@ -12,7 +12,13 @@ from palpate.base.errors import OptionError
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume, VolumeTraits
 
-__all__ = ["Phantom", "phantom"]
+__all__ = ["TUMOUR", "TUMOUR_RADIUS", "Phantom", "phantom"]
+
+TUMOUR = (-46.0, -65.5, 27.0)
+"""Middle of the tumour in the phantom's liver [LPS, mm]."""
+
+TUMOUR_RADIUS = 10.0
+"""Its radius [mm]."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +40,21 @@ class Phantom:
         if name not in self.names:
             raise OptionError(f"part {name!r} is not known; allowed: {', '.join(self.names)}")
         return self.volume.segment(self.labels == self.names[name], name=name)
+
+    def tumour(self) -> Segment:
+        """Returns a tumour in the liver: a ball below its front, of its values and without a label.
+
+        The scan does not show it, as it does not show some real ones: it is found by touch.
+        """
+        middles = [
+            first + spacing * np.arange(count) - middle
+            for first, spacing, count, middle in zip(
+                self.volume.origin, self.volume.spacing, self.volume.dimensions, TUMOUR, strict=True
+            )
+        ]
+        x, y, z = np.meshgrid(*middles, indexing="ij", sparse=True)
+        ball = (x * x + y * y + z * z <= TUMOUR_RADIUS**2).transpose(2, 1, 0)
+        return self.volume.segment(ball & (self.labels == self.names["liver"]), name="tumour")
 
 
 def phantom(dimensions: tuple[int, int, int] = (200, 140, 270), *, seed: int = 1) -> Phantom:

@@ -14,9 +14,17 @@ from palpate.cli.commands import run
 from palpate.io.reading import read
 from palpate.scenarios.lines import line_into
 from palpate.scenarios.palpation import palpate_line
-from palpate.scenarios.press_lines import SIDES, PressLine, line_over
-from palpate.scenarios.run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
-from palpate.scenarios.scenarios import Body, body_of_scan, run_palpation
+from palpate.scenarios.press_lines import SIDES, PressLine, line_over, square_on
+from palpate.scenarios.run import (
+    UNITS,
+    Lump,
+    Press,
+    ScenarioEvent,
+    ScenarioRun,
+    read_run,
+    write_run,
+)
+from palpate.scenarios.scenarios import Body, body_of_scan, run_palpation, run_palpation_map
 from palpate.volumes.downsample import merged
 from palpate.volumes.volume import Volume
 
@@ -113,6 +121,59 @@ def test_soft_tissue_is_stiffer_where_bone_is_near(tmp_path: Path) -> None:
     assert set(pressed.samples["press"]) == {0.0, 1.0, 2.0}
 
 
+def test_a_stiffer_lump_below_a_flat_face_is_found_by_what_the_ball_feels() -> None:
+    z, y, x = np.indices((32, 20, 32))
+    block = y >= 5
+    lump = ((x - 9) ** 2 + (y - 10) ** 2 + (z - 16) ** 2) * 4.0 <= 7.5**2
+    volume = Volume(np.zeros(block.shape, dtype=np.int16), spacing=(2.0, 2.0, 2.0))
+    nothing = np.zeros_like(block)
+    body = Body(volume=volume, soft={"liver": block}, bone=nothing, tumour=lump)
+    felt = run_palpation_map(body, places=3, width=28.0, depth=4.0)
+    assert felt.violations == felt.spikes() == 0
+    assert felt.lump is not None
+    assert felt.lump.hidden == pytest.approx((18.0, 20.0, 32.0))
+    assert felt.lump.aside is not None
+    # a quarter of the way from place to place
+    assert felt.lump.aside < 3.5
+    assert felt.lump.times > 1.5
+    # far from the lump it feels like liver, of 5.5 kPa
+    far = [press.young for press in felt.presses if press.along > 20.0]
+    assert far == pytest.approx([5.5] * 3, rel=0.3)
+
+
+def test_the_tumour_that_the_phantom_does_not_show_is_on_the_map(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    felt = told("palpation", tmp_path, "--map", "--places", "3", "--length", "24")
+    assert felt.lump is not None
+    assert len(felt.presses) == 9
+    assert felt.lump.times > 1.2
+    assert felt.lump.aside is not None
+    # as near as places this far apart tell
+    assert felt.lump.aside < 12.0
+    assert "times the median; the tumour is" in capsys.readouterr().out
+
+
+def test_a_square_lies_around_what_is_nearest_and_not_where_it_is_steep() -> None:
+    volume, mask = slab(9)
+    square = square_on(volume, mask, width=12.0, count=3)
+    assert square.along == pytest.approx((0.0, 6.0, 12.0) * 3)
+    assert square.across == pytest.approx((0.0,) * 3 + (6.0,) * 3 + (12.0,) * 3)
+    assert {point[1] for point in square.surface} == {square.surface[0][1]}
+    assert square.direction == pytest.approx((0.0, 1.0, 0.0))
+    with pytest.raises(OptionError, match="allowed: one that lies on"):
+        square_on(volume, mask, width=80.0, count=3)
+    ridge = mask.copy()
+    ridge[:, :18, :8] = ridge[:, :18, 17:] = False
+    assert len(square_on(volume, ridge, width=12.0, count=3).surface) == 9
+    with pytest.raises(OptionError, match="no steeper than"):
+        square_on(volume, ridge, width=20.0, count=3)
+    with pytest.raises(OptionError, match="nothing to press"):
+        square_on(volume, np.zeros_like(mask), width=12.0, count=3)
+    with pytest.raises(OptionError, match="3 or more"):
+        square_on(volume, mask, width=12.0, count=2)
+
+
 def example() -> ScenarioRun:
     ticks = np.arange(4.0)
     return ScenarioRun(
@@ -132,8 +193,11 @@ def example() -> ScenarioRun:
                 depth=1.0,
                 force=0.1,
                 stiffness=0.2,
+                young=5.5,
+                across=6.0,
             ),
         ),
+        lump=Lump(place=(1.0, 2.0, 3.0), times=1.5, hidden=(1.0, 9.0, 7.0)),
         violations=0,
     )
 

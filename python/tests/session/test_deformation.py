@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -226,6 +227,25 @@ def test_regions_are_known_and_come_back_with_their_segment() -> None:
         session.fill_box(other, low=(0, 0, 0), high=(2, 2, 2), solid=False)
         again = session.add_segment(session.segment(other))
         assert (again, session.regions(again)) == (made, ())
+
+
+def test_the_table_of_presets_is_that_of_the_code() -> None:
+    page = (Path(__file__).parents[3] / "docs/understand/deformation.md").read_text()
+    soft = [
+        preset
+        for preset in material_presets()
+        if not preset.needs_hounsfield and preset.high.young < 1e7
+    ]
+    assert len(soft) == 13
+    for preset in soft:
+        young, poisson, density, fracture_energy, _ = preset.low
+        low, high = preset.young_range
+        assumed = ", assumed" if preset.source.endswith("assumed") else ""
+        row = (
+            f"| `{preset.name}` | {young / 1e3:g} | {low / 1e3:g} to {high / 1e3:g} "
+            f"| {poisson:g} | {density / 1e3:g} | {fracture_energy:g}{assumed} |"
+        )
+        assert row in page, row
 
 
 def test_materials_are_named_with_their_sources() -> None:

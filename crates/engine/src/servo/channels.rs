@@ -126,6 +126,9 @@ pub struct ServoStatus {
     pub normal: DVec3,
     /// Size of the force that was last sent to the device [N].
     pub sent_force: f64,
+    /// Force that presses on what is touched, without friction and damping, over time since the start
+    /// [N·s]; the ticks in which no force was sent do not count.
+    pub pressed: f64,
     /// `scene_from_device`, axes only.
     pub axes: DMat3,
     /// `device_from_handle`.

@@ -50,6 +50,21 @@ impl ServoLoop {
         }
     }
 
+    /// Adds what presses in this tick. While forces are off nothing does: nobody feels it.
+    pub(super) fn note_pressure(
+        &mut self,
+        inputs: &TickInputs,
+        output: &TickOutput,
+        sent_in_device: DVec3,
+    ) {
+        let last = std::mem::replace(&mut self.last_time, inputs.time);
+        let dt = inputs.time - last;
+        if sent_in_device != DVec3::ZERO && dt > 0.0 {
+            let force = output.pressing_force().min(self.state.settings.force_limit);
+            self.pressed += force * dt;
+        }
+    }
+
     pub(super) fn publish_status(
         &mut self,
         inputs: &TickInputs,
@@ -72,6 +87,7 @@ impl ServoLoop {
             time: inputs.time,
             normal: output.normal,
             sent_force: sent_in_device.length(),
+            pressed: self.pressed,
             axes: self.state.mapping.rotation,
             orientation: inputs.orientation,
             origin: self.state.mapping.offset,

@@ -32,8 +32,8 @@ pub struct ProbeStatus {
     pub radius: f64,
     /// Out of what it touches; zero without contact.
     pub normal: DVec3,
-    /// Size of the force that was sent [N].
-    pub force: f64,
+    /// Force that has pressed, over time since the servo's start [N·s].
+    pub pressed: f64,
 }
 
 impl ProbeStatus {
@@ -49,7 +49,7 @@ impl ProbeStatus {
             } else {
                 DVec3::ZERO
             },
-            force: status.sent_force,
+            pressed: status.pressed,
         }
     }
 }
@@ -60,8 +60,8 @@ struct Pressed {
     tool: Box<dyn Tool>,
     kind: ToolKind,
     segments: Vec<SegmentId>,
-    /// Where the probe was in the last pass, and when.
-    last: Option<(DVec3, f64)>,
+    /// The probe in the last pass.
+    last: Option<ProbeStatus>,
 }
 
 /// The chosen tool and its stroke.
@@ -162,19 +162,24 @@ impl ToolStroke {
         let Some(pressed) = &mut self.pressed else {
             return Ok(None);
         };
-        let (from, before) = pressed.last.unwrap_or((probe.point, probe.time));
-        pressed.last = Some((probe.point, probe.time));
+        let before = pressed.last.replace(*probe).unwrap_or(*probe);
+        let dt = probe.time - before.time;
         let is_obstacle = |id: &SegmentId| scene.properties_of(*id).touchable;
         // what drill and painter reach follows from where the body touches
         let by_touch = matches!(pressed.kind, ToolKind::Drill | ToolKind::Painter);
         let has_body = by_touch || pressed.segments.iter().any(is_obstacle);
         let input = ToolInput {
-            from,
+            from: before.point,
             to: probe.point,
             body_radius: has_body.then_some(probe.radius),
-            force: probe.force,
+            // the mean of all ticks since then
+            force: if dt > 0.0 {
+                (probe.pressed - before.pressed) / dt
+            } else {
+                0.0
+            },
             contact_normal: probe.normal,
-            dt: probe.time - before,
+            dt,
         };
         let scan_from_scene = pose_of(scene, &pressed.segments).inverse();
         let edit = pressed

@@ -331,6 +331,12 @@ impl Rig {
         self.tick()
     }
 
+    /// The same with a device that has sent so much upward [N].
+    pub fn tick_sent(&mut self, point: DVec3, sent: f64) -> TickRecord {
+        self.read_pressed(point, sent);
+        self.tick()
+    }
+
     fn tick(&mut self) -> TickRecord {
         self.servo.step(self.now);
         self.now += 1e-3;

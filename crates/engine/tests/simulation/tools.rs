@@ -4,8 +4,9 @@ use crate::common::*;
 use glam::{DAffine3, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
 use palpate_engine::scene::Properties;
-
+use palpate_engine::touch::Settings;
 use palpate_tools::factory::{ToolKind, ToolSettings};
+use palpate_tools::specific_energy::SpecificEnergy;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::VoxelsError;
@@ -169,6 +170,60 @@ fn a_drill_that_presses_sinks_in_and_spends_what_it_says() {
     let after = rig.pass(press, 0.0);
     assert!((after.proxy.z - surface).abs() < 0.1, "{}", after.proxy);
     assert_eq!(rig.violations(), 0);
+}
+
+/// A hand that knocks and is drawn aside within each pass; what the device has sent is a share of it,
+/// as while forces come up.
+#[test]
+fn a_drill_works_by_what_presses_in_every_tick_without_friction_and_not_while_forces_are_off() {
+    for (sent, works) in [(0.1, true), (0.0, false)] {
+        let mut rig = rig();
+        let rough = Settings {
+            friction_static: 0.8,
+            friction_kinetic: 0.6,
+            ..rig.simulation.settings()
+        };
+        rig.simulation.set_settings(rough).unwrap();
+        let mut settings = tool(ToolKind::Drill, 2.0, &[BLOCK]);
+        // no voxel goes, so that nothing but the hand changes the force
+        settings.drill.specific_energy = SpecificEnergy::Everywhere(1e6);
+        let work_per_newton = settings.drill.cutting_ratio * settings.drill.surface_speed * 1e-3;
+        rig.simulation.set_tool(Some(settings)).unwrap();
+        let press = DVec3::new(20.3, 20.4, 19.0);
+        for _ in 0..100 {
+            rig.pass(press, sent);
+        }
+        rig.simulation.stroke(true).unwrap();
+        rig.pass(press, sent);
+        let (mut expected, mut felt_aside) = (rig.simulation.tool_report().energy, 0.0);
+        for pass in 0..60 {
+            for tick in 0..10 {
+                let deep = if tick == 9 {
+                    0.2
+                } else {
+                    0.1 * f64::from(tick)
+                };
+                let aside = 0.02 * f64::from(10 * pass + tick);
+                let device = press - DVec3::new(aside, 0.0, deep);
+                let force = rig.tick_sent(device, sent).force;
+                expected += if works {
+                    work_per_newton * force.z
+                } else {
+                    0.0
+                };
+                felt_aside += force.x;
+            }
+            rig.simulation.step();
+        }
+        let energy = rig.simulation.tool_report().energy;
+        // rounding of sums
+        assert!(
+            (energy - expected).abs() < 1e-6 * expected.max(1.0),
+            "{energy} {expected}"
+        );
+        assert_eq!(energy > 100.0, works, "{energy}");
+        assert!(felt_aside > 100.0, "{felt_aside}");
+    }
 }
 
 #[test]

@@ -154,8 +154,10 @@ fn tools_leave_what_is_cut_away_as_it_is() {
         let tool = ToolSettings::new(kind, 3.0, vec![BLOCK]);
         rig.simulation.set_tool(Some(tool)).unwrap();
         rig.simulation.stroke(true).unwrap();
+        // a drill is pressed against what is there
+        let z = if kind == ToolKind::Drill { 10.0 } else { 14.0 };
         for _ in 0..40 {
-            rig.pass(ABOVE.with_z(14.0), 5.0);
+            rig.pass(ABOVE.with_z(z), 5.0);
         }
         rig.simulation.stroke(false).unwrap();
         let now = rig.simulation.voxels();

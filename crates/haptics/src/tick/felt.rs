@@ -38,6 +38,19 @@ pub struct TickOutput {
     pub violation: bool,
 }
 
+impl TickOutput {
+    /// Force that presses on the surface [N]: without friction, which is along it, and without damping.
+    #[must_use]
+    pub fn pressing_force(&self) -> f64 {
+        let held = if self.spring == DVec3::ZERO {
+            self.force
+        } else {
+            self.spring * self.coupling.stiffness
+        };
+        held.dot(self.normal).max(0.0)
+    }
+}
+
 /// What is felt, along the axes of the grid in mm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Felt {

@@ -84,12 +84,18 @@ const describedAs: Readonly<Record<keyof Constants, (range: string) => string>> 
 
 /** Parts of names by which segments are known to be of a tissue: the first that fits. */
 const tissues: readonly (readonly [RegExp, string])[] = [
+  [/tumou?r|carcinoma|metasta|\blesion/i, "tumour"],
   [/\b(muscle|psoas|gluteus|iliopsoas|autochthon)/i, "muscle"],
   [/\b(fat|adipose)/i, "fat"],
   [/\bliver/i, "liver"],
   [/\bskin/i, "skin"],
   [/\b(brain|cerebrum|cerebellum)/i, "brain"],
   [/\bcartilage/i, "cartilage"],
+  [/\b(kidney|renal)/i, "kidney"],
+  [/\bspleen/i, "spleen"],
+  [/\b(breast|mamm)/i, "breast"],
+  [/\bprostate/i, "prostate"],
+  [/\blungs?\b/i, "lung"],
 ];
 
 /** The soft tissue that a segment's name tells of; null where it tells of none that is offered. */
@@ -104,8 +110,8 @@ const softest = 1e7;
 /** Organs whose names tell of no preset, and the one that is most like each: the first that fits. */
 const alike: readonly (readonly [RegExp, string])[] = [
   [/stomach|o?esophag|bladder|duoden|bowel|colon|intestin|rect(um|al)|uter(us|ine)|heart|myocard/i, "muscle"],
-  [/aorta|vein|vena|arter|vessel/i, "muscle"],
-  [/lymph|breast|mamm/i, "fat"],
+  [/aorta|vein|vena|arter|vessel/i, "vessel-wall"],
+  [/lymph/i, "fat"],
   [/menisc|disc\b|larynx|trachea/i, "cartilage"],
 ];
 

@@ -55,11 +55,12 @@ test("a segment without a known tissue is asked for one: the most alike first, a
     const constants = { ...soft, young };
     return { name, source: "", needs_hounsfield: false, low: constants, high: constants };
   };
-  const all = [...presets, named("fat", 2000), named("muscle", 12e3), named("cartilage", 7e5), named("bone", 3e8)];
+  const organs = ["fat", "muscle", "vessel-wall"].map((name) => named(name, 12e3));
+  const all = [...presets, ...organs, named("cartilage", 7e5), named("bone", 3e8)];
   const asked = (name: string): string[] => softTissues(name, all).map((preset) => preset.name);
-  expect(asked("Spleen")).toEqual(["liver", "fat", "muscle", "cartilage"]);
-  expect(asked("Bladder")).toEqual(["muscle", "liver", "fat", "cartilage"]);
-  expect(asked("inferior vena cava")[0]).toBe("muscle");
+  expect(asked("Pancreas")).toEqual(["liver", "fat", "muscle", "vessel-wall", "cartilage"]);
+  expect(asked("Bladder")).toEqual(["muscle", "liver", "fat", "vessel-wall", "cartilage"]);
+  expect(asked("inferior vena cava")[0]).toBe("vessel-wall");
   expect(asked("Region 2")[0]).toBe("liver");
 });
 
@@ -95,6 +96,11 @@ test("a segment's name suggests a tissue only where it is offered", () => {
   expect(suggestedPreset("Liver, part 3", presets)).toBe("liver");
   expect(suggestedPreset("left gluteus maximus", presets)).toBeNull();
   expect(suggestedPreset("bone", presets)).toBeNull();
+  const organs = ["kidney", "lung", "tumour", "spleen"].map((name) => {
+    return { name, source: "", needs_hounsfield: false, low: soft, high: soft };
+  });
+  const suggested = ["Left kidney", "Adrenal gland", "Lung tumor", "lungs", "Spleen"];
+  expect(suggested.map((name) => suggestedPreset(name, organs))).toEqual(["kidney", null, "tumour", "lung", "spleen"]);
 });
 
 test("the edge of a box is odd and within what the model can have", () => {
