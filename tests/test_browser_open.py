@@ -335,7 +335,7 @@ def test_what_has_arrived_of_a_large_scan_is_seen_while_the_rest_is_on_its_way(
     planes, plane_bytes, coarse_planes = 133, 512 * 512 * 2, 45
     with (
         palpate("open", path, state=tmp_path) as command,
-        held_back(command.url, asked="/api/volume?step=1&", most=70 * plane_bytes) as way,
+        held_back(command.url, asked="/api/volume?step=1 ", most=70 * plane_bytes) as way,
         browser(drawer="browser") as page,
     ):
         page.do("open", url=way.url, **SIZE, seconds=0.001)

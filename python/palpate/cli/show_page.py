@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import socket
 import sys
-import webbrowser
 from collections.abc import Callable
 from pathlib import Path
 from threading import Thread
@@ -15,6 +14,7 @@ import typer
 from palpate.base.console import Display, warn
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
+from palpate.cli.first_page import show_in_browser
 from palpate.saved.autosave import note_scene
 from palpate.saved.opening import Opening
 from palpate.saved.recent import note_recent
@@ -181,7 +181,7 @@ def serve_page(
         sys.stdout.flush()
         if browser and has_display():
             workbench.page_seconds = PAGE_SECONDS
-            webbrowser.open(access.url)
+            show_in_browser(access)
 
     def ready() -> None:
         # the server goes on meanwhile

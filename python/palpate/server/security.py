@@ -18,12 +18,15 @@ from typing import Any
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import HTMLResponse
+from starlette.responses import HTMLResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from palpate.server.ticket import Ticket
 
 __all__ = ["RESUME", "Access", "AccessMiddleware"]
 
 HOSTS = ("127.0.0.1", "localhost")
+ENTRANCE = ("GET", "/")
 RESUME = "/api/resume"
 """The one route without a token: there pages prove in another way that they were let in before."""
 
@@ -36,11 +39,18 @@ class Access:
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
     key: str = field(default_factory=lambda: secrets.token_hex(32), repr=False)
     """With it pages of an earlier start of this port are let in again."""
+    ticket: Ticket = field(default_factory=Ticket, repr=False)
+    """Lets in the browser that the command starts."""
 
     @property
     def url(self) -> str:
         """The address to open, token and all."""
         return f"http://{HOSTS[0]}:{self.port}/?token={self.token}"
+
+    @property
+    def first_url(self) -> str:
+        """The address for the browser that is started, which others may read: it works once."""
+        return f"http://{HOSTS[0]}:{self.port}/?ticket={self.ticket.value}"
 
     @property
     def cookie(self) -> str:
@@ -49,8 +59,11 @@ class Access:
 
     @property
     def set_cookie(self) -> str:
-        """What has a browser keep the token, out of reach of scripts."""
-        return f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Strict"
+        """What has a browser keep the token, out of reach of scripts.
+
+        Lax: a link from elsewhere may open the page, but nothing else is let in from there.
+        """
+        return f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Lax"
 
     @property
     def hosts(self) -> tuple[str, ...]:
@@ -63,21 +76,28 @@ class Access:
         return tuple(f"http://{host}" for host in self.hosts)
 
     def refuses(
-        self, headers: Headers, query: str, *, websocket: bool, resumes: bool = False
+        self, headers: Headers, query: str, *, websocket: bool, known: bool = False
     ) -> str | None:
-        """Says why a request is not let in; None where it is. One that ``resumes`` has no token."""
+        """Says why a request is not let in; None where it is. Who is ``known`` needs no token."""
         if headers.getlist("host") not in [[host] for host in self.hosts]:
             return "this address is not the one that Palpate printed"
         origin = headers.get("origin")
         if origin not in self.origins and (origin is not None or websocket):
             return "another page asked for this"
-        if not resumes and not self._knows(headers, query):
+        if not known and not self._knows(headers, query):
             return "the token is missing or wrong"
         return None
 
     def gives_token(self, query: str) -> bool:
         """Says whether the token stands in a query."""
         return any(self._is_token(given) for given in parse_qs(query).get("token", []))
+
+    def takes_ticket(self, query: str, client: tuple[str, int] | None) -> bool:
+        """Says whether a ticket stands in a query that lets its client in; it does once."""
+        return any(
+            self.ticket.take(given, client=client, port=self.port)
+            for given in parse_qs(query).get("ticket", [])
+        )
 
     def _knows(self, headers: Headers, query: str) -> bool:
         try:
@@ -118,30 +138,37 @@ class AccessMiddleware:
             return
         query = scope["query_string"].decode("latin-1")
         websocket = scope["type"] == "websocket"
-        resumes = not websocket and (scope["method"], scope["path"]) == ("POST", RESUME)
+        asked = None if websocket else (scope["method"], scope["path"])
+        has_ticket = asked == ENTRANCE and self.access.takes_ticket(query, scope["client"])
         reason = self.access.refuses(
-            Headers(scope=scope), query, websocket=websocket, resumes=resumes
+            Headers(scope=scope),
+            query,
+            websocket=websocket,
+            known=has_ticket or asked == ("POST", RESUME),
         )
+        enters = asked == ENTRANCE and (has_ticket or self.access.gives_token(query))
         if reason is None:
-            await self.app(scope, receive, self._guarded(send, query))
+            # what lets in leaves the address bar, and the history too
+            app = RedirectResponse("/", 303) if enters else self.app
+            await app(scope, receive, self._guarded(send, enters=enters))
         elif websocket:
             # closed before it was accepted: the browser sees 403
             await receive()
             await send({"type": "websocket.close", "code": 1008, "reason": reason})
         else:
-            await refusal(reason)(scope, receive, self._guarded(send, ""))
+            await refusal(reason)(scope, receive, self._guarded(send, enters=False))
 
-    def _guarded(self, send: Send, query: str) -> Send:
-        """Returns a ``send`` that adds headers, and the cookie where the token was given."""
+    def _guarded(self, send: Send, *, enters: bool) -> Send:
+        """Returns a ``send`` that adds headers, and the cookie for a page that ``enters``."""
 
         async def guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                self._protect(message, query)
+                self._protect(message, enters=enters)
             await send(message)
 
         return guarded
 
-    def _protect(self, message: MutableMapping[str, Any], query: str) -> None:
+    def _protect(self, message: MutableMapping[str, Any], *, enters: bool) -> None:
         headers = MutableHeaders(scope=message)
         headers["Content-Security-Policy"] = self.access.policy
         headers["Cache-Control"] = "no-store"
@@ -149,7 +176,7 @@ class AccessMiddleware:
         headers["Referrer-Policy"] = "no-referrer"
         headers["Cross-Origin-Opener-Policy"] = "same-origin"
         headers["Cross-Origin-Resource-Policy"] = "same-origin"
-        if self.access.gives_token(query):
+        if enters:
             headers.append("Set-Cookie", self.access.set_cookie)
 
 
@@ -165,6 +192,7 @@ main {{ max-width: 36em }} h1 {{ font-size: 20px; color: #fff }} code {{ color: 
 def refusal(reason: str) -> HTMLResponse:
     """Returns the page that a refused request gets, with the reason as plain text."""
     text = (
-        f"Access denied: {reason}. Use the full address printed by `palpate open`, with its token."
+        f"Access denied: {reason}. Use the full address printed by `palpate open`, with its token; "
+        "the browser has to accept a cookie for this machine."
     )
     return HTMLResponse(REFUSAL.format(text=escape(text)), status_code=403)

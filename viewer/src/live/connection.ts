@@ -12,7 +12,7 @@ export type ConnectionState =
   | { readonly kind: "open" }
   /** Lost; the next attempt follows by itself. */
   | { readonly kind: "lost"; readonly reason: string }
-  /** The engine does not let this page in: another token is needed. */
+  /** The engine does not let this page in: it wants another cookie. */
   | { readonly kind: "refused" }
   /** The engine was started anew and has let this page in again: the page is to be loaded anew. */
   | { readonly kind: "restarted" }
@@ -47,11 +47,8 @@ export class Connection {
   /** It said that it ends; that holds until something comes again. */
   private ended = false;
 
-  constructor(
-    private readonly token: string,
-    private readonly events: ConnectionEvents,
-  ) {
-    this.resumption = new Resumption(apiAddress("/api/resume/key", token));
+  constructor(private readonly events: ConnectionEvents) {
+    this.resumption = new Resumption(apiAddress("/api/resume/key"));
     this.worker.onmessage = (event: MessageEvent<FromConnection>) => {
       this.receive(event.data);
     };
@@ -117,12 +114,12 @@ export class Connection {
 
   private open(): void {
     this.tellState({ kind: "connecting" });
-    this.tell({ kind: "open", url: liveAddress(this.token) });
+    this.tell({ kind: "open", url: liveAddress() });
   }
 
   private async reopen(reason: string): Promise<void> {
     // a refused WebSocket tells no reason, a refused page does
-    const answer = await fetch(apiAddress("/", this.token), { cache: "no-store" }).catch(() => null);
+    const answer = await fetch(apiAddress("/"), { cache: "no-store" }).catch(() => null);
     if (answer?.status === 403) {
       const kind = (await this.resumption.resume()) ? "restarted" : "refused";
       this.events.state({ kind });
@@ -147,17 +144,13 @@ export class Connection {
   }
 }
 
-/** Address of a route of the engine; the cookie serves where there is no token. */
-export function apiAddress(route: string, token: string): string {
-  const address = new URL(route, window.location.origin);
-  if (token !== "") {
-    address.searchParams.set("token", token);
-  }
-  return address.href;
+/** Address of a route of the engine, which the page's cookie opens. */
+export function apiAddress(route: string): string {
+  return new URL(route, window.location.origin).href;
 }
 
-function liveAddress(token: string): string {
-  const address = new URL(apiAddress("/api/live", token));
+function liveAddress(): string {
+  const address = new URL(apiAddress("/api/live"));
   address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
   return address.href;
 }

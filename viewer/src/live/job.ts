@@ -3,7 +3,6 @@ import { Lines, type JobLine } from "../core/library/library";
 import { apiAddress } from "./connection";
 
 export interface Asking {
-  readonly token: string;
   readonly signal: AbortSignal;
 }
 
@@ -11,10 +10,10 @@ export interface Asking {
 export async function job(
   path: string,
   wanted: object,
-  { token, signal }: Asking,
+  { signal }: Asking,
   told: (line: JobLine) => void,
 ): Promise<void> {
-  const answer = await fetch(apiAddress(path, token), { method: "POST", body: JSON.stringify(wanted), signal });
+  const answer = await fetch(apiAddress(path), { method: "POST", body: JSON.stringify(wanted), signal });
   if (!answer.ok || answer.body === null) {
     throw new Error(await answer.text());
   }

@@ -11,16 +11,16 @@ import { job, type Asking } from "./job";
 /** How many files are on their way at once. */
 const atOnce = 4;
 
-export async function askAbout(token: string): Promise<About> {
-  const answer = await fetch(apiAddress("/api/library/", token), { cache: "no-store" });
+export async function askAbout(): Promise<About> {
+  const answer = await fetch(apiAddress("/api/library/"), { cache: "no-store" });
   if (!answer.ok) {
     throw new Error(await answer.text());
   }
   return (await answer.json()) as About;
 }
 
-export async function forgetRecent(token: string): Promise<void> {
-  await fetch(apiAddress("/api/library/recent", token), { method: "DELETE" });
+export async function forgetRecent(): Promise<void> {
+  await fetch(apiAddress("/api/library/recent"), { method: "DELETE" });
 }
 
 /** Has the engine work on what the library has; see `job`. */
@@ -36,21 +36,19 @@ export async function work(
 /** Asks for the grid of the scan that projections would give. Throws why they would give none. */
 export async function askGrid(
   wanted: AskedReconstruction,
-  token: string,
 ): Promise<ReconstructionGrid> {
-  return (await asked("reconstruct/grid", wanted, token)) as ReconstructionGrid;
+  return (await asked("reconstruct/grid", wanted)) as ReconstructionGrid;
 }
 
 /** Asks for the scan that files would give by a layout. Throws why they would give none. */
 export async function askLayout(
   wanted: { readonly find: number; readonly raw: string | null; readonly voxel_size: Vec3 | null },
-  token: string,
 ): Promise<LaidOut> {
-  return (await asked("layout", wanted, token)) as LaidOut;
+  return (await asked("layout", wanted)) as LaidOut;
 }
 
-async function asked(route: string, wanted: object, token: string): Promise<unknown> {
-  const answer = await fetch(apiAddress(`/api/library/${route}`, token), {
+async function asked(route: string, wanted: object): Promise<unknown> {
+  const answer = await fetch(apiAddress(`/api/library/${route}`), {
     method: "POST",
     body: JSON.stringify(wanted),
   });
@@ -63,11 +61,11 @@ async function asked(route: string, wanted: object, token: string): Promise<unkn
 /** Brings files to the engine; returns the number of the upload. Throws why they were not taken. */
 export async function bring(
   files: readonly GivenFile[],
-  { token, signal }: Asking,
+  { signal }: Asking,
   progress: (bytes: number) => void,
 ): Promise<number> {
   const told = files.map(({ name, file }) => ({ name, size: file.size }));
-  const answer = await fetch(apiAddress("/api/library/uploads", token), {
+  const answer = await fetch(apiAddress("/api/library/uploads"), {
     method: "POST",
     body: JSON.stringify(told),
     signal,
@@ -82,7 +80,7 @@ export async function bring(
   const bringNext = async (): Promise<void> => {
     for (let next = waiting.shift(); next !== undefined; next = waiting.shift()) {
       const { file, number } = next;
-      await put(apiAddress(`${place}/${String(number)}`, token), file, signal, (bytes) => {
+      await put(apiAddress(`${place}/${String(number)}`), file, signal, (bytes) => {
         brought[number] = bytes;
         progress(brought.reduce((sum, each) => sum + each, 0));
       });
@@ -92,15 +90,15 @@ export async function bring(
     await Promise.all(Array.from({ length: atOnce }, bringNext));
   } catch (error) {
     waiting.length = 0;
-    void dropUpload(upload, token);
+    void dropUpload(upload);
     throw error;
   }
   return upload;
 }
 
 /** Has the engine forget files that were brought to it. */
-export async function dropUpload(upload: number, token: string): Promise<void> {
-  await fetch(apiAddress(`/api/library/uploads/${String(upload)}`, token), { method: "DELETE" });
+export async function dropUpload(upload: number): Promise<void> {
+  await fetch(apiAddress(`/api/library/uploads/${String(upload)}`), { method: "DELETE" });
 }
 
 /** `fetch` does not tell how much of a large file was sent. */

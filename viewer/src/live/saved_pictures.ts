@@ -6,10 +6,9 @@ import { apiAddress } from "./connection";
 /** Strips of the pictures, from left to right, as they are drawn; leaving it ends the work. Throws why it failed. */
 export async function* savedPictures(
   wish: PictureWish,
-  token: string,
   signal: AbortSignal,
 ): AsyncGenerator<DrawnPicture> {
-  const answer = await fetch(apiAddress("/api/picture", token), { method: "POST", body: JSON.stringify(wish), signal });
+  const answer = await fetch(apiAddress("/api/picture"), { method: "POST", body: JSON.stringify(wish), signal });
   if (!answer.ok || answer.body === null) {
     throw new Error(await answer.text());
   }

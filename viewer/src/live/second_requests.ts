@@ -2,8 +2,8 @@
 import { apiAddress } from "./connection";
 
 /** Lays it where a transform's file says; null: as its own file does. Throws why it was refused. */
-export async function moveSecond(token: string, transform: File | null): Promise<void> {
-  const place = new URL(apiAddress("/api/second/transform", token));
+export async function moveSecond(transform: File | null): Promise<void> {
+  const place = new URL(apiAddress("/api/second/transform"));
   if (transform === null) {
     await asked(place, { method: "DELETE" });
   } else {
@@ -13,14 +13,14 @@ export async function moveSecond(token: string, transform: File | null): Promise
 }
 
 /** Adds segments of the second scan to the first, where the second lies now. Throws why they were refused. */
-export async function bringSegments(token: string, file: File): Promise<void> {
-  const place = new URL(apiAddress("/api/second/segments", token));
+export async function bringSegments(file: File): Promise<void> {
+  const place = new URL(apiAddress("/api/second/segments"));
   place.searchParams.set("name", file.name);
   await asked(place, { method: "PUT", body: file });
 }
 
-export async function removeSecond(token: string): Promise<void> {
-  await asked(new URL(apiAddress("/api/second", token)), { method: "DELETE" });
+export async function removeSecond(): Promise<void> {
+  await asked(new URL(apiAddress("/api/second")), { method: "DELETE" });
 }
 
 async function asked(place: URL, wanted: RequestInit): Promise<void> {

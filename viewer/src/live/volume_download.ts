@@ -33,14 +33,13 @@ export interface Meanwhile extends ShownParts {
 export async function downloadVolume(
   frame: ScanFrame,
   step: number,
-  token: string,
   options: DownloadOptions = {},
 ): Promise<DownloadedScan> {
   const { path = "/api/volume", progress, meanwhile } = options;
   const dimensions = storedDimensions(frame.dimensions, step);
   const plane = dimensions[0] * dimensions[1];
   const volume = { frame, step, dimensions, values: new Uint16Array(plane * dimensions[2]) };
-  const url = apiAddress(`${path}?step=${String(step)}`, token);
+  const url = apiAddress(`${path}?step=${String(step)}`);
   const request = {
     kind: "values",
     url,
@@ -62,9 +61,9 @@ export async function downloadVolume(
 }
 
 /** Downloads the segments that are no threshold, as finely as the values. */
-export async function downloadLabels({ frame, step }: ScanVolume, token: string): Promise<LabelVolume> {
+export async function downloadLabels({ frame, step }: ScanVolume): Promise<LabelVolume> {
   const dimensions = storedDimensions(frame.dimensions, step);
-  const url = apiAddress(`/api/labels?step=${String(step)}`, token);
+  const url = apiAddress(`/api/labels?step=${String(step)}`);
   const answer = await ask({ kind: "labels", url, dimensions }, {});
   if (answer.kind !== "labels") {
     throw new Error("the worker answered something else than labels");

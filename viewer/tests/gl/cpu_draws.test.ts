@@ -1,4 +1,7 @@
-/** Whether the CPU draws is told by the name of what draws; where a browser keeps that, by a small picture that is timed. */
+/**
+ * Whether the CPU draws is told by the name of what draws; where a browser keeps that, by the time that a small picture
+ * takes.
+ */
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { cpuDraws } from "../../src/gl/base/cpu_draws";
 import { openGlBrowser, type GlBrowser } from "./browser";

@@ -46,7 +46,6 @@ export interface Surroundings {
   /** What the GPU can do. */
   readonly support: GpuSupport;
   /** Access to the engine. */
-  readonly token: string;
 }
 
 interface UndoControls {
@@ -128,7 +127,7 @@ function undoControls({ session }: Surroundings): UndoControls {
   return { steps, engineSteps };
 }
 
-function viewControls({ session, support, token }: Surroundings, { steps }: UndoControls): ViewControls {
+function viewControls({ session, support }: Surroundings, { steps }: UndoControls): ViewControls {
   const view = new ViewControl(session);
   const slices = new SliceControl(steps, () => view.camera, session.memory);
   const clips = new ClipControl(steps, session.memory);
@@ -142,17 +141,17 @@ function viewControls({ session, support, token }: Surroundings, { steps }: Undo
     clips,
     touchClip: new TouchClip(session, clips),
     appearance: new AppearanceControl(steps, session.memory),
-    presets: new PresetPictures(token),
+    presets: new PresetPictures(),
     removal: new RemovalControl(session),
     editRate: new EditRateControl(session),
     marks,
-    areas: new AreaMeasures(session, marks, token),
+    areas: new AreaMeasures(session, marks),
     readout: new Readout(),
     pointed: new Pointed(),
   };
 }
 
-function segmentControls({ session, token }: Surroundings, { steps }: UndoControls): SegmentControls {
+function segmentControls({ session }: Surroundings, { steps }: UndoControls): SegmentControls {
   const scissors = new ScissorsControl(session);
   return {
     segmentAppearance: new SegmentAppearanceControl(session, steps),
@@ -163,8 +162,8 @@ function segmentControls({ session, token }: Surroundings, { steps }: UndoContro
     growing: new GrowControl(session),
     islands: new IslandsControl(session),
     brush: new BrushControl(session),
-    statistics: new StatisticsControl(session, token),
-    surfaces: new SurfaceExport(session, token),
+    statistics: new StatisticsControl(session),
+    surfaces: new SurfaceExport(session),
   };
 }
 
@@ -175,15 +174,14 @@ function touchControls({ session, support }: Surroundings, { marks }: ViewContro
   return { player, touch: new TouchMarkers(session, { player, needle }, support.software), needle, strokes };
 }
 
-function secondControls({ session, support, token }: Surroundings, { steps }: UndoControls): SecondControls {
+function secondControls({ session, support }: Surroundings, { steps }: UndoControls): SecondControls {
   const second = new SecondControl({
     steps,
-    token,
     memory: session.memory,
     limits: { edge: support.largestEdge, values: mostValues },
     complain: (text) => {
       session.notify("error", text);
     },
   });
-  return { second, registration: new RegistrationControl(session, second, { steps, token }) };
+  return { second, registration: new RegistrationControl(session, second, { steps }) };
 }

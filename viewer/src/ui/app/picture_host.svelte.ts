@@ -63,7 +63,6 @@ export class PictureHost {
   constructor(
     private readonly sources: Sources,
     readonly support: GpuSupport,
-    private readonly token: string,
   ) {
     this.sync = new PictureSync(sources, support.software);
     sources.session.onDrawn((drawn) => this.picture?.takeDrawn(drawn));
@@ -215,7 +214,7 @@ export class PictureHost {
         engineAnswered: (milliseconds) => {
           drawer.quicker.learnEngine(milliseconds);
         },
-        askSaved: (wish, signal) => savedPictures(wish, this.token, signal),
+        askSaved: savedPictures,
       });
     } catch (error) {
       loader.failure = `the graphics did not start: ${error instanceof Error ? error.message : String(error)}`;

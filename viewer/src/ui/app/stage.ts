@@ -71,23 +71,22 @@ export function makeStage(surroundings: Surroundings): Stage {
   return stage;
 }
 
-function makeEdits({ session, token }: Surroundings): ShownEdits {
+function makeEdits({ session }: Surroundings): ShownEdits {
   return new ShownEdits({
     complain: (text) => {
       session.notify("error", text);
     },
-    download: (volume) => downloadLabels(volume, token),
+    download: downloadLabels,
   });
 }
 
 /** The scan on its way to the canvas, and what can be found in the picture. */
 function drawScene(
-  { session, support, token }: Surroundings,
+  { session, support }: Surroundings,
   controls: Controls,
   made: Pick<Shown, "edits" | "scene">,
 ): Shown & { readonly opener: ScanOpener } {
   const loader: ScanLoader = new ScanLoader({
-    token,
     largestEdge: support.largestEdge,
     preview: (volume, bricks, scan) => opener.preview(volume, bricks, scan),
     refine: (volume, { bricks, arrived }) => {
@@ -104,7 +103,7 @@ function drawScene(
   const parts = { ...controls, ...made, session, loader };
   const picker = new Picker(parts, session);
   const markVisibility = new MarkVisibility(controls.marks, picker.hides.bind(picker));
-  const picture: PictureHost = new PictureHost({ ...parts, markVisibility }, support, token);
+  const picture: PictureHost = new PictureHost({ ...parts, markVisibility }, support);
   const images = new ImageControl({ ...controls, session, pane: () => controls.slices.savedPane, picture });
   const opener = new ScanOpener({ ...parts, picture });
   return { ...made, loader, picker, markVisibility, picture, images, opener };

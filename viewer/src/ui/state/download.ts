@@ -9,8 +9,8 @@ export interface KeptFile {
 }
 
 /** Asks for a file and has the browser keep it. Throws the reason. */
-export async function fetchFile(path: string, token: string, wanted: object, otherwise: string): Promise<KeptFile> {
-  const answer = await fetch(apiAddress(path, token), { method: "POST", body: JSON.stringify(wanted) });
+export async function fetchFile(path: string, wanted: object, otherwise: string): Promise<KeptFile> {
+  const answer = await fetch(apiAddress(path), { method: "POST", body: JSON.stringify(wanted) });
   if (!answer.ok) {
     throw new Error(await answer.text());
   }

@@ -4,7 +4,6 @@ import { apiAddress } from "../../live/connection";
 /** What is asked for, and what becomes of the answer. */
 interface Measurement {
   readonly path: string;
-  readonly token: string;
   readonly wanted?: object;
   /** So long nothing changes before it is asked for [ms]. */
   readonly rest: number;
@@ -14,13 +13,13 @@ interface Measurement {
 }
 
 /** Asks after a rest; returns what cancels it, as effects do. */
-export function measureAtRest({ path, token, wanted, rest, take, fail }: Measurement): () => void {
+export function measureAtRest({ path, wanted, rest, take, fail }: Measurement): () => void {
   const cancelled = new AbortController();
   const { signal } = cancelled;
   const ask = async (): Promise<void> => {
     try {
       const body = wanted === undefined ? null : JSON.stringify(wanted);
-      const answer = await fetch(apiAddress(path, token), { method: "POST", body, signal });
+      const answer = await fetch(apiAddress(path), { method: "POST", body, signal });
       const said = await answer.text();
       if (!answer.ok) {
         throw new Error(said);

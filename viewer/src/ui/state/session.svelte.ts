@@ -157,11 +157,8 @@ export class Session {
   private noticeCount = 0;
 
   /** @param calm changes the page less often, where every change of it is dear. */
-  constructor(
-    token: string,
-    readonly calm: boolean,
-  ) {
-    this.link = new Connection(token, {
+  constructor(readonly calm: boolean) {
+    this.link = new Connection({
       message: (message, arrived) => {
         this.receive(message, arrived);
       },

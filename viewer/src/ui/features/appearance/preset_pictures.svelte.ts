@@ -9,8 +9,6 @@ export class PresetPictures {
   private asked: readonly string[] = [];
   private leaving = new AbortController();
 
-  constructor(private readonly token: string) {}
-
   /** Address of a preset's picture; null while there is none. */
   of(name: string): string | null {
     return this.pictures[name] ?? null;
@@ -29,7 +27,7 @@ export class PresetPictures {
     this.asked = [...this.asked, ...presets];
     if (presets.length > 0) {
       const { signal } = this.leaving;
-      void job("/api/presets", { presets }, { token: this.token, signal }, (line) => {
+      void job("/api/presets", { presets }, { signal }, (line) => {
         if (line.kind === "preset" && !signal.aborted) {
           this.pictures = { ...this.pictures, [line.preset]: `data:image/png;base64,${line.png}` };
         }

@@ -99,11 +99,8 @@ export class Library {
     return this.found === null ? null : "Choose a scan";
   }
 
-  /** @param token of this page; @param reload shows the page anew, with the scan that is open then. */
-  constructor(
-    private readonly token: string,
-    private readonly reload: () => void = () => { window.location.reload(); },
-  ) {}
+  /** @param reload shows the page anew, with the scan that is open then. */
+  constructor(private readonly reload: () => void = () => { window.location.reload(); }) {}
 
   /** Asks what is open, and waits for what is being read. */
   async begin(): Promise<void> {
@@ -114,7 +111,7 @@ export class Library {
     }
     this.reading = { what: `Reading ${name}`, share: null };
     try {
-      await work("coming", {}, { token: this.token, signal: new AbortController().signal }, (line) => {
+      await work("coming", {}, { signal: new AbortController().signal }, (line) => {
         if (line.kind === "progress" && line.what !== "") {
           this.reading = { what: begunLarge(line.what), share: line.share };
         }
@@ -131,7 +128,7 @@ export class Library {
 
   /** Asks what is open. */
   async look(): Promise<void> {
-    this.about = await askAbout(this.token).catch(() => undefined);
+    this.about = await askAbout().catch(() => undefined);
   }
 
   /** Shows the page for opening over the open scan. */
@@ -218,7 +215,7 @@ export class Library {
       const counted = plural(given.length, "file");
       const what = `Copying ${counted}, ${formatBytes(size)}`;
       this.work = { what, share: 0 };
-      const upload = await bring(given, { token: this.token, signal }, (bytes) => {
+      const upload = await bring(given, { signal }, (bytes) => {
         this.work = { what, share: size === 0 ? null : bytes / size };
       });
       await this.find({ upload }, signal);
@@ -245,26 +242,23 @@ export class Library {
   /** Brings the file that states the geometry of projections. Throws why it was not taken. */
   async bringGeometry(file: File): Promise<GeometryFile> {
     const { signal } = new AbortController();
-    const upload = await bring([{ name: file.name, file }], { token: this.token, signal }, () => undefined);
+    const upload = await bring([{ name: file.name, file }], { signal }, () => undefined);
     return { name: file.name, upload };
   }
 
   /** The file is not wanted any more. */
   dropGeometry(file: GeometryFile): void {
-    void dropUpload(file.upload, this.token);
+    void dropUpload(file.upload);
   }
 
   /** The grid of the scan that would come. Throws why none would. */
   async gridOf(asked: AskedReconstruction): Promise<ReconstructionGrid> {
-    return askGrid(asked, this.token);
+    return askGrid(asked);
   }
 
   /** The scan that files would give by a layout. Throws why they would give none. */
   async layoutOf(find: number, { layout, voxel }: GivenLayout): Promise<LaidOut> {
-    return askLayout(
-      { find, raw: layout === null ? null : layoutText(layout), voxel_size: wholeVoxel(voxel) },
-      this.token,
-    );
+    return askLayout({ find, raw: layout === null ? null : layoutText(layout), voxel_size: wholeVoxel(voxel) });
   }
 
   /** Opens files by the layout that a person tells. */
@@ -289,7 +283,7 @@ export class Library {
     await this.attempt(async (signal) => {
       this.opening = true;
       try {
-        await work("volume", { ...wanted, beside }, { token: this.token, signal }, this.take.bind(this));
+        await work("volume", { ...wanted, beside }, { signal }, this.take.bind(this));
       } finally {
         // else another one is being opened by now, or none
         if (!signal.aborted) {
@@ -317,7 +311,7 @@ export class Library {
   }
 
   async forget(): Promise<void> {
-    await forgetRecent(this.token);
+    await forgetRecent();
     await this.look();
   }
 
@@ -333,7 +327,7 @@ export class Library {
     }
     this.clear();
     this.place = place;
-    await work("find", { ...place, taken_as }, { token: this.token, signal }, this.take.bind(this));
+    await work("find", { ...place, taken_as }, { signal }, this.take.bind(this));
     const { found } = this as { found: Found | null };
     if (found !== null && isSingle(found.scans)) {
       await this.exchange({ find: found.find, choice: 0 }, signal);
@@ -342,7 +336,7 @@ export class Library {
 
   private async addSegments(place: object, signal: AbortSignal): Promise<void> {
     const wanted = { ...place, resample: this.resample, another_patient: this.anotherPatient };
-    await work("segments", wanted, { token: this.token, signal }, this.take.bind(this));
+    await work("segments", wanted, { signal }, this.take.bind(this));
     this.leaveList();
     this.hide();
   }
@@ -351,7 +345,7 @@ export class Library {
     const { beside, found } = this;
     this.opening = true;
     try {
-      await work(how, beside ? { ...wanted, beside } : wanted, { token: this.token, signal }, this.take.bind(this));
+      await work(how, beside ? { ...wanted, beside } : wanted, { signal }, this.take.bind(this));
     } finally {
       // else another one is being opened by now, or none
       if (!signal.aborted) {
@@ -381,7 +375,7 @@ export class Library {
         this.late?.end();
         this.late = new LatePictures(
           (choices, signal, told) =>
-            work("pictures", { find: line.find, choices }, { token: this.token, signal }, told),
+            work("pictures", { find: line.find, choices }, { signal }, told),
           (each) => {
             // how far they are is of no interest
             if (each.kind === "picture") this.take(each);

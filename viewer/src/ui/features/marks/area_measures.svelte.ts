@@ -20,7 +20,6 @@ export class AreaMeasures {
   constructor(
     private readonly session: Session,
     private readonly marks: { readonly all: readonly Mark[] },
-    private readonly token: string,
   ) {}
 
   /** Values in an area; null until they are measured where it stands now. */
@@ -30,13 +29,12 @@ export class AreaMeasures {
 
   /** Measures once nothing changes any more; returns what cancels it, as effects do. */
   follow(): () => void {
-    const { areas, token } = this;
+    const { areas } = this;
     if (areas.length === 0) {
       return () => undefined;
     }
     return measureAtRest({
       path: "/api/areas",
-      token,
       wanted: { areas: areas.map(({ kind, points }) => ({ kind, points })) },
       rest,
       take: (answer) => {

@@ -65,10 +65,7 @@ export class Exporter {
     () => formats.find((format) => format.name === this.chosen && this.canMake(format)) ?? formats[0],
   );
 
-  constructor(
-    private readonly session: Session,
-    private readonly token: string,
-  ) {}
+  constructor(private readonly session: Session) {}
 
   /** Why nothing in DICOM can refer to the scan; null where something may. */
   get noDicom(): string | null {
@@ -91,7 +88,7 @@ export class Exporter {
     this.busy = true;
     const { kind, label } = this.format;
     try {
-      const { name, notes } = await fetchFile("/api/export", this.token, { kind }, "export");
+      const { name, notes } = await fetchFile("/api/export", { kind }, "export");
       tellSaved(this.session, name);
       for (const note of notes) {
         this.session.notify("warning", `${label}: ${note}.`);

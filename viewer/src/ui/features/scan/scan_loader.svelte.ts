@@ -17,7 +17,6 @@ export const mostValues = 2 ** 29;
 
 /** What is asked of the rest of the page. */
 interface Outside {
-  readonly token: string;
   /** Longest edge of a 3-D texture. */
   readonly largestEdge: number;
   /** Shows a scan for the time being; false where nothing can be shown yet. */
@@ -60,7 +59,7 @@ export class ScanLoader {
   async open(scan: Scan): Promise<void> {
     const request = ++this.request;
     const frame = frameOf(scan);
-    const { largestEdge, token } = this.outside;
+    const { largestEdge } = this.outside;
     this.progress = 0;
     this.failure = null;
     this.previewed = false;
@@ -73,7 +72,7 @@ export class ScanLoader {
       if (request !== this.request) {
         return;
       }
-      const held = await downloadVolume(frame, step, token, {
+      const held = await downloadVolume(frame, step, {
         progress: (share) => {
           this.progress = request === this.request ? 0.9 * share : this.progress;
         },
@@ -125,7 +124,7 @@ export class ScanLoader {
     if (coarse === null || document.hidden) {
       return null;
     }
-    const { volume, bricks } = await downloadVolume(frame, coarse, this.outside.token);
+    const { volume, bricks } = await downloadVolume(frame, coarse);
     if (request !== this.request || !this.outside.preview(volume, bricks, scan)) {
       return null;
     }

@@ -30,9 +30,8 @@ export class SceneKeeper {
   constructor(
     private readonly session: Session,
     private readonly page: KeptPage,
-    private readonly token: string,
   ) {
-    this.asked = fetch(apiAddress("/api/view", this.token));
+    this.asked = fetch(apiAddress("/api/view"));
     // whoever takes it sees the error
     this.asked.catch(() => undefined);
   }
@@ -51,7 +50,7 @@ export class SceneKeeper {
     this.saving = true;
     try {
       const view = this.viewNow;
-      const { name } = await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
+      const { name } = await fetchFile("/api/scene", { view, copy: this.withScan }, "scene.palpate");
       tellSaved(this.session, name);
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);

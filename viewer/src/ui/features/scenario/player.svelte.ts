@@ -64,8 +64,8 @@ export class Player {
   });
 
   /** Asks the engine for the run that it was started with, if there is one. */
-  async fetch(token: string): Promise<void> {
-    const answer = await fetch(apiAddress("/api/scenario", token));
+  async fetch(): Promise<void> {
+    const answer = await fetch(apiAddress("/api/scenario"));
     if (answer.status === 200) {
       this.open(await answer.text(), "the run");
     }

@@ -55,7 +55,7 @@ export class RegistrationControl implements StepOwner<Asked> {
   constructor(
     private readonly session: Session,
     private readonly second: SecondControl,
-    private readonly outside: { readonly steps: PageSteps; readonly token: string },
+    private readonly outside: { readonly steps: PageSteps },
   ) {
     session.memory.onChange((name) => {
       if (this.pairsOf !== null && name === this.part) {
@@ -214,7 +214,7 @@ export class RegistrationControl implements StepOwner<Asked> {
     this.saving = true;
     try {
       const wanted = { what, ending: this.habits.ending };
-      const { name, notes } = await fetchFile("/api/registration", this.outside.token, wanted, what);
+      const { name, notes } = await fetchFile("/api/registration", wanted, what);
       tellSaved(this.session, name);
       for (const note of notes) {
         this.session.notify("warning", `${note}.`);

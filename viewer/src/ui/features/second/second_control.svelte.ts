@@ -81,7 +81,6 @@ const fewVoxels = 2e-4;
 
 interface Outside {
   readonly steps: PageSteps;
-  readonly token: string;
   /** What is kept with the first scan. */
   readonly memory: ScanMemory;
   /** Largest scan that the GPU takes. */
@@ -199,16 +198,16 @@ export class SecondControl {
 
   /** Lays it where a transform's file says; null: as its own file does. */
   async moveBy(transform: File | null): Promise<void> {
-    await this.ask(moveSecond(this.outside.token, transform));
+    await this.ask(moveSecond(transform));
   }
 
   /** Brings segments that were drawn on it to the first scan, where it lies now. */
   async bringSegments(file: File): Promise<void> {
-    await this.ask(bringSegments(this.outside.token, file));
+    await this.ask(bringSegments(file));
   }
 
   async remove(): Promise<void> {
-    await this.ask(removeSecond(this.outside.token));
+    await this.ask(removeSecond());
   }
 
   /** Shows it otherwise; numbers and windows have sliders. */
@@ -261,7 +260,7 @@ export class SecondControl {
     const still = (): boolean => this.reported?.version === version;
     try {
       const step = subsamplingStep(frame.dimensions, this.outside.limits);
-      const held = await downloadVolume(frame, step, this.outside.token, {
+      const held = await downloadVolume(frame, step, {
         path: "/api/second",
         progress: (share) => {
           this.progress = still() ? share : this.progress;

@@ -21,17 +21,13 @@ export class StatisticsControl {
     ]),
   );
 
-  constructor(
-    private readonly session: Session,
-    private readonly token: string,
-  ) {}
+  constructor(private readonly session: Session) {}
 
   /** Measures once nothing changes any more; returns what cancels it, as effects do. */
   follow(): () => void {
     this.stale = true;
     return measureAtRest({
       path: "/api/statistics",
-      token: this.token,
       rest,
       take: (answer) => {
         this.table = statisticsOf(answer);

@@ -9,10 +9,7 @@ export class SurfaceExport {
   /** What was written of each segment. */
   private told = $state.raw<Readonly<Record<number, string>>>({});
 
-  constructor(
-    private readonly session: Session,
-    private readonly token: string,
-  ) {}
+  constructor(private readonly session: Session) {}
 
   /** What was written last of a segment. */
   written(id: number): string | undefined {
@@ -25,7 +22,7 @@ export class SurfaceExport {
     }
     this.busy = id;
     try {
-      const file = await fetchFile("/api/surface", this.token, { segment: id }, `${name}.stl`);
+      const file = await fetchFile("/api/surface", { segment: id }, `${name}.stl`);
       const [written = "", ...warnings] = file.notes;
       tellSaved(this.session, file.name);
       this.told = { ...this.told, [id]: written };

@@ -45,7 +45,7 @@ afterEach(() => {
 
 function control(): RegistrationControl {
   const session = { send: (message: FromPage) => sent.push(message), memory } as unknown as Session;
-  const made = new RegistrationControl(session, second, { steps, token: "" });
+  const made = new RegistrationControl(session, second, { steps });
   made.follow("a1");
   made.take(idle);
   return made;

@@ -15,7 +15,7 @@ const bone = { id: 3, name: "bone" } as Segment;
 function made() {
   const notices: [string, string][] = [];
   const session = { notify: (level: string, text: string) => notices.push([level, text]) } as unknown as Session;
-  return { notices, surfaces: new SurfaceExport(session, "token") };
+  return { notices, surfaces: new SurfaceExport(session) };
 }
 
 describe("a surface as a file", () => {
@@ -28,7 +28,7 @@ describe("a surface as a file", () => {
     vi.mocked(fetchFile).mockResolvedValue({ name: "bone.stl", notes });
     const { notices, surfaces } = made();
     await surfaces.save(bone);
-    expect(vi.mocked(fetchFile).mock.calls).toEqual([["/api/surface", "token", { segment: 3 }, "bone.stl"]]);
+    expect(vi.mocked(fetchFile).mock.calls).toEqual([["/api/surface", { segment: 3 }, "bone.stl"]]);
     expect(surfaces.written(3)).toBe("bone.stl: segment 'bone' of 2, 8 triangles");
     expect(surfaces.written(1)).toBeUndefined();
     expect(notices).toEqual([
