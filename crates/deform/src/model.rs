@@ -194,9 +194,6 @@ pub struct ModelReport {
     pub iterations: u32,
     /// What was left of unbalanced force, as a share of the contact force.
     pub residual: f64,
-    /// Whether the work was over before tissue came to rest, so that the force is not yet that at rest.
-    /// A model that goes through time is never said to be.
-    pub settling: bool,
     /// Nodes or particles that take part.
     pub nodes: u32,
     /// Voxels that are not as they were at rest.

@@ -8,10 +8,8 @@
 //! new answer replaces an old one, that end goes over by no more than the hand's own way and
 //! a fiftieth of a voxel in a tick; a fall of the force is never held up.
 //!
-//! A hand at rest feels the same force however late the next answer is: the last law holds where it was
-//! found. A hand that presses on from there feels its last force until the next answer. One that has
-//! gone aside finds tissue as hard as its voxels once the answer is late; where no answer comes any more,
-//! so does one that has pressed on. The hard proxy knows nothing of all this and keeps all that it promises.
+//! The hard proxy knows nothing of it and keeps all that it promises. An answer that is too old
+//! counts no more: then the tissue is as hard as its voxels.
 //!
 //! No answer leads the tool into what does not give way: where that stops it on its way from the
 //! proxy, the spring ends there, as stiff as what stops it. So bone under soft tissue is felt
@@ -30,16 +28,8 @@ use serde::{Deserialize, Serialize};
 use crate::force::{Coupling, Feel, Friction, FrictionState, SurfaceBlend};
 use crate::tick::TickOutput;
 
-/// Age from which on the next answer is late [s]: the last one then counts only near where it was found.
-pub const LATE_SECS: f64 = 0.1;
-/// Age from which on no next answer is expected [s]: then the same goes for a hand that has pressed on,
-/// or come into tissue of which nothing is known yet.
-pub const GONE_SECS: f64 = 1.0;
-/// A law is followed whole so far aside of where it was found, and fades to nothing at twice that [its
-/// validity].
-const WHOLE: f64 = 2.0;
-/// The same outward, at most, where the law falls too slowly to end before.
-const MOST_OUT: f64 = 20.0;
+/// Age at which an answer of the model is dropped [s].
+pub const STALE_SECS: f64 = 0.1;
 /// How far the spring's end goes over in a tick, beside the hand's way [smallest spacings].
 pub const STEP: f64 = 0.02;
 
@@ -85,7 +75,7 @@ pub struct SoftContact {
     friction: FrictionState,
 }
 
-/// An answer as it is kept; its law holds within `validity`.
+/// An answer as it is kept; its law holds within `validity`, and fades to nothing at four times that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Answer {
     tool: DVec3,
@@ -123,6 +113,12 @@ impl SoftContact {
         output: &mut TickOutput,
         stop: impl FnOnce(DVec3) -> Option<Stop>,
     ) {
+        let fresh = self
+            .answer
+            .filter(|answer| input.time - answer.time <= STALE_SECS && input.gives_way);
+        if fresh.is_none() && self.last.is_none() {
+            return;
+        }
         let mut coupling = if output.coupling.stiffness > 0.0 {
             output.coupling
         } else {
@@ -132,17 +128,8 @@ impl SoftContact {
             self.forget_force();
             return;
         }
-        // what is no more known comes back with the next answer only: nothing goes to and fro
-        let k = coupling.stiffness;
-        self.answer = self
-            .answer
-            .filter(|answer| answer.is_known(input, k, output.contact));
-        let known = self.answer.filter(|_| input.gives_way);
-        if known.is_none() && self.last.is_none() {
-            return;
-        }
         let hard = output.spring;
-        let soft = known.map(|answer| self.tool(&answer, input, k));
+        let soft = fresh.map(|answer| self.tool(&answer, input, coupling.stiffness));
         let stop = soft.and_then(stop);
         let tool = stop.map(|stop| stop.tool).or(soft);
         let wanted = tool.map_or(hard, |tool| tool - input.device);
@@ -151,14 +138,14 @@ impl SoftContact {
         let way = (input.device - device).length();
         let out = output.proxy_in_scene - input.device;
         let spring = pushed_over(last, wanted, way + STEP * input.spacing, out);
-        let is_hard = known.is_none() && spring == hard;
+        let is_hard = fresh.is_none() && spring == hard;
         if is_hard {
             self.forget_force();
             return;
         }
         self.last = Some((input.device, spring));
         coupling.stiffness = self.stiffness(
-            stop.map_or(k, |stop| stop.stiffness),
+            stop.map_or(coupling.stiffness, |stop| stop.stiffness),
             way,
             spring.length(),
             input.spacing,
@@ -220,54 +207,20 @@ impl Answer {
         })
     }
 
-    /// Whether it tells of where the device is: one that is late only near where it was found, or deeper.
-    fn is_known(&self, input: &SoftInput, k: f64, touches: bool) -> bool {
-        let age = input.time - self.time;
-        if age <= LATE_SECS {
-            return true;
-        }
-        let normal = self.force.normalize_or_zero();
-        if normal == DVec3::ZERO {
-            return !touches || age <= GONE_SECS;
-        }
-        let moved = self.moved(input.device, k);
-        let is_near = age <= GONE_SECS || -moved.dot(normal) <= WHOLE * self.validity;
-        is_near && self.off(moved, normal) <= 1.0
-    }
-
-    /// From the tool of the answer to the one in balance with the device by a coupling of stiffness
-    /// k [N/mm], as the law would have it anywhere [mm].
-    fn moved(&self, device: DVec3, k: f64) -> DVec3 {
-        // k I − K has no eigenvalue below k
-        let balance = DMat3::from_diagonal(DVec3::splat(k)) - self.stiffness;
-        let pushed = self.force - self.stiffness * self.tool + device * k;
-        balance.inverse() * pushed - self.tool
-    }
-
     /// From the device to the tool that is in balance [mm] with a coupling of stiffness k [N/mm].
     fn spring(&self, device: DVec3, k: f64) -> DVec3 {
         let normal = self.force.normalize_or_zero();
         if normal == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        let moved = self.moved(device, k);
-        // deeper it is held, and falls on the way out
-        let out = moved.dot(normal).max(0.0);
-        let known = (moved - normal * out).clamp_length_max(self.validity) + normal * out;
-        let force = self.force + self.stiffness * known;
-        let share = (2.0 - self.off(moved, normal)).clamp(0.0, 1.0);
+        // the tissue's law and the coupling in balance; k I − K has no eigenvalue below k
+        let balance = DMat3::from_diagonal(DVec3::splat(k)) - self.stiffness;
+        let pushed = self.force - self.stiffness * self.tool + device * k;
+        let moved = balance.inverse() * pushed - self.tool;
+        let force = self.force + self.stiffness * moved.clamp_length_max(self.validity);
+        // held a little beyond what is known, and no farther
+        let share = (2.0 - 0.5 * moved.length() / self.validity).clamp(0.0, 1.0);
         one_sided(force, normal, self.force.length()) * (share / k)
-    }
-
-    /// How far aside and out a way from the contact goes [mm], as a share of how far the law is followed
-    /// whole: a little beyond what is known, and outward to where it pushes no more.
-    fn off(&self, moved: DVec3, normal: DVec3) -> f64 {
-        let out = moved.dot(normal);
-        let aside = (moved - normal * out).length();
-        let stiffness = -normal.dot(self.stiffness * normal);
-        let until_free = (self.force.length() / stiffness).min(MOST_OUT * self.validity);
-        let near = WHOLE * self.validity;
-        (aside / near).hypot(out.max(0.0) / near.max(until_free))
     }
 }
 

@@ -62,10 +62,9 @@ class DeformationReport(TypedDict):
     force: list[float]
     """Force of the tissue on the tool [N], whether it is sent or not."""
     answers: int
-    """Answers of the model since the session's start, without those that were not at rest and whose
-    force was passed over."""
+    """Answers of the model since the session's start."""
     late: bool
-    """Whether the next answer is late; the force follows the last one meanwhile."""
+    """Whether the next answer is late; tissue is as rigid as its voxels meanwhile."""
     slips: int
     """Answers in which particles slipped."""
     iterations: int

@@ -143,9 +143,8 @@ class SessionSoftTissue:
         Returns:
             ``model`` (None where every segment is rigid), its ``options``, ``force_source``,
             ``force`` of the tissue on the tool [N, scene], whether it is sent or not, ``answers``
-            so far whose force counts, ``slips`` (answers in which particles slipped), and whether
-            the next answer is ``late`` (the force then follows the last one). Of the last answer:
-            ``iterations``,
+            so far, ``slips`` (answers in which particles slipped), and whether the next answer is
+            ``late`` (tissue is as rigid as its voxels then). Of the last answer: ``iterations``,
             ``residual`` (unbalanced force relative to the contact force), ``nodes``,
             ``moved_voxels`` (displaced from rest) and ``lasting_voxels`` (those of them that stay
             displaced). Since the start: ``bonds_broken`` and ``work_broken`` [N·mm].

@@ -156,8 +156,8 @@ def test_another_rate_is_refused(scan: Path) -> None:
 def test_an_unknown_command_is_refused_with_the_known_ones() -> None:
     assert (
         "allowed: open, demo, info, record, replay, export, import, reconstruct, register, "
-        "transform, render, series, segment, statistics, run, report, surface, scenario, bench"
-        in fails("frobnicate")
+        "transform, render, series, segment, statistics, recover, run, report, surface, scenario, "
+        "bench" in fails("frobnicate")
     )
 
 
@@ -267,7 +267,8 @@ class Opened:
 def test_open_serves_the_scan_until_ctrl_c(scan: Path) -> None:
     with Opened("open", scan, "--threshold", "0,1000") as opened:
         url = opened.url()
-        assert fetch(url).status_code == 200
+        with httpx.Client(trust_env=False, timeout=PATIENCE, follow_redirects=True) as browser:
+            assert "<title>Palpate</title>" in browser.get(url).text
         volume = fetch(url.replace("/?", "/api/volume?"))
         assert len(volume.content) == 14 * 13 * 12 * 2
         assert opened.ends(signal.SIGINT) == 0

@@ -250,7 +250,6 @@ impl LatticeModel {
             answer.report.residual = report.residual;
             // what is not at rest yet may swing too far, and must not break for that
             let at_rest = report.residual <= AT_REST * self.settings.tolerance;
-            answer.report.settling = !at_rest;
             let is_pressed = self.relaxer.felt().iter().any(|felt| felt.nodes > 0);
             self.settled &= !is_pressed;
             let yields = is_pressed && report.residual <= NEARLY_AT_REST;

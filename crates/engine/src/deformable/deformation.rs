@@ -12,7 +12,7 @@ use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
 use palpate_deform::registry::ModelOptions;
-use palpate_haptics::soft_contact::LATE_SECS;
+use palpate_haptics::soft_contact::STALE_SECS;
 use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
 use palpate_volume::segment_set::SegmentSet;
@@ -28,17 +28,6 @@ const PATIENCE: Duration = Duration::from_millis(25);
 const SOONEST: f64 = 0.008;
 /// Tissue farther from the tool than this is not asked [mm].
 const REACH: f64 = 30.0;
-/// A tool that has moved by no more than this is where it was [smallest spacings]: its law holds there.
-const STILL: f64 = 0.01;
-/// How far a tool goes deeper from one answer to the next, at most [its radii]: tissue that it would be
-/// in the middle of at once would be pushed to the wrong side, or torn by a force that is felt nowhere.
-const DEEPER: f64 = 0.5;
-/// Answers in a row whose force is passed over because tissue was still on its way to rest: more of them
-/// where it is far from rest [share of unbalanced force].
-const MOST_PASSED_OVER: [u32; 2] = [4, 20];
-const FAR_FROM_REST: f64 = 0.05;
-/// A tool that has gone farther aside meanwhile is elsewhere [smallest spacings].
-const ASIDE: f64 = 0.5;
 
 /// A model and the name that it goes by.
 pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
@@ -64,13 +53,13 @@ pub struct DeformationStatus {
     pub source: ForceSource,
     /// Force of the tissue on the tool [N], felt or not.
     pub force: DVec3,
-    /// Answers so far, without those whose force was passed over.
+    /// Answers so far.
     pub answers: u64,
     /// Of these, answers in which particles slipped: there the force may jump.
     pub slips: u64,
     /// How the last one went.
     pub report: ModelReport,
-    /// Whether the next one is late: until it comes, the force follows the last one.
+    /// Whether the next one is late: until it comes, tissue is as hard as its voxels.
     pub late: bool,
 }
 
@@ -81,7 +70,7 @@ pub struct Outcome {
     pub edit: Option<Edit>,
     /// What all moved voxels are without a tool; none where that is not known, or as before.
     pub at_rest: Option<AtRest>,
-    /// What the servo is to follow; none where no answer has come.
+    /// What the servo is to follow.
     pub deformable_contact: Option<DeformableContact>,
     /// Where tissue stands beside its voxels.
     pub displacement: Option<DisplacementField>,
@@ -106,12 +95,6 @@ pub struct Deformation {
     known: Option<u64>,
     reset: bool,
     asked: Option<Asked>,
-    /// Where the tool was in the last answer, and the force on it there [mm, N].
-    answered: Option<(DVec3, DVec3)>,
-    /// Answers in a row whose force was passed over.
-    passed_over: u32,
-    /// What the servo was told to follow last.
-    told: DeformableContact,
     last_time: f64,
     now: DeformationStatus,
     was_deformable: bool,
@@ -143,9 +126,6 @@ impl Deformation {
             known: None,
             reset: false,
             asked: None,
-            answered: None,
-            passed_over: 0,
-            told: DeformableContact::default(),
             last_time: 0.0,
             now: DeformationStatus::default(),
             was_deformable: false,
@@ -215,9 +195,9 @@ impl Deformation {
     /// Takes an answer, if one has come. Its edit is to be applied, and told of by
     /// [`Self::followed`], before the next question.
     pub fn take(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
-        let outcome = self.take_answer(scene, status);
+        let outcome = self.take_answer(scene);
         self.matter.follow(scene);
-        self.now.late = self.asked.is_some() && status.time - self.last_time > LATE_SECS;
+        self.now.late = self.asked.is_some() && status.time - self.last_time > STALE_SECS;
         outcome
     }
 
@@ -234,8 +214,7 @@ impl Deformation {
         }
         self.was_deformable = false;
         self.now.force = DVec3::ZERO;
-        self.told = DeformableContact::default();
-        Some(self.told)
+        Some(DeformableContact::default())
     }
 
     /// Whether it is time for the next question where an answer came early: a model that has
@@ -256,7 +235,7 @@ impl Deformation {
         self.known == Some(edit_number)
     }
 
-    fn take_answer(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
+    fn take_answer(&mut self, scene: &Scene) -> Outcome {
         let Ok(answer) = self.answers.try_recv() else {
             return Outcome::default();
         };
@@ -264,16 +243,11 @@ impl Deformation {
             return Outcome::default();
         };
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
-        let force = contact.map_or(DVec3::ZERO, |contact| contact.force);
-        let counts = self.counts(&answer.report, (asked.tool, force), status, scene);
-        self.answered = Some((asked.tool, force));
-        if counts {
-            self.now.answers += 1;
-            self.now.force = force;
-        }
+        self.now.answers += 1;
         self.now.report = answer.report;
         let slipped = |event: &ModelEvent| matches!(event, ModelEvent::Slipped { .. });
         self.now.slips += u64::from(answer.events.iter().any(slipped));
+        self.now.force = contact.map_or(DVec3::ZERO, |contact| contact.force);
         self.was_deformable = true;
         // built from voxels that are others by now: the model looks again
         let is_current = scene.voxels().edit_number() == asked.edit;
@@ -281,56 +255,19 @@ impl Deformation {
         if edit.is_none() && !is_current {
             self.known = None;
         }
-        // one that is passed over says that the last one still holds
         let deformable_contact = match self.now.source {
-            ForceSource::Matter if !counts => self.told,
             ForceSource::Matter => DeformableContact {
                 segments: asked.segments,
                 contact: Some(contact.unwrap_or_else(|| nothing_at(asked.tool))),
             },
             ForceSource::Voxels => DeformableContact::default(),
         };
-        self.told = deformable_contact;
         Outcome {
             edit,
             at_rest: answer.at_rest.filter(|_| is_current),
             deformable_contact: Some(deformable_contact),
             displacement: answer.displacement,
             events: answer.events,
-        }
-    }
-
-    /// Whether the force of an answer counts. While tissue is still on its way to rest it does not, for
-    /// some answers, unless the tool has gone aside meanwhile: then a force that is nearly right is better
-    /// than that of another place.
-    fn counts(
-        &mut self,
-        report: &ModelReport,
-        (place, force): (DVec3, DVec3),
-        status: &ServoStatus,
-        scene: &Scene,
-    ) -> bool {
-        let aside = (status.tool - place).reject_from_normalized(force.normalize_or(DVec3::Z));
-        let is_there = aside.length() <= ASIDE * scene.voxels().grid().smallest_spacing();
-        let most = MOST_PASSED_OVER[usize::from(report.residual > FAR_FROM_REST)];
-        let passes = report.settling && is_there && self.passed_over < most;
-        self.passed_over = if passes { self.passed_over + 1 } else { 0 };
-        !passes
-    }
-
-    /// Where the model is to have the tool, on its way to where the servo has it [mm].
-    fn led(&self, tool: DVec3, status: &ServoStatus, most: f64, smallest: f64) -> DVec3 {
-        let proxy = status.proxy;
-        let near = |(place, _): &(DVec3, DVec3)| place.distance(tool) <= proxy.distance(tool);
-        match self.answered {
-            Some((place, _)) if self.passed_over > 0 => place,
-            Some((place, _)) if place.distance(tool) <= STILL * smallest => place,
-            Some((place, force)) if force != DVec3::ZERO && near(&(place, force)) => {
-                let normal = force.normalize();
-                tool + normal * ((place - tool).dot(normal) - most).max(0.0)
-            }
-            // from where nothing presses
-            _ => proxy + (tool - proxy).clamp_length_max(most),
         }
     }
 
@@ -360,17 +297,6 @@ impl Deformation {
         if self.model.is_none() || !is_needed || !is_known {
             return;
         }
-        let reset = std::mem::take(&mut self.reset);
-        if reset || leaves {
-            self.answered = None;
-            self.passed_over = 0;
-        }
-        // what is smaller than the voxels would slip between them
-        let radius = status.radius.max(smallest);
-        let tool = match self.now.source {
-            ForceSource::Matter => self.led(tool, status, DEEPER * radius, smallest),
-            ForceSource::Voxels => tool,
-        };
         let edit = scene.voxels().edit_number();
         let voxels = if self.known == Some(edit) {
             ModelVoxels::Followed
@@ -379,12 +305,13 @@ impl Deformation {
         };
         let job = DeformationJob {
             model: self.new_model.take(),
-            reset,
+            reset: std::mem::take(&mut self.reset),
             voxels,
             materials: self.matter.materials(scene),
             tool: (!leaves).then_some(ToolState {
                 id: 0,
-                shape: ToolShape::Ball(radius),
+                // what is smaller than the voxels would slip between them
+                shape: ToolShape::Ball(status.radius.max(smallest)),
                 position: tool,
                 orientation: DQuat::IDENTITY,
             }),
