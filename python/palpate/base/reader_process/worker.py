@@ -12,6 +12,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
@@ -58,7 +59,9 @@ def main() -> None:
         try:
             _answer(requests.get(timeout=QUIET if likely else None), tell)
         except Empty:
-            import_module(likely.pop(0))
+            # a request that needs it is told what is wrong with it
+            with suppress(Exception):
+                import_module(likely.pop(0))
 
 
 def _listen(requests: SimpleQueue[Request]) -> None:
