@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-import numpy as np
 import pytest
-import SimpleITK
 from browser import Browser
+from made_cohort import write_outlier
 from palpate.cli.commands import run
 
 pytestmark = pytest.mark.browser
@@ -30,14 +29,7 @@ export:
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     """Five cases, of which p4 is an outlier, and one that failed; opened as a file."""
     folder = tmp_path_factory.mktemp("cohort")
-    for number, edge in enumerate((4, 5, 6, 5, 24)):
-        values = np.zeros((32, 32, 32), np.int16)
-        values[2 : 2 + edge, 2:8, 2:8] = 300
-        path = folder / "data" / f"p{number}" / "ct.nii.gz"
-        path.parent.mkdir(parents=True)
-        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path))
-    (folder / "data" / "torn").mkdir()
-    (folder / "data" / "torn" / "ct.nii.gz").write_bytes(b"")
+    write_outlier(folder)
     recipe, out = folder / "recipe.yaml", folder / "out"
     recipe.write_text(RECIPE, "utf-8")
     over = str(folder / "data" / "*" / "ct.nii.gz")

@@ -1,7 +1,8 @@
 """Lets in the browser that a command starts, without the token.
 
 A browser is given its first address as an argument, which every user of the machine can read. So a
-ticket stands there: it is of use once, for a short time, and only to programs of this user.
+ticket stands there: it is of use once, for a short time, and only to programs of this user or of
+the system.
 
 Source: proc_pid_net(5), ``/proc/net/tcp``.
 """
@@ -60,7 +61,8 @@ def _is_own(client: tuple[str, int] | None, port: int) -> bool:
     """Says whether a client is a program of this user, where the system tells."""
     if not tells_owners():
         return True
-    return client is not None and user_of(client[1], port) == os.getuid()
+    # root hands on connections from elsewhere, such as from Windows to WSL, and needs no ticket
+    return client is not None and user_of(client[1], port) in (os.getuid(), 0)
 
 
 def user_of(client: int, server: int) -> int | None:

@@ -268,3 +268,18 @@ def test_what_lies_in_the_folder_is_no_module(
         (tmp_path / f"{name}.py").write_text("raise SystemExit")
     monkeypatch.chdir(tmp_path)
     assert apart(where, path=Path("a"))[1] == str(tmp_path.resolve())
+
+
+def test_a_worker_that_waits_outlives_a_library_that_cannot_be_loaded(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # the last one that is loaded while nothing is asked
+    loaded = tmp_path / "loaded"
+    (tmp_path / "nibabel.py").write_text(f"open({str(loaded)!r}, 'w').close(); raise TypeError")
+    pool._close_all()
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
+    first = apart(where, path=Path("a"))[0]
+    while not loaded.exists():
+        time.sleep(0.05)
+    assert apart(where, path=Path("a"))[0] == first
+    pool._close_all()

@@ -18,20 +18,12 @@ import psutil
 import pytest
 import SimpleITK
 from distributed import Client
+from made_cohort import BLOCK_RECIPE, write_block
 from palpate.base.package_version import package_version
 from palpate.cli.commands import run
 from palpate.cohort import Case, Limits, run_case
 from palpate.cohort.case_process import CaseProcess
 
-RECIPE = """\
-segment:
-  - threshold: 100
-    name: block
-surface:
-  - out: block.stl
-export:
-  - out: labels.nii.gz
-"""
 MADE = ("block.stl", "labels.nii.gz", "thumbnail.jpg")
 PALPATE = [sys.executable, "-m", "palpate", "run", "recipe.yaml"]
 OVER = ["--over", "data/*/ct.nii.gz", "-o", "out"]
@@ -48,12 +40,8 @@ main()
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for number, name in enumerate(NAMES):
-        values = np.zeros((12, 12, 12), np.int16)
-        values[2 : 5 + number, 2:8, 2:8] = 300
-        path = tmp_path / "data" / name / "ct.nii.gz"
-        path.parent.mkdir(parents=True)
-        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path))
-    (tmp_path / "recipe.yaml").write_text(RECIPE, "utf-8")
+        write_block(tmp_path / "data" / name / "ct.nii.gz", 3 + number)
+    (tmp_path / "recipe.yaml").write_text(BLOCK_RECIPE, "utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -11,9 +11,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-import SimpleITK
+from made_cohort import BLOCK_RECIPE, write_block
 from palpate.base.errors import OptionError
 from palpate.cli.commands import run
 from palpate.cohort.case import Case, share_of
@@ -21,29 +20,12 @@ from palpate.cohort.case_process import CaseProcess
 from palpate.cohort.matches import cases_over
 from palpate.cohort.table import cases_of_table
 
-RECIPE = """\
-segment:
-  - threshold: 100
-    name: block
-surface:
-  - out: block.stl
-export:
-  - out: labels.nii.gz
-"""
-
-
-def scan(path: Path, edge: int) -> None:
-    values = np.zeros((12, 12, 12), np.int16)
-    values[2 : 2 + edge, 2:8, 2:8] = 300
-    path.parent.mkdir(parents=True, exist_ok=True)
-    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path))
-
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for number in (1, 2, 3):
-        scan(tmp_path / "data" / f"p{number}" / "ct.nii.gz", 3 + number)
-    (tmp_path / "recipe.yaml").write_text(RECIPE, "utf-8")
+        write_block(tmp_path / "data" / f"p{number}" / "ct.nii.gz", 3 + number)
+    (tmp_path / "recipe.yaml").write_text(BLOCK_RECIPE, "utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -75,7 +57,7 @@ def test_broken_scans_are_told_and_the_rest_is_done_and_kept(folder: Path, capsy
 
     # a rerun keeps what is done to the byte, and takes what was mended and what changed
     (folder / "data" / "cut" / "ct.nii.gz").write_bytes(whole)
-    scan(folder / "data" / "p3" / "ct.nii.gz", 8)
+    write_block(folder / "data" / "p3" / "ct.nii.gz", 8)
     before = content(folder / "out" / "p1")
     assert over("--dry-run") == 0
     assert capsys.readouterr().out == "cut\nempty\np3\n3 to run, 2 kept\n"
@@ -182,7 +164,7 @@ def test_columns_of_a_table_fill_the_recipe(folder: Path, capsys: Any) -> None:
     (folder / "cases.csv").write_text(
         "case,scan,low\na,data/p1/ct.nii.gz,100\nb,data/p2/ct.nii.gz,200\n", "utf-8"
     )
-    text = "import:\n  path: {scan}\n" + RECIPE.replace("100", '"{low}"')
+    text = "import:\n  path: {scan}\n" + BLOCK_RECIPE.replace("100", '"{low}"')
     (folder / "recipe.yaml").write_text(text, "utf-8")
     assert run(["run", "recipe.yaml", "--table", "cases.csv", "-o", "out", "--dry-run"]) == 0
     assert capsys.readouterr().out == "a\nb\n2 to run, 0 kept\n"
@@ -206,7 +188,7 @@ def test_an_output_folder_with_other_things_is_left_alone(folder: Path, capsys: 
 
 
 def test_a_recipe_writes_within_the_folder_of_its_case(folder: Path, capsys: Any) -> None:
-    (folder / "recipe.yaml").write_text(RECIPE.replace("block.stl", "../block.stl"), "utf-8")
+    (folder / "recipe.yaml").write_text(BLOCK_RECIPE.replace("block.stl", "../block.stl"), "utf-8")
     assert over() == 2
     assert "plain names, such as" in capsys.readouterr().err
 

@@ -7,9 +7,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-import SimpleITK
+from made_cohort import write_outlier
 from palpate.cli.commands import run
 from palpate.cohort.overview.outliers import outliers
 
@@ -29,14 +28,7 @@ RUN = ["run", "recipe.yaml", "--over", "data/*/ct.nii.gz", "-o", "out"]
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Five cases, one of them much larger than the others, and one that cannot be read."""
-    for number, edge in enumerate((4, 5, 6, 5, 24)):
-        values = np.zeros((32, 32, 32), np.int16)
-        values[2 : 2 + edge, 2:8, 2:8] = 300
-        path = tmp_path / "data" / f"p{number}" / "ct.nii.gz"
-        path.parent.mkdir(parents=True)
-        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path))
-    (tmp_path / "data" / "torn").mkdir()
-    (tmp_path / "data" / "torn" / "ct.nii.gz").write_bytes(b"")
+    write_outlier(tmp_path)
     (tmp_path / "recipe.yaml").write_text(RECIPE, "utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
