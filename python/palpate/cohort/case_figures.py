@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from palpate.export.numbering import unique_names
 from palpate.pictures.picture_file import image_of
 from palpate.pictures.render import DrawnScene
 from palpate.segmentation.segment_statistics import statistics
@@ -19,12 +20,20 @@ EDGE = 200
 QUALITY = 80
 
 
-def measured_segments(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Returns what ``palpate statistics`` tells of each segment, by name, and its colour."""
-    return {
-        shown.name: {**statistics_row(one), "colour": _hex(shown.colour)}
-        for shown, one in zip(scene, statistics(scene), strict=True)
+def measured_segments(scene: Scene) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    """Measures the segments of a case.
+
+    Returns:
+        What ``palpate statistics`` tells of each, by names that differ, and its colour; and what is
+        to be said of the names.
+    """
+    shown = list(scene)
+    names, told = unique_names(shown)
+    rows = {
+        name: {**statistics_row(row), "colour": _hex(one.colour)}
+        for name, one, row in zip(names, shown, statistics(scene), strict=True)
     }
+    return rows, told
 
 
 def write_thumbnail(scene: Scene, path: Path) -> None:

@@ -69,7 +69,7 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
         scene, written, told = run_recipe(recipe, read_inputs(recipe, source))
     except PalpateError as error:
         raise OptionError(source.said(str(error))) from error
-    measured = measured_segments(scene)
+    measured, of_names = measured_segments(scene)
     write_thumbnail(scene, part / THUMBNAIL)
     return {
         "recipe_sha256": recipe_hash(source),
@@ -78,7 +78,7 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
         "wall_s": round(monotonic() - begun, 3),
         "cpu_s": round(sum(os.times()[:4]), 3),
         "peak_memory_bytes": _peak_memory(),
-        "warnings": [source.said(sentence) for sentence in told],
+        "warnings": [source.said(sentence) for sentence in (*told, *of_names)],
         "files": [path.relative_to(part).as_posix() for path in written],
         "labels": _labels(recipe, part),
         "scan": None if recipe.scan is None else str(recipe.scan.path),

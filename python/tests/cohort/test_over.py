@@ -11,14 +11,18 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from made_cohort import BLOCK_RECIPE, write_block
 from palpate.base.errors import OptionError
 from palpate.cli.commands import run
 from palpate.cohort.case import Case, share_of
+from palpate.cohort.case_figures import measured_segments
 from palpate.cohort.case_process import CaseProcess
 from palpate.cohort.matches import cases_over
 from palpate.cohort.table import cases_of_table
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 
 
 @pytest.fixture
@@ -158,6 +162,17 @@ def test_warnings_tell_options_as_the_recipe_has_them(folder: Path) -> None:
     told = json.loads((folder / "out" / "p1" / "done.json").read_text())
     assert any("`unit: HU`" in warning for warning in told["warnings"])
     assert "unit=HU" not in str(told["warnings"])
+
+
+def test_segments_of_one_name_are_both_measured_and_told() -> None:
+    # files of segments may have a name twice
+    values = np.zeros((6, 6, 6), np.int16)
+    values[:2] = 300
+    volume = Volume(values, spacing=(1.0, 1.0, 1.0))
+    parts = [volume.threshold(low, high, name="part") for low, high in ((100, 400), (0, 50))]
+    rows, told = measured_segments(Scene(volume, parts))
+    assert {name: row["voxels"] for name, row in rows.items()} == {"part": 72, "part (2)": 144}
+    assert any("'part' as 'part (2)'" in sentence for sentence in told)
 
 
 def test_columns_of_a_table_fill_the_recipe(folder: Path, capsys: Any) -> None:
