@@ -31,32 +31,23 @@ def temporary_files() -> Iterator[None]:
 
     Where none can be made they lie where the system has them.
     """
+    before = tempfile.tempdir
+    folder: Path | None = None
+    lock: FileLock | None = None
+    # Ctrl-C may come at any of these lines
     try:
-        folder, lock = _made()
-    except OSError:
-        yield
-        return
-    _sweep(folder.parent)
-    before, tempfile.tempdir = tempfile.tempdir, str(folder)
-    try:
+        with suppress(OSError):
+            folder = Path(tempfile.mkdtemp(prefix=OF_A_COMMAND))
+            lock = FileLock.take(folder / LOCK)
+            # or another start took it for one that was left
+            if lock is not None:
+                _sweep(folder.parent)
+                tempfile.tempdir = str(folder)
         yield
     finally:
         tempfile.tempdir = before
-        _remove(folder, lock)
-
-
-def _made() -> tuple[Path, FileLock]:
-    """Makes the folder; returns it with its locked file.
-
-    Raises:
-        OSError: There is no place for it.
-    """
-    folder = Path(tempfile.mkdtemp(prefix=OF_A_COMMAND))
-    lock = FileLock.take(folder / LOCK)
-    if lock is None:
-        # another start took it for one that was left
-        raise OSError("no file can be locked there")
-    return folder, lock
+        if folder is not None:
+            _remove(folder, lock)
 
 
 def _sweep(place: Path) -> None:
@@ -77,9 +68,10 @@ def _is_own_folder(entry: os.DirEntry[str]) -> bool:
     return sys.platform == "win32" or entry.stat(follow_symlinks=False).st_uid == os.getuid()
 
 
-def _remove(folder: Path, lock: FileLock) -> None:
+def _remove(folder: Path, lock: FileLock | None) -> None:
     """Removes a folder, locked to the end."""
     shutil.rmtree(folder, ignore_errors=True)
-    lock.let_go()
+    if lock is not None:
+        lock.let_go()
     # a file that is open cannot be removed everywhere
     shutil.rmtree(folder, ignore_errors=True)

@@ -87,9 +87,13 @@ def run(arguments: list[str]) -> int:
     part = _only(arguments)
     with told_by(lambda message: as_flags(message, part, arguments)):
         if current_thread() is not main_thread():
+            # neither Ctrl-C nor signals come here
             return _run(part, arguments)
-        with signals_as_ctrl_c(), temporary_files():
-            return _run(part, arguments)
+        try:
+            with signals_as_ctrl_c(), temporary_files():
+                return _run(part, arguments)
+        except KeyboardInterrupt:
+            return STOPPED_BY_PERSON
 
 
 def _run(part: typer.Typer, arguments: list[str]) -> int:
@@ -102,8 +106,6 @@ def _run(part: typer.Typer, arguments: list[str]) -> int:
         return fail(_system(error) if isinstance(error, OSError) else str(error))
     except MemoryError:
         return fail("not enough memory for this; allowed: a smaller scan, or a bigger machine")
-    except KeyboardInterrupt:
-        return STOPPED_BY_PERSON
     return result if isinstance(result, int) else 0
 
 

@@ -111,4 +111,7 @@ def _apart(volume: Volume, limit: float, *, inward: int) -> float:
 def _number_of(volume: Volume, value: float) -> int | None:
     """Returns the stored number that is nearest to a value; None where there is none."""
     steps = (value - volume.intercept) / volume.slope
-    return round(steps) if I16.min <= steps <= I16.max else None
+    # the value of the last number, as it is rounded, may be a little beyond it
+    if not I16.min - 0.5 <= steps <= I16.max + 0.5:
+        return None
+    return min(max(round(steps), I16.min), I16.max)
