@@ -19,6 +19,7 @@ from collections.abc import Iterable, Sequence
 
 from palpate import _core
 from palpate.base.errors import OptionError
+from palpate.base.harmless_text import terminal
 from palpate.base.progress import Progress, silent
 from palpate.bench.goals import GOALS, TOUCHES, Touch
 from palpate.bench.report import Row, row_of
@@ -84,7 +85,6 @@ def print_tables(rows: Iterable[Row]) -> None:
 
     Figures that miss their goal are red.
     """
-    from rich.console import Console
     from rich.table import Table
 
     tables: dict[str, dict[str, list[Row]]] = {}
@@ -92,7 +92,7 @@ def print_tables(rows: Iterable[Row]) -> None:
         touch, case = _parts(row.case)
         body, stroke = case.split(", ", maxsplit=1)
         tables.setdefault(f"{touch}: {stroke}", {}).setdefault(body, []).append(row)
-    console = Console()
+    console = terminal(markup=True)
     console.width = max(console.width, WIDTH)
     for title, bodies in tables.items():
         table = Table(title=title, title_justify="left", box=None, padding=(0, 1))

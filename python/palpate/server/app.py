@@ -141,6 +141,8 @@ def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> 
     """Makes a server of an app; ``ready`` is called once it answers."""
     options: dict[str, Any] = {
         "log_level": "warning",
+        # streams of the command line print no orders to a terminal
+        "use_colors": False,
         "access_log": False,
         "server_header": False,
         "lifespan": "on",
