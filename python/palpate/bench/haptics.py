@@ -21,7 +21,8 @@ from palpate import _core
 from palpate.base.errors import OptionError
 from palpate.base.harmless_text import terminal
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import (
+from palpate.bench.goals import Goal
+from palpate.bench.goals.haptics import (
     EMBEDDED,
     EMBEDDED_ROWS,
     EMBEDDED_WORKS,
@@ -34,7 +35,6 @@ from palpate.bench.goals import (
     RATIO,
     TOUCH_CASES,
     WORKS,
-    Goal,
     TouchCase,
     haptics_rows,
 )
