@@ -64,6 +64,7 @@ def run_recipe(
             kind=export.kind,
             only=export.only,
             keep_identity=export.keep_identity,
+            pixels_checked=export.pixels_checked,
             progress=progress,
         )
         written.append(export.out)
