@@ -20,7 +20,8 @@ class SessionHistory:
         """Takes the engine, and what comes back with segments: regions, touch and steps."""
         self._engine = engine
         self._regions, self._felt, self._known_steps = kept
-        self._groups = StepGroups(self._voxel_count)
+        self.groups = StepGroups(self._voxel_count)
+        """Steps that are one."""
 
     def undo(self) -> bool:
         """Undoes the last step.
@@ -29,7 +30,7 @@ class SessionHistory:
             Whether there was one.
         """
         with self._known_steps.moving(back=True), self._regions.restored():
-            undone = self._groups.undo(self._engine.undo)
+            undone = self.groups.undo(self._engine.undo)
         self._felt.hold()
         return undone
 
@@ -40,7 +41,7 @@ class SessionHistory:
             Whether there was one.
         """
         with self._known_steps.moving(back=False), self._regions.restored():
-            redone = self._groups.redo(self._engine.redo)
+            redone = self.groups.redo(self._engine.redo)
         self._felt.hold()
         return redone
 
@@ -52,7 +53,10 @@ class SessionHistory:
             counts: Its number of voxels before the first of these edits and after each of them,
                 None where it was removed. Each edit must only add voxels, or only remove some.
         """
-        self._groups.add(StepGroup(segment_id, tuple(counts)))
+        group = StepGroup(segment_id, tuple(counts))
+        self.groups.add(group)
+        if len(counts) > 2:
+            self._engine.note_in_journal(self.groups.note(group))
 
     def _voxel_count(self, segment_id: int) -> int | None:
         try:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from palpate.session.engine import Engine, option_errors
 from palpate.session.felt import FeltSegments
+from palpate.session.step_groups import StepGroups
 
 __all__ = ["SessionJournal"]
 
@@ -13,10 +14,17 @@ __all__ = ["SessionJournal"]
 class SessionJournal:
     """Writes a journal, and recovers a session from one."""
 
-    def __init__(self, engine: Engine, felt: FeltSegments) -> None:
-        """Takes the engine, and what learns which of the recovered segments are obstacles."""
+    def __init__(self, engine: Engine, felt: FeltSegments, groups: StepGroups) -> None:
+        """Takes the engine, and what learns which recovered segments are obstacles, and steps one.
+
+        Args:
+            engine: What writes and repeats changes.
+            felt: What is felt.
+            groups: Steps that are undone as one.
+        """
         self._engine = engine
         self._felt = felt
+        self._groups = groups
 
     def look_at_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int] | None:
         """Inspects a journal without changing anything.
@@ -77,7 +85,8 @@ class SessionJournal:
         """
         with option_errors():
             try:
-                return self._engine.recover_journal(path, scan_hash)
+                steps, damaged, notes = self._engine.recover_journal(path, scan_hash)
+                return steps, damaged, self._groups.take(notes)
             finally:
                 self._felt.learn()
 

@@ -115,7 +115,7 @@ class Session:
         self._tools = SessionTools(engine, scene.volume)
         self._history = SessionHistory(engine, (regions, felt, known))
         self._picture = SessionPicture(engine)
-        self._journal = SessionJournal(engine, felt)
+        self._journal = SessionJournal(engine, felt, self._history.groups)
         self._recorder = SessionRecorder(
             engine, scene, rate_hz=self.options.rate_hz, real_time=self.options.real_time
         )

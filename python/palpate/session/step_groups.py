@@ -9,12 +9,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+
+import msgspec
 
 __all__ = ["StepGroup", "StepGroups"]
 
 MOST = 1000
 """Most groups; older ones are undone step by step."""
+NOTE = b"steps that are one: "
+"""How a note of a journal begins that tells a group."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,19 @@ class StepGroups:
         """Adds a group whose steps were just done."""
         if len(group.counts) > 2:  # more than one step
             self._groups.append(group)
+
+    def note(self, group: StepGroup) -> bytes:
+        """Returns a group as a note of a journal."""
+        return NOTE + msgspec.json.encode(group)
+
+    def take(self, notes: list[bytes]) -> list[bytes]:
+        """Adds the groups that notes of a journal tell; returns the other notes."""
+        for note in notes:
+            if note.startswith(NOTE):
+                # without it the steps are undone one by one
+                with suppress(msgspec.DecodeError):
+                    self.add(msgspec.json.decode(note.removeprefix(NOTE), type=StepGroup))
+        return [note for note in notes if not note.startswith(NOTE)]
 
     def undo(self, once: Callable[[], bool]) -> bool:
         """Undoes a step or a group; ``once`` undoes one step, if there is one."""

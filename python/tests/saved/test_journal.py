@@ -21,7 +21,9 @@ from made_scans import make_ball
 from palpate.io.reading import read
 from palpate.protocol import SegmentProperties
 from palpate.saved.journal import Journal
+from palpate.segmentation.brush import Brush
 from palpate.segmentation.segment_steps import ShapeStep
+from palpate.session.painted_stroke import PaintedStroke
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scan_hash import scan_hash
 from palpate.volumes.scene import Scene
@@ -105,6 +107,36 @@ def test_steps_of_segments_are_brought_back_and_follow_undo(tmp_path: Path) -> N
         journal, told = begun(session, tmp_path, recover=True)
         assert told[0].startswith("Steps of segments were not brought back: ")
         assert session.frame()["can_undo"]
+
+
+def test_a_stroke_that_was_brought_back_is_undone_at_once(tmp_path: Path) -> None:
+    with Session(make_ball(), options=STILL) as session:
+        journal, _ = begun(session, tmp_path)
+        journal.note(b"[]")
+        whole = session.segment(1).mask()
+        for place in (18, 26):
+            stroke = PaintedStroke(session, 1, erases=True)
+            for step in range(3):
+                stroke.along(Brush(radius=2.0), [(float(place), 20.0, 16.0 + 4.0 * step)])
+            stroke.finish()
+            if place == 18:
+                one = session.segment(1).mask()
+                assert one.sum() < whole.sum()
+        both = session.segment(1).mask()
+        session.undo()
+        np.testing.assert_array_equal(session.segment(1).mask(), one)
+        session.redo()
+    # no close: as after a crash
+    shutil.copytree(tmp_path, tmp_path / "left")
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, tmp_path / "left", recover=True)
+        assert (journal.looks, told) == (b"[]", [])
+        np.testing.assert_array_equal(session.segment(1).mask(), both)
+        for expected in (one, whole):
+            assert session.undo()
+            np.testing.assert_array_equal(session.segment(1).mask(), expected)
+        assert session.redo()
+        np.testing.assert_array_equal(session.segment(1).mask(), one)
 
 
 def test_a_journal_goes_on_after_it_was_brought_back(left: Path) -> None:
@@ -207,6 +239,7 @@ import numpy as np
 sys.path.insert(0, sys.argv[2])
 from made_scans import make_ball
 from palpate.saved.journal import Journal
+from palpate.segmentation.brush import Brush
 from palpate.segmentation.segment_steps import ShapeStep
 from palpate.session.session import Session, SessionOptions
 
