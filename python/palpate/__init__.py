@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from palpate.registration.inverse import Inverse
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
+    from palpate.segmentation.comparison import Comparison, SegmentComparison, compare
     from palpate.segmentation.segment_statistics import (
         SegmentStatistics,
         ValueStatistics,
@@ -70,6 +71,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Camera",
     "Carrier",
+    "Comparison",
     "DicomWebError",
     "EmptySegmentError",
     "Gap",
@@ -93,6 +95,7 @@ __all__ = [
     "ScriptedPath",
     "SearchOptions",
     "Segment",
+    "SegmentComparison",
     "SegmentStatistics",
     "SeriesChoiceError",
     "Session",
@@ -104,6 +107,7 @@ __all__ = [
     "Volume",
     "VolumeFormatError",
     "WebAddress",
+    "compare",
     "export_scene",
     "fetch_series",
     "material_presets",
@@ -128,6 +132,7 @@ __getattr__ = lazy_exports(
     {
         "Camera": "pictures.camera",
         "Carrier": "registration.carry",
+        "Comparison": "segmentation.comparison",
         "DicomWebError": "base.errors",
         "EmptySegmentError": "base.errors",
         "Gap": "session.gap",
@@ -151,6 +156,7 @@ __getattr__ = lazy_exports(
         "ScriptedPath": "session.scripted_path",
         "SearchOptions": "registration.options",
         "Segment": "volumes.segment",
+        "SegmentComparison": "segmentation.comparison",
         "SegmentStatistics": "segmentation.segment_statistics",
         "SeriesChoiceError": "base.errors",
         "Session": "session.session",
@@ -162,6 +168,7 @@ __getattr__ = lazy_exports(
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",
         "WebAddress": "io.dicomweb.address",
+        "compare": "segmentation.comparison",
         "export_scene": "export.export",
         "fetch_series": "io.dicomweb.series",
         "material_presets": "volumes.material",

@@ -36,6 +36,8 @@ from palpate.cli.bench_touch import (
     bench_stress,
     bench_touch_quality,
 )
+from palpate.cli.compare import EXAMPLES as COMPARE_EXAMPLES
+from palpate.cli.compare import compare
 from palpate.cli.ended_by_signal import signals_as_ctrl_c
 from palpate.cli.export import export
 from palpate.cli.flags import as_flags
@@ -201,6 +203,7 @@ app.command("render", epilog=RENDER_EXAMPLES)(keeping_files(render))
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(keeping_files(segment))
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(keeping_files(statistics))
+app.command("compare", epilog=COMPARE_EXAMPLES)(keeping_files(compare))
 app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.command("report")(report)

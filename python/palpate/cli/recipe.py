@@ -36,6 +36,9 @@ A recipe has a step for each command, with its options:
       out: bone.stl
   export:
     - out: segments.seg.nrrd
+  compare:                     # with a reference mask
+    - reference: truth.seg.nrrd
+      out: agreement.csv
   transform:                   # the second scan's labels, on the grid of the first
     - path: mr-labels.nii.gz
       transform: mr-to-ct.tfm
@@ -140,6 +143,7 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     from palpate.recipes.check import read_inputs
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe
+    from palpate.segmentation.statistics_table import aligned_lines
 
     with (
         files_noted(),
@@ -151,13 +155,15 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
         wanted, source = read_recipe(recipe)
         inputs = read_inputs(wanted, source, progress=display)
         if not check:
-            scene, written, told = run_recipe(wanted, inputs, progress=display)
+            made = run_recipe(wanted, inputs, progress=display)
     if check:
         typer.echo(f"{recipe}: nothing is wrong with it")
         return
-    for sentence in told:
+    for sentence in made.told:
         warn(sentence)
-    for shown in scene:
+    for shown in made.scene:
         typer.echo(f"{shown.name}: {shown.segment.volume_text}")
-    for path in written:
+    for measured in made.measures.tables:
+        typer.echo("\n".join((f"{measured.title}:", *aligned_lines(measured.cells))))
+    for path in made.written:
         typer.echo(f"{path} written")

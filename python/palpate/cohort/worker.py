@@ -66,11 +66,11 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
     recipe = placed(recipe_of(source), source, part)
     check_options(recipe, source)
     try:
-        scene, written, told = run_recipe(recipe, read_inputs(recipe, source))
+        made = run_recipe(recipe, read_inputs(recipe, source))
     except PalpateError as error:
         raise OptionError(source.said(str(error))) from error
-    measured, of_names = measured_segments(scene)
-    write_thumbnail(scene, part / THUMBNAIL)
+    measured, of_names = measured_segments(made.scene, made.measures.columns)
+    write_thumbnail(made.scene, part / THUMBNAIL)
     return {
         "recipe_sha256": recipe_hash(source),
         "inputs": inputs,
@@ -78,8 +78,8 @@ def _run(request: dict[str, Any], part: Path) -> dict[str, Any]:
         "wall_s": round(monotonic() - begun, 3),
         "cpu_s": round(sum(os.times()[:4]), 3),
         "peak_memory_bytes": _peak_memory(),
-        "warnings": [source.said(sentence) for sentence in (*told, *of_names)],
-        "files": [path.relative_to(part).as_posix() for path in written],
+        "warnings": [source.said(sentence) for sentence in (*made.told, *of_names)],
+        "files": [path.relative_to(part).as_posix() for path in made.written],
         "labels": _labels(recipe, part),
         "scan": None if recipe.scan is None else str(recipe.scan.path),
         "segments": measured,

@@ -12,6 +12,7 @@ from palpate.cli.commands import app
 from palpate.export.request import ExportRequest
 from palpate.pictures.request import PictureRequest
 from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterStep, TransformStep
+from palpate.segmentation.comparison_request import CompareRequest
 from palpate.segmentation.request import SegmentRequest
 from palpate.volumes.mesh_write import SUFFIXES
 from palpate.volumes.surface_request import SurfaceRequest
@@ -24,6 +25,7 @@ STEPS: dict[str, tuple[type[Request], str]] = {
     "segment": (SegmentRequest, "segment"),
     "surface": (SurfaceRequest, "surface export"),
     "export": (ExportRequest, "export"),
+    "compare": (CompareRequest, "compare"),
     "transform": (TransformStep, "transform"),
     "picture": (PictureRequest, "render"),
 }
@@ -57,6 +59,7 @@ ELSEWHERE: dict[str, set[str]] = {
         "path", "json_file", "segments", "threshold", "resample", "another_patient",
     } | READING,
     "export": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
+    "compare": {"path", "segments", "threshold", "as_csv", "as_json"} | READING,
     "picture": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
 }  # fmt: skip
 """Parameters of a command that other steps of a recipe stand for."""

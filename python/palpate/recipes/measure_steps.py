@@ -1,0 +1,52 @@
+"""Steps of a recipe that measure segments and make none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from palpate.base.progress import Progress
+from palpate.recipes.measures import Measures, Table
+from palpate.recipes.steps import Recipe
+from palpate.segmentation.comparison_request import CompareRequest
+from palpate.segmentation.comparison_table import comparison_cells, comparison_row
+from palpate.volumes.scene import Scene
+
+__all__ = ["measure"]
+
+NO_NUMBERS = ("segment", "reference", "volume_ml", "note")
+"""Columns of a comparison that a cohort has already, or that say no number."""
+
+
+def measure(
+    scene: Scene, recipe: Recipe, *, log: tuple[list[str], list[Path]], progress: Progress
+) -> Measures:
+    """Does the steps that measure.
+
+    Args:
+        scene: The scan and its segments.
+        recipe: The recipe.
+        log: Takes what a person should know, and the files that are written.
+        progress: Takes the progress.
+
+    Raises:
+        PalpateError: A step cannot be done.
+        OSError: The disk refuses a file.
+    """
+    told, written = log
+    measures = Measures()
+    for compared in recipe.compare:
+        told += _compare(scene, compared, measures, progress=progress)
+        written += [] if compared.out is None else [compared.out]
+    return measures
+
+
+def _compare(
+    scene: Scene, step: CompareRequest, measures: Measures, *, progress: Progress
+) -> tuple[str, ...]:
+    found = step.compare(scene, progress=progress)
+    title = f"Compared with {step.reference.name}"
+    measures.tables.append(Table(title, comparison_cells(found)))
+    for one in found.segments:
+        row = comparison_row(one)
+        measures.note(one.name, {name: row[name] for name in row if name not in NO_NUMBERS})
+    return found.warnings
