@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
     from palpate.segmentation.comparison import Comparison, SegmentComparison, compare
+    from palpate.segmentation.landmarks import Landmark, landmarks
     from palpate.segmentation.segment_statistics import (
         SegmentStatistics,
         ValueStatistics,
@@ -78,6 +79,7 @@ __all__ = [
     "Inverse",
     "Label",
     "Labels",
+    "Landmark",
     "Material",
     "Mesh",
     "MeshFile",
@@ -110,6 +112,7 @@ __all__ = [
     "compare",
     "export_scene",
     "fetch_series",
+    "landmarks",
     "material_presets",
     "object_of_mesh",
     "phantom",
@@ -139,6 +142,7 @@ __getattr__ = lazy_exports(
         "Inverse": "registration.inverse",
         "Label": "labels.labels",
         "Labels": "labels.labels",
+        "Landmark": "segmentation.landmarks",
         "Material": "volumes.material",
         "Mesh": "volumes.surface",
         "MeshFile": "volumes.mesh_read",
@@ -171,6 +175,7 @@ __getattr__ = lazy_exports(
         "compare": "segmentation.comparison",
         "export_scene": "export.export",
         "fetch_series": "io.dicomweb.series",
+        "landmarks": "segmentation.landmarks",
         "material_presets": "volumes.material",
         "object_of_mesh": "volumes.mesh_read",
         "phantom": "volumes.phantom",

@@ -44,6 +44,8 @@ from palpate.cli.flags import as_flags
 from palpate.cli.import_scan import EXAMPLES as IMPORT_EXAMPLES
 from palpate.cli.import_scan import import_scan
 from palpate.cli.info import info
+from palpate.cli.landmarks import EXAMPLES as LANDMARKS_EXAMPLES
+from palpate.cli.landmarks import landmarks
 from palpate.cli.open import demo, open_scan
 from palpate.cli.recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli.recipe import run_file
@@ -204,6 +206,7 @@ app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(keeping_files(segment))
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(keeping_files(statistics))
 app.command("compare", epilog=COMPARE_EXAMPLES)(keeping_files(compare))
+app.command("landmarks", epilog=LANDMARKS_EXAMPLES)(keeping_files(landmarks))
 app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.command("report")(report)

@@ -44,26 +44,21 @@ def compare(
     reading: ReadRequest,
 ) -> None:
     """Compare segments with a reference: Dice, Hausdorff and mean surface distance."""
-    from palpate.base.errors import OptionError
-    from palpate.base.typed_numbers import parse_threshold
-    from palpate.cli.scenes import scene_at
+    from palpate.cli.scenes import measured_scene
     from palpate.saved.ending import is_scene
     from palpate.segmentation.comparison_table import comparison_text
 
     form = table_form(request.out, as_csv=as_csv, as_json=as_json)
-    bounds = parse_threshold(threshold)
-    if not is_scene(path) and segments is None and bounds is None:
-        raise OptionError(
-            "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
-        )
+    # of a saved scene, they are about the reference alone
+    fits = not is_scene(path)
     with quiet_libraries(), Display() as display:
-        scene = scene_at(
+        scene = measured_scene(
             path,
             reading,
-            bounds=bounds,
-            label_map=segments,
-            resample=request.resample,
-            another_patient=request.another_patient,
+            threshold=threshold,
+            segments=segments,
+            resample=request.resample and fits,
+            another_patient=request.another_patient and fits,
             progress=display,
         )
         found = request.compare(scene, progress=display)

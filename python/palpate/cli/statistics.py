@@ -56,27 +56,19 @@ def statistics(
     reading: ReadRequest,
 ) -> None:
     """Measure segments: volume, values, diameters, surface area, centroid."""
-    from palpate.base.errors import OptionError
-    from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target, whole_file
-    from palpate.cli.scenes import scene_at
-    from palpate.saved.ending import is_scene
+    from palpate.cli.scenes import measured_scene
     from palpate.segmentation.segment_statistics import statistics as measure
 
     form = table_form(out, as_csv=as_csv, as_json=as_json)
     if out is not None:
         check_target(out, SUFFIXES)
-    bounds = parse_threshold(threshold)
-    if not is_scene(path) and segments is None and bounds is None:
-        raise OptionError(
-            "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
-        )
     with quiet_libraries(), Display() as display:
-        scene = scene_at(
+        scene = measured_scene(
             path,
             reading,
-            bounds=bounds,
-            label_map=segments,
+            threshold=threshold,
+            segments=segments,
             resample=resample,
             another_patient=another_patient,
             progress=display,

@@ -9,6 +9,7 @@ from palpate.recipes.measures import Measures, Table
 from palpate.recipes.steps import Recipe
 from palpate.segmentation.comparison_request import CompareRequest
 from palpate.segmentation.comparison_table import comparison_cells, comparison_row
+from palpate.segmentation.landmarks_request import LandmarksRequest, landmark_cells
 from palpate.volumes.scene import Scene
 
 __all__ = ["measure"]
@@ -37,6 +38,9 @@ def measure(
     for compared in recipe.compare:
         told += _compare(scene, compared, measures, progress=progress)
         written += [] if compared.out is None else [compared.out]
+    for listed in recipe.landmarks:
+        told += _landmarks(scene, listed, measures)
+        written += [] if listed.out is None else [listed.out]
     return measures
 
 
@@ -50,3 +54,12 @@ def _compare(
         row = comparison_row(one)
         measures.note(one.name, {name: row[name] for name in row if name not in NO_NUMBERS})
     return found.warnings
+
+
+def _landmarks(scene: Scene, step: LandmarksRequest, measures: Measures) -> list[str]:
+    found, told = step.find(scene)
+    measures.tables.append(Table("Landmarks", landmark_cells(found)))
+    for each in found:
+        axes = zip("LPS", each.point, strict=True)
+        measures.note(each.segment, {f"landmark_{each.name}_{axis}_mm": n for axis, n in axes})
+    return told

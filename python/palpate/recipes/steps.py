@@ -18,6 +18,7 @@ from palpate.reconstruction.request import ReconstructionRequest
 from palpate.registration.request import RegisterRequest
 from palpate.registration.transform_request import TransformRequest
 from palpate.segmentation.comparison_request import CompareRequest
+from palpate.segmentation.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
 from palpate.volumes.surface_request import SurfaceRequest
 
@@ -91,6 +92,9 @@ class Recipe(Request, frozen=True, kw_only=True):
         default_factory=list
     )
     compare: Annotated[list[CompareRequest], words("References to compare segments with.")] = (
+        msgspec.field(default_factory=list)
+    )
+    landmarks: Annotated[list[LandmarksRequest], words("Landmarks of segments to list.")] = (
         msgspec.field(default_factory=list)
     )
     transform: Annotated[list[TransformStep], words("Files to carry.")] = msgspec.field(

@@ -15,10 +15,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["border_points", "surface_distances"]
+__all__ = ["border_voxels", "surface_distances"]
 
 Mask = NDArray[np.bool_]
-Points = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
 def surface_distances(
@@ -33,18 +33,18 @@ def surface_distances(
     """
     from scipy.spatial import cKDTree
 
-    ends = border_points(first, spacing), border_points(second, spacing)
+    edges = np.asarray(spacing, np.float64)
+    ends = tuple(border_voxels(mask) * edges for mask in (first, second))
     trees = cKDTree(ends[0]), cKDTree(ends[1])
     to_second, _ = trees[1].query(ends[0])
     to_first, _ = trees[0].query(ends[1])
     return to_second, to_first
 
 
-def border_points(mask: Mask, spacing: Sequence[float]) -> Points:
-    """Returns the centres of border voxels from that of the first voxel on [mm], shape [count, 3].
-
-    Columns are along x, y, z of the grid.
-    """
+def border_voxels(mask: Mask) -> Indices:
+    """Returns the indices x, y, z of the border voxels of a mask, shape [count, 3]."""
+    if not mask.any():
+        return np.empty((0, 3), np.int64)
     low, past = _box(mask)
     inside = np.pad(mask[tuple(map(slice, low, past))], 1)
     core = inside.copy()
@@ -52,8 +52,7 @@ def border_points(mask: Mask, spacing: Sequence[float]) -> Points:
         for step in (-1, 1):
             # the rim is empty, so that nothing comes round from the other side
             core &= np.roll(inside, step, axis=axis)
-    places = np.argwhere(inside & ~core) - 1 + low
-    return np.ascontiguousarray(places[:, ::-1] * np.asarray(spacing, np.float64))
+    return np.asarray((np.argwhere(inside & ~core) - 1 + low)[:, ::-1], np.int64)
 
 
 def _box(mask: Mask) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

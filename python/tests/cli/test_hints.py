@@ -52,6 +52,7 @@ HINTS: dict[str, set[str]] = {
     "surface voxels": {"close", "as_shell", "frame", "unit"},
     "statistics": READING | FITTING,
     "compare": READING | FITTING | {"segment", "against"},
+    "landmarks": READING | FITTING,
     "register": {"landmarks", "moving_series", "moving_frame"} | FITTING,
     "transform": {"of", "like", "inverse", "series", "frame", "unit"} | FITTING,
 }

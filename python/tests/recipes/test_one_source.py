@@ -13,6 +13,7 @@ from palpate.export.request import ExportRequest
 from palpate.pictures.request import PictureRequest
 from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterStep, TransformStep
 from palpate.segmentation.comparison_request import CompareRequest
+from palpate.segmentation.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
 from palpate.volumes.mesh_write import SUFFIXES
 from palpate.volumes.surface_request import SurfaceRequest
@@ -26,6 +27,7 @@ STEPS: dict[str, tuple[type[Request], str]] = {
     "surface": (SurfaceRequest, "surface export"),
     "export": (ExportRequest, "export"),
     "compare": (CompareRequest, "compare"),
+    "landmarks": (LandmarksRequest, "landmarks"),
     "transform": (TransformStep, "transform"),
     "picture": (PictureRequest, "render"),
 }
@@ -60,6 +62,9 @@ ELSEWHERE: dict[str, set[str]] = {
     } | READING,
     "export": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
     "compare": {"path", "segments", "threshold", "as_csv", "as_json"} | READING,
+    "landmarks": {
+        "path", "segments", "threshold", "resample", "another_patient", "as_csv", "as_json",
+    } | READING,
     "picture": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
 }  # fmt: skip
 """Parameters of a command that other steps of a recipe stand for."""

@@ -12,7 +12,7 @@ import SimpleITK
 from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.labels.labels import read_any_labels
-from palpate.segmentation.surface_distances import border_points, surface_distances
+from palpate.segmentation.surface_distances import border_voxels, surface_distances
 from scipy import ndimage
 
 SPACING = (0.7, 1.3, 2.1)
@@ -89,7 +89,7 @@ def test_a_shift_of_a_block_is_measured_in_millimetres() -> None:
 
 def test_the_border_of_the_grid_is_a_border() -> None:
     full = np.ones((3, 4, 5), bool)
-    assert len(border_points(full, SPACING)) == 3 * 4 * 5 - 1 * 2 * 3
+    assert len(border_voxels(full)) == 3 * 4 * 5 - 1 * 2 * 3
 
 
 def test_empty_masks_have_no_distance_and_are_told() -> None:
