@@ -49,7 +49,9 @@ if TYPE_CHECKING:
     from palpate.session.painted_cut import PaintedCut
     from palpate.session.recording import Recording, Replay
     from palpate.session.scripted_path import ScriptedPath
+    from palpate.session.scripted_touch import TouchResult, touch
     from palpate.session.session import Session, SessionOptions
+    from palpate.session.touch_request import TouchRequest
     from palpate.session.touch_settings import TouchSettings
     from palpate.volumes.material import Material, material_presets
     from palpate.volumes.mesh_read import (
@@ -104,6 +106,8 @@ __all__ = [
     "SessionOptions",
     "Surface",
     "SurfaceReport",
+    "TouchRequest",
+    "TouchResult",
     "TouchSettings",
     "ValueStatistics",
     "Volume",
@@ -127,6 +131,7 @@ __all__ = [
     "segment_of_mesh",
     "statistics",
     "suitable_spacing",
+    "touch",
     "write_mesh",
 ]
 
@@ -167,6 +172,8 @@ __getattr__ = lazy_exports(
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
         "SurfaceReport": "volumes.surface_report",
+        "TouchRequest": "session.touch_request",
+        "TouchResult": "session.scripted_touch",
         "TouchSettings": "session.touch_settings",
         "ValueStatistics": "segmentation.segment_statistics",
         "Volume": "volumes.volume",
@@ -190,6 +197,7 @@ __getattr__ = lazy_exports(
         "segment_of_mesh": "volumes.mesh_read",
         "statistics": "segmentation.segment_statistics",
         "suitable_spacing": "volumes.mesh_read",
+        "touch": "session.scripted_touch",
         "write_mesh": "volumes.mesh_write",
     },
 )

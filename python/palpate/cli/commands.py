@@ -66,6 +66,8 @@ from palpate.cli.series import series
 from palpate.cli.statistics import EXAMPLES as STATISTICS_EXAMPLES
 from palpate.cli.statistics import statistics
 from palpate.cli.surface import surface
+from palpate.cli.touch import EXAMPLES as TOUCH_EXAMPLES
+from palpate.cli.touch import touch
 from palpate.cli.transform import EXAMPLES as TRANSFORM_EXAMPLES
 from palpate.cli.transform import transform
 from palpate.cli.written_files import keeping_files
@@ -207,6 +209,7 @@ app.command("segment", epilog=EXAMPLES)(keeping_files(segment))
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(keeping_files(statistics))
 app.command("compare", epilog=COMPARE_EXAMPLES)(keeping_files(compare))
 app.command("landmarks", epilog=LANDMARKS_EXAMPLES)(keeping_files(landmarks))
+app.command("touch", epilog=TOUCH_EXAMPLES)(keeping_files(touch))
 app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.command("report")(report)

@@ -31,12 +31,13 @@ from palpate.recipes.steps import (
 from palpate.reconstruction.projections import stack_at
 from palpate.reconstruction.reconstruction import missing_library
 from palpate.reconstruction.request import grid_of
+from palpate.session.touch_request import TouchRequest
 from palpate.volumes.surface_request import SurfaceRequest
 from palpate.volumes.volume import Volume
 
 __all__ = ["Inputs", "check_options", "read_inputs"]
 
-OF_ONE = SurfaceRequest
+OF_ONE = (SurfaceRequest, TouchRequest)
 """Steps that take one segment, and must be told which where there are several."""
 
 
@@ -141,6 +142,9 @@ def _names_used(recipe: Recipe) -> Iterator[tuple[str, str]]:
         segment = getattr(step, "segment", None)
         if isinstance(segment, str):
             yield f"{where}.segment", segment
+        if isinstance(step, TouchRequest):
+            for place, name in enumerate(step.rigid):
+                yield f"{where}.rigid[{place}]", name
         if isinstance(step, ExportRequest):
             for place, name in enumerate(step.only or ()):
                 yield f"{where}.only[{place}]", name

@@ -10,6 +10,8 @@ from palpate.recipes.steps import Recipe
 from palpate.segmentation.comparison_request import CompareRequest
 from palpate.segmentation.comparison_table import comparison_cells, comparison_row
 from palpate.segmentation.landmarks_request import LandmarksRequest, landmark_cells
+from palpate.session.touch_request import TouchRequest
+from palpate.session.touch_table import touch_and_write, touch_cells, touch_row
 from palpate.volumes.scene import Scene
 
 __all__ = ["measure"]
@@ -41,6 +43,10 @@ def measure(
     for listed in recipe.landmarks:
         told += _landmarks(scene, listed, measures)
         written += [] if listed.out is None else [listed.out]
+    for touched in recipe.touch:
+        progress("touching", None)
+        told += _touch(scene, touched, measures)
+        written += [path for path in (touched.out, touched.plot) if path is not None]
     return measures
 
 
@@ -63,3 +69,10 @@ def _landmarks(scene: Scene, step: LandmarksRequest, measures: Measures) -> list
         axes = zip("LPS", each.point, strict=True)
         measures.note(each.segment, {f"landmark_{each.name}_{axis}_mm": n for axis, n in axes})
     return told
+
+
+def _touch(scene: Scene, step: TouchRequest, measures: Measures) -> tuple[str, ...]:
+    felt = touch_and_write(scene, step)
+    measures.tables.append(Table(f"Touched: {felt.do} of {felt.segment}", touch_cells(felt)))
+    measures.note(felt.segment, touch_row(felt))
+    return felt.warnings

@@ -20,6 +20,7 @@ from palpate.registration.transform_request import TransformRequest
 from palpate.segmentation.comparison_request import CompareRequest
 from palpate.segmentation.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
+from palpate.session.touch_request import TouchRequest
 from palpate.volumes.surface_request import SurfaceRequest
 
 __all__ = [
@@ -97,6 +98,9 @@ class Recipe(Request, frozen=True, kw_only=True):
     landmarks: Annotated[list[LandmarksRequest], words("Landmarks of segments to list.")] = (
         msgspec.field(default_factory=list)
     )
+    touch: Annotated[
+        list[TouchRequest], words("Segments to press, stroke or drill by a script.")
+    ] = msgspec.field(default_factory=list)
     transform: Annotated[list[TransformStep], words("Files to carry.")] = msgspec.field(
         default_factory=list
     )

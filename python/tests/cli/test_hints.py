@@ -53,6 +53,7 @@ HINTS: dict[str, set[str]] = {
     "statistics": READING | FITTING,
     "compare": READING | FITTING | {"segment", "against"},
     "landmarks": READING | FITTING,
+    "touch": READING | FITTING,
     "register": {"landmarks", "moving_series", "moving_frame"} | FITTING,
     "transform": {"of", "like", "inverse", "series", "frame", "unit"} | FITTING,
 }

@@ -38,6 +38,7 @@ READ_BY = {
         "marks.csv",
     ),
     "landmarks": (["landmarks", "scan.nii.gz", "--segments", "marks.csv", "-o"], "marks.csv"),
+    "touch": (["touch", "scan.nii.gz", "--segments", "marks.csv", "-o"], "marks.csv"),
     "surface voxels": (["surface", "voxels", "ball.stl", "--like", "scan.nii.gz"], "scan.nii.gz"),
     "surface export": (["surface", "export", "scan.nii.gz", "--segments", "ball.stl"], "ball.stl"),
     "transform": (["transform", "marks.csv", "--transform", "T.tfm", "-o"], "marks.csv"),
@@ -171,7 +172,8 @@ def written_options() -> list[tuple[str, ...]]:
 def test_every_command_that_writes_files_takes_force() -> None:
     assert {" ".join(way) for way in written_options()} >= {
         "record", "replay", "export", "import", "reconstruct", "register", "transform", "render",
-        "segment", "statistics", "compare", "run", "surface export",
+        "segment", "statistics", "compare", "landmarks", "touch", "run",
+        "surface export",
         "surface voxels", "scenario drilling",
         "scenario palpation", "scenario needle-skull", "scenario needle-liver", "bench stress",
         "bench haptics", "bench deform",
@@ -187,6 +189,7 @@ OTHERS = {
     "compare": ["compare", "scan.nii.gz", "--threshold", "0", "--reference", "labels.nii.gz", "-o",
                 "there.csv"],
     "landmarks": ["landmarks", "scan.nii.gz", "--threshold", "0", "-o", "there.csv"],
+    "touch": ["touch", "scan.nii.gz", "--threshold", "0", "-o", "there.csv"],
     "surface voxels": ["surface", "voxels", "ball.stl", "there.nrrd", "--spacing", "1",
                        "--frame", "LPS", "--unit", "mm"],
     "surface export": ["surface", "export", "scan.nii.gz", "there.stl", "--threshold", "0"],

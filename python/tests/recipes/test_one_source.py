@@ -15,6 +15,7 @@ from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterS
 from palpate.segmentation.comparison_request import CompareRequest
 from palpate.segmentation.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
+from palpate.session.touch_request import TouchRequest
 from palpate.volumes.mesh_write import SUFFIXES
 from palpate.volumes.surface_request import SurfaceRequest
 from typer.main import get_command
@@ -28,6 +29,7 @@ STEPS: dict[str, tuple[type[Request], str]] = {
     "export": (ExportRequest, "export"),
     "compare": (CompareRequest, "compare"),
     "landmarks": (LandmarksRequest, "landmarks"),
+    "touch": (TouchRequest, "touch"),
     "transform": (TransformStep, "transform"),
     "picture": (PictureRequest, "render"),
 }
@@ -65,6 +67,7 @@ ELSEWHERE: dict[str, set[str]] = {
     "landmarks": {
         "path", "segments", "threshold", "resample", "another_patient", "as_csv", "as_json",
     } | READING,
+    "touch": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
     "picture": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
 }  # fmt: skip
 """Parameters of a command that other steps of a recipe stand for."""
