@@ -20,7 +20,8 @@ from typing import Any, cast
 from palpate import _core
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import (
+from palpate.bench.goals import Goal
+from palpate.bench.goals.haptics import (
     EMBEDDED,
     EMBEDDED_ROWS,
     EMBEDDED_WORKS,
@@ -33,7 +34,6 @@ from palpate.bench.goals import (
     RATIO,
     TOUCH_CASES,
     WORKS,
-    Goal,
     TouchCase,
     haptics_rows,
 )

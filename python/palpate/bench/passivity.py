@@ -14,7 +14,8 @@ from collections.abc import Iterable, Sequence
 from palpate import _core
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import DEFAULT_STIFFNESS, FLAT_WALL, GOALS, RATES_KHZ, WALLS
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.passivity import DEFAULT_STIFFNESS, FLAT_WALL, RATES_KHZ, WALLS
 from palpate.bench.report import Row, row_of
 from palpate.volumes.segment import Segment
 

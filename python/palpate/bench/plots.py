@@ -11,14 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palpate.base.whole_file import whole_file
-from palpate.bench.goals import (
-    BODIES,
-    GRIDS,
-    PUBLISHED_BY_OTHERS,
-    TOUCHES,
-    Touch,
-    quality_case,
-)
+from palpate.bench.goals.haptics import PUBLISHED_BY_OTHERS
+from palpate.bench.goals.quality import BODIES, GRIDS, TOUCHES, Touch, quality_case
 from palpate.bench.goals.soft_tissue import TRUTH_LEVELS, TRUTH_MODELS, truth_case
 from palpate.bench.report import Row
 

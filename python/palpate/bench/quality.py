@@ -20,7 +20,8 @@ from collections.abc import Iterable, Sequence
 from palpate import _core
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import GOALS, TOUCHES, Touch
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.quality import TOUCHES, Touch
 from palpate.bench.report import Row, row_of
 
 __all__ = ["all_cases", "feel", "measure", "print_tables"]

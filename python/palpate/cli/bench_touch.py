@@ -98,7 +98,7 @@ def bench_touch_quality(
     """Measure the accuracy of the force on bodies that are known exactly."""
     from palpate.base.errors import OptionError
     from palpate.base.plot_file import check_plot
-    from palpate.bench.goals import TOUCHES
+    from palpate.bench.goals.quality import TOUCHES
     from palpate.bench.plots import plot_quality
     from palpate.bench.quality import measure, print_tables
     from palpate.bench.report import write_rows
