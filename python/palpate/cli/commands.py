@@ -36,6 +36,8 @@ from palpate.cli.bench_touch import (
     bench_stress,
     bench_touch_quality,
 )
+from palpate.cli.bids_app import EXAMPLES as BIDS_EXAMPLES
+from palpate.cli.bids_app import bids_app
 from palpate.cli.compare import EXAMPLES as COMPARE_EXAMPLES
 from palpate.cli.compare import compare
 from palpate.cli.ended_by_signal import signals_as_ctrl_c
@@ -212,6 +214,7 @@ app.command("landmarks", epilog=LANDMARKS_EXAMPLES)(keeping_files(landmarks))
 app.command("touch", epilog=TOUCH_EXAMPLES)(keeping_files(touch))
 app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
+app.command("bids", epilog=BIDS_EXAMPLES)(bids_app)
 app.command("report")(report)
 app.add_typer(surface, name="surface")
 app.add_typer(scenario, name="scenario")

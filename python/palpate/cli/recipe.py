@@ -80,6 +80,16 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
             "column case names the row."
         ),
     ] = None,
+    bids: Annotated[
+        Path | None, typer.Option(help="Run it over each scan of a BIDS data set.", metavar="DIR")
+    ] = None,
+    participant_label: Annotated[
+        list[str] | None,
+        typer.Option("--participant-label", help="With --bids: these participants; repeatable."),
+    ] = None,
+    suffix: Annotated[
+        str | None, typer.Option(help="With --bids: this kind of image, such as T1w or ct.")
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -116,7 +126,7 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     force: Force = False,
 ) -> None:
     """Run a recipe: import, registration, segments, surfaces, export, report."""
-    if over is not None or table is not None:
+    if over is not None or table is not None or bids is not None:
         if force:
             raise OptionError(
                 "--force given with many cases; allowed: without it, since a case's folder is "
@@ -129,6 +139,9 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
         options = OverOptions(
             over=over,
             table=table,
+            bids=bids,
+            participants=participant_label or (),
+            suffix=suffix,
             output=output,
             shard=shard,
             only_failed=only_failed,
@@ -138,8 +151,11 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
             limits=Limits(seconds=timeout, memory=room, retry=retry),
         )
         raise typer.Exit(run_over(recipe, options))
-    if any((output, shard, only_failed, dry_run, workers, scheduler)):
-        raise OptionError("no scans given for these options; allowed: with --over or --table")
+    many = (output, shard, only_failed, dry_run, workers, scheduler, participant_label, suffix)
+    if any(many):
+        raise OptionError(
+            "no scans given for these options; allowed: with --over, --table or --bids"
+        )
     from palpate.recipes.check import read_inputs
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe
