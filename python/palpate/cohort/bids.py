@@ -32,7 +32,7 @@ NAME = re.compile(
 )
 """Name of an image: entities, and what kind it is."""
 
-IGNORED = "sub-*_*/\ncohort.*\nindex.html\n"
+IGNORED = "sub-*_*\ncohort.*\nindex.html\n"
 """Names in the output that BIDS has no rules for."""
 
 

@@ -84,6 +84,8 @@ def test_a_bids_app_runs_participants_then_the_group(folder: Path, capsys: Any) 
     assert re.fullmatch(r"\d+\.\d+\.\d+", told["BIDSVersion"])
     assert told["SourceDatasets"] == [{"URL": (folder / "data").as_uri()}]
     assert (folder / "out" / "sub-03_ct" / "done.json").is_file()
+    # a validator of BIDS takes a folder by a pattern without a slash at its end
+    assert "sub-*_*" in (folder / "out" / ".bidsignore").read_text().splitlines()
 
     assert run([*level, "--recipe", "recipe.yaml", "--participant-label", "02"]) == 0
     (folder / "out" / "cohort.csv").unlink()
