@@ -30,6 +30,8 @@ REST = 0.3
 """How long it rests at its depth [s]."""
 STEP = 1.0
 """Between two places of a stroke [mm]."""
+LONGEST = 3600.0
+"""What a recording keeps [s]."""
 MODEL = "lattice"
 """What deforms soft tissue."""
 FEWEST = 10
@@ -97,6 +99,11 @@ def touch(scene: Scene, request: TouchRequest) -> TouchResult:
     if chosen in others:
         raise OptionError(f"{chosen.name!r} given as rigid too; allowed: other segments")
     path, place, inward, moves_in = _path(chosen, request)
+    if path.duration > LONGEST:
+        raise OptionError(
+            f"a touch of {path.duration:.0f} s given; allowed: at most {LONGEST:g} s, by a higher "
+            "speed or a smaller depth or length"
+        )
     options = SessionOptions(
         real_time=False,
         start=_triple(path.points[0]),

@@ -147,6 +147,8 @@ def test_what_is_typed_means_the_same_in_a_command_and_in_a_recipe(
         assert option.value(typed) == option.value(list(numbers)) == numbers
     if kind in VALUES:
         assert option.value(VALUES[kind][1]) == VALUES[kind][1]
+        # as a variable fills it
+        assert option.value(VALUES[kind][0]) == VALUES[kind][1]
     wrong: Any = {"no": "such"}
     with pytest.raises(ValueError, match=f"^{option.name} .*given.*; allowed: ") as refused:
         option.value(wrong)

@@ -77,6 +77,8 @@ def test_a_line_that_misses_and_words_that_are_no_place_are_refused() -> None:
         surface_places(body, "front")
     with pytest.raises(OptionError, match=r"depth 0 given; allowed: more than 0"):
         palpate.touch(slab(), request(depth=0.0))
+    with pytest.raises(OptionError, match=r"a touch of 16\d+ s given; allowed: at most 3600 s"):
+        palpate.touch(slab(), request(speed=0.001))
     with pytest.raises(OptionError, match="which is the way in; allowed: a direction across it"):
         palpate.touch(slab(), request(do="stroke", along="superior"))
     with pytest.raises(OptionError, match="a rigid segment to drill"):
