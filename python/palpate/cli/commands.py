@@ -15,6 +15,7 @@ from typer.exceptions import TyperException
 
 from palpate.base.console import WRONG_INPUT, fail, told_by
 from palpate.base.errors import PalpateError
+from palpate.base.full_disk import is_full_disk, told_of
 from palpate.base.temporary_files import temporary_files
 from palpate.cli.bench import (
     bench_cohort,
@@ -165,6 +166,8 @@ def _system(error: OSError) -> str:
     """Says what the system refused, and for which file."""
     if error.strerror is None:
         return str(error)
+    if is_full_disk(error):
+        return told_of(error)
     if isinstance(error, FileNotFoundError) and error.filename is not None:
         folder = Path(error.filename).parent
         if not folder.is_dir():

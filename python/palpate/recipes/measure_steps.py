@@ -11,7 +11,6 @@ from palpate.segmentation.comparison_request import CompareRequest
 from palpate.segmentation.comparison_table import comparison_cells, comparison_row
 from palpate.segmentation.landmarks_request import LandmarksRequest, landmark_cells
 from palpate.session.touch_request import TouchRequest
-from palpate.session.touch_table import touch_and_write, touch_cells, touch_row
 from palpate.volumes.scene import Scene
 
 __all__ = ["measure"]
@@ -72,6 +71,9 @@ def _landmarks(scene: Scene, step: LandmarksRequest, measures: Measures) -> list
 
 
 def _touch(scene: Scene, step: TouchRequest, measures: Measures) -> tuple[str, ...]:
+    # recipes without touch need no session
+    from palpate.session.touch_table import touch_and_write, touch_cells, touch_row
+
     felt = touch_and_write(scene, step)
     measures.tables.append(Table(f"Touched: {felt.do} of {felt.segment}", touch_cells(felt)))
     measures.note(felt.segment, touch_row(felt))
