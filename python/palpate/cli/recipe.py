@@ -39,6 +39,14 @@ A recipe has a step for each command, with its options:
   compare:                     # with a reference mask
     - reference: truth.seg.nrrd
       out: agreement.csv
+  landmarks:
+    - segment: bone
+      out: landmarks.csv
+  touch:                       # a press of 3 mm from above
+    - segment: bone
+      at: superior
+      depth: 3
+      out: press.csv
   transform:                   # the second scan's labels, on the grid of the first
     - path: mr-labels.nii.gz
       transform: mr-to-ct.tfm

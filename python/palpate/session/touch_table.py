@@ -16,6 +16,17 @@ from palpate.volumes.scene import Scene
 __all__ = ["plot_touch", "touch_and_write", "touch_cells", "touch_row", "touch_text"]
 
 
+HEADINGS = {
+    "largest_force_N": "largest force [N]",
+    "stiffness_N_per_mm": "stiffness [N/mm]",
+    "residual_N": "residual [N]",
+    "volume_mm3": "removed [mm³]",
+    "mean_force_N": "mean force [N]",
+    "mean_lateral_force_N": "mean force across [N]",
+}
+"""Columns of a touch, as people read them."""
+
+
 def touch_and_write(scene: Scene, request: TouchRequest) -> TouchResult:
     """Touches a segment, and writes curve and plot where those are asked for.
 
@@ -56,7 +67,8 @@ def touch_cells(felt: TouchResult) -> list[list[str]]:
     row = touch_row(felt)
     place = ", ".join(f"{along:.1f}" for along in felt.place)
     numbers = ["–" if cell is None else f"{cell:.4g}" for cell in row.values()]
-    return [["segment", "place L, P, S [mm]", *row], [felt.segment, place, *numbers]]
+    headings = [HEADINGS[name.removeprefix(f"{felt.do}_")] for name in row]
+    return [["segment", "place L, P, S [mm]", *headings], [felt.segment, place, *numbers]]
 
 
 def touch_text(felt: TouchResult, form: str) -> str:

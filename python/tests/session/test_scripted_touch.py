@@ -161,7 +161,7 @@ def test_the_command_writes_curve_and_plot_the_same_each_time(
     for number in (1, 2):
         files = ["-o", f"{number}.csv", "--plot", f"{number}.svg"]
         assert run([*command, *files]) == 0
-    assert "press_stiffness_N_per_mm" in capsys.readouterr().out
+    assert "stiffness [N/mm]" in capsys.readouterr().out
     for ending in ("csv", "svg"):
         assert Path(f"1.{ending}").read_bytes() == Path(f"2.{ending}").read_bytes()
     rows = list(csv.DictReader(Path("1.csv").read_text().splitlines()))
