@@ -240,7 +240,7 @@ def _needle(
 def _check_files(files: Files) -> None:
     """Refuses what could not be written, before anything is computed."""
     from palpate.base.errors import OptionError
-    from palpate.bench.plots import check_plot
+    from palpate.base.plot_file import check_plot
 
     check_plot(files[1])
     for path in files:
