@@ -344,7 +344,7 @@ def test_a_page_gets_a_surface_and_what_it_keeps(shared_server: Any, tmp_path: P
     [
         ({"kind": "dicom"}, "comes from no file. Use .seg.nrrd"),
         ({"kind": "stl"}, "this is no export"),
-        ({"kind": "x" * 5000}, "at most 4096"),
+        ({"kind": "x" * 300_000}, "at most 262144"),
     ],
 )
 def test_a_page_is_told_why_not(shared_server: Any, wanted: dict[str, str], said: str) -> None:

@@ -117,6 +117,10 @@ EXACT: list[tuple[str, str]] = [
         "offset 1,2 given, and a.xml places its middle. Possible: without an offset",
     ),
     ("a tells b twice; allowed: once", "a tells b twice. Possible: once"),
+    (
+        "images have text in their pixels; allowed: `pixels_checked=True` once you have looked",
+        "images have text in their pixels. Use the tick at Export once you have looked",
+    ),
     # values by what they are like
     (
         "stiffness is -1 N/mm; allowed: finite, 0 to 4",
