@@ -19,6 +19,7 @@ from typing import Any, cast
 
 from palpate import _core
 from palpate.base.errors import OptionError
+from palpate.base.harmless_text import terminal
 from palpate.base.progress import Progress, silent
 from palpate.bench.goals import Goal
 from palpate.bench.goals.haptics import (
@@ -228,14 +229,13 @@ EXPLAINED = (
 
 def print_tables(rows: Iterable[Row]) -> None:
     """Prints a table for each data set, with a line for each case."""
-    from rich.console import Console
     from rich.table import Table
 
     grounds: dict[str, dict[str, list[Row]]] = {}
     for row in rows:
         ground, _, case = row.case.partition(SEPARATOR)
         grounds.setdefault(ground, {}).setdefault(case, []).append(row)
-    console = Console()
+    console = terminal(markup=True)
     console.width = max(console.width, WIDTH)
     for ground, cases in grounds.items():
         metrics = list(dict.fromkeys(row.metric for rows in cases.values() for row in rows))

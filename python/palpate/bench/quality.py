@@ -19,6 +19,7 @@ from collections.abc import Iterable, Sequence
 
 from palpate import _core
 from palpate.base.errors import OptionError
+from palpate.base.harmless_text import terminal
 from palpate.base.progress import Progress, silent
 from palpate.bench.goals import GOALS
 from palpate.bench.goals.quality import TOUCHES, Touch
@@ -85,7 +86,6 @@ def print_tables(rows: Iterable[Row]) -> None:
 
     Figures that miss their goal are red.
     """
-    from rich.console import Console
     from rich.table import Table
 
     tables: dict[str, dict[str, list[Row]]] = {}
@@ -93,7 +93,7 @@ def print_tables(rows: Iterable[Row]) -> None:
         touch, case = _parts(row.case)
         body, stroke = case.split(", ", maxsplit=1)
         tables.setdefault(f"{touch}: {stroke}", {}).setdefault(body, []).append(row)
-    console = Console()
+    console = terminal(markup=True)
     console.width = max(console.width, WIDTH)
     for title, bodies in tables.items():
         table = Table(title=title, title_justify="left", box=None, padding=(0, 1))

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import typer
 
-from palpate.base.console import warn
+from palpate.base.console import replace_line, warn
 from palpate.base.errors import OptionError
 from palpate.cohort.bids import cases_of_bids
 from palpate.cohort.case import Case, share_of
@@ -140,12 +140,11 @@ def _progress(count: int) -> Callable[[Outcome, CaseResult], None]:
             ended = len(outcome.done) + len(outcome.failed)
             rate = ended / (time.monotonic() - begun)
             left = count - ended
-            sys.stderr.write(
-                f"\r{len(outcome.done)} done, {len(outcome.failed)} failed, {left} left, "
-                f"{rate * 60:.1f} a minute, {left / rate / 60:.0f} min to go\x1b[K"
-                + ("" if left else "\n")
+            replace_line(
+                f"{len(outcome.done)} done, {len(outcome.failed)} failed, {left} left, "
+                f"{rate * 60:.1f} a minute, {left / rate / 60:.0f} min to go",
+                last=not left,
             )
-            sys.stderr.flush()
 
     return told
 

@@ -74,6 +74,7 @@ def run_recipe(recipe: Recipe, inputs: Inputs, *, progress: Progress = silent) -
             kind=export.kind,
             only=export.only,
             keep_identity=export.keep_identity,
+            pixels_checked=export.pixels_checked,
             progress=progress,
         )
         written.append(export.out)
