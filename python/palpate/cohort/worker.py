@@ -20,7 +20,7 @@ from palpate.base.reader_process import warm
 
 __all__ = ["main"]
 
-LIKELY = ("PIL.JpegImagePlugin", "palpate.segmentation.operations")
+LIKELY = ("PIL.JpegImagePlugin", "palpate.segmentation.segment_steps")
 """Modules that most cases need, and that are imported where they are needed."""
 
 

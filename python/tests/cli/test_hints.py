@@ -21,7 +21,7 @@ from palpate.cli.flags import as_flags
 from typer.main import get_command
 
 PACKAGE = Path(palpate.__file__).parent
-FLAG = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
+FLAG = re.compile(r"(?<![\w-])--[a-z][a-z_-]*")
 OWN = {"--help", "--version"}
 
 OF_SEVERAL = {
