@@ -6,12 +6,14 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
 from browser import ROOT, TOOL, Browser, browser, palpate
 from palpate.io.reading import read
 from palpate.labels.labels import read_labels
+from pydicom import dcmread
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 
@@ -145,3 +147,31 @@ def test_the_autosave_of_a_damaged_scene_is_opened_from_the_page(
         page.do("click", testid="open-autosave")
         page.wait(f"window.palpate?.ready === true && {rows} === 3", seconds=120.0)
         assert page.complaints == []
+
+
+def test_names_are_chosen_before_a_scan_is_shared(data_folder: Path, tmp_path: Path) -> None:
+    scan = data_folder / "dcmqi_seg" / "ct-3slice"
+    path = tmp_path / "shared.zip"
+    with palpate("open", scan, "--threshold", "200") as command, browser() as page:
+        page.do("open", url=command.url, **SIZE)
+        buttons = "[...document.querySelectorAll('button')]"
+        page.wait(f"{buttons}.some((each) => each.textContent.trim() === 'Export')")
+        page.read(f"{buttons}.find((each) => each.textContent.trim() === 'Export').click()")
+        page.read(
+            "(() => { const format = document.querySelector('[data-testid=export-format]');"
+            " format.value = 'share';"
+            " format.dispatchEvent(new Event('change', {bubbles: true})); })()"
+        )
+        name = "document.querySelector('[aria-label^=\"Name to share\"]')"
+        page.wait(f"{name}?.value === 'threshold'")
+        page.read(
+            f"{name}.value = 'bone'; {name}.dispatchEvent(new Event('change', {{bubbles: true}}))"
+        )
+        page.read(f"{name}.scrollIntoView()")
+        page.do("screenshot", path=str(OUTPUT / "export_names.png"))
+        page.do("download", testid="export", path=str(path))
+        assert page.complaints == []
+    with ZipFile(path) as packed:
+        assert "deidentification.csv" in packed.namelist()
+        (one,) = dcmread(packed.open("segments.dcm")).SegmentSequence
+    assert one.SegmentLabel == "bone"

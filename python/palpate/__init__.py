@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from palpate.registration.inverse import Inverse
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
+    from palpate.segmentation.comparison import Comparison, SegmentComparison, compare
+    from palpate.segmentation.landmarks import Landmark, landmarks
     from palpate.segmentation.segment_statistics import (
         SegmentStatistics,
         ValueStatistics,
@@ -47,7 +49,9 @@ if TYPE_CHECKING:
     from palpate.session.painted_cut import PaintedCut
     from palpate.session.recording import Recording, Replay
     from palpate.session.scripted_path import ScriptedPath
+    from palpate.session.scripted_touch import TouchResult, touch
     from palpate.session.session import Session, SessionOptions
+    from palpate.session.touch_request import TouchRequest
     from palpate.session.touch_settings import TouchSettings
     from palpate.volumes.material import Material, material_presets
     from palpate.volumes.mesh_read import (
@@ -70,12 +74,14 @@ if TYPE_CHECKING:
 __all__ = [
     "Camera",
     "Carrier",
+    "Comparison",
     "DicomWebError",
     "EmptySegmentError",
     "Gap",
     "Inverse",
     "Label",
     "Labels",
+    "Landmark",
     "Material",
     "Mesh",
     "MeshFile",
@@ -93,19 +99,24 @@ __all__ = [
     "ScriptedPath",
     "SearchOptions",
     "Segment",
+    "SegmentComparison",
     "SegmentStatistics",
     "SeriesChoiceError",
     "Session",
     "SessionOptions",
     "Surface",
     "SurfaceReport",
+    "TouchRequest",
+    "TouchResult",
     "TouchSettings",
     "ValueStatistics",
     "Volume",
     "VolumeFormatError",
     "WebAddress",
+    "compare",
     "export_scene",
     "fetch_series",
+    "landmarks",
     "material_presets",
     "object_of_mesh",
     "phantom",
@@ -120,6 +131,7 @@ __all__ = [
     "segment_of_mesh",
     "statistics",
     "suitable_spacing",
+    "touch",
     "write_mesh",
 ]
 
@@ -128,12 +140,14 @@ __getattr__ = lazy_exports(
     {
         "Camera": "pictures.camera",
         "Carrier": "registration.carry",
+        "Comparison": "segmentation.comparison",
         "DicomWebError": "base.errors",
         "EmptySegmentError": "base.errors",
         "Gap": "session.gap",
         "Inverse": "registration.inverse",
         "Label": "labels.labels",
         "Labels": "labels.labels",
+        "Landmark": "segmentation.landmarks",
         "Material": "volumes.material",
         "Mesh": "volumes.surface",
         "MeshFile": "volumes.mesh_read",
@@ -151,19 +165,24 @@ __getattr__ = lazy_exports(
         "ScriptedPath": "session.scripted_path",
         "SearchOptions": "registration.options",
         "Segment": "volumes.segment",
+        "SegmentComparison": "segmentation.comparison",
         "SegmentStatistics": "segmentation.segment_statistics",
         "SeriesChoiceError": "base.errors",
         "Session": "session.session",
         "SessionOptions": "session.session",
         "Surface": "volumes.surface",
         "SurfaceReport": "volumes.surface_report",
+        "TouchRequest": "session.touch_request",
+        "TouchResult": "session.scripted_touch",
         "TouchSettings": "session.touch_settings",
         "ValueStatistics": "segmentation.segment_statistics",
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",
         "WebAddress": "io.dicomweb.address",
+        "compare": "segmentation.comparison",
         "export_scene": "export.export",
         "fetch_series": "io.dicomweb.series",
+        "landmarks": "segmentation.landmarks",
         "material_presets": "volumes.material",
         "object_of_mesh": "volumes.mesh_read",
         "phantom": "volumes.phantom",
@@ -178,6 +197,7 @@ __getattr__ = lazy_exports(
         "segment_of_mesh": "volumes.mesh_read",
         "statistics": "segmentation.segment_statistics",
         "suitable_spacing": "volumes.mesh_read",
+        "touch": "session.scripted_touch",
         "write_mesh": "volumes.mesh_write",
     },
 )

@@ -11,7 +11,15 @@ import pytest
 from palpate._aliases import ALIASES
 
 OF_PACKAGES = {
-    "palpate.cohort": ["Case", "CaseResult", "Limits", "cases_of_table", "cases_over", "run_case"],
+    "palpate.cohort": [
+        "Case",
+        "CaseResult",
+        "Limits",
+        "cases_of_bids",
+        "cases_of_table",
+        "cases_over",
+        "run_case",
+    ],
     "palpate.io": ["list_series", "read"],
     "palpate.labels": ["Label", "Labels", "read_labels"],
     "palpate.reconstruction": ["Scanner", "reconstruct"],

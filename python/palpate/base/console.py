@@ -15,10 +15,21 @@ from threading import Lock, Timer
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
+from palpate.base.harmless_text import HarmlessStream, harmless, terminal
+
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-__all__ = ["WRONG_INPUT", "Display", "fail", "quiet_libraries", "spoken", "told_by", "warn"]
+__all__ = [
+    "WRONG_INPUT",
+    "Display",
+    "fail",
+    "quiet_libraries",
+    "replace_line",
+    "spoken",
+    "told_by",
+    "warn",
+]
 
 QUIET_SECONDS = 1.0
 """Work shorter than this is not shown [s]."""
@@ -59,8 +70,16 @@ def warn(message: str) -> None:
 
 def _one_line(message: str) -> str:
     """Returns a message without line breaks and control characters."""
-    words = " ".join(message.split())
-    return "".join(letter if letter.isprintable() else "?" for letter in words)
+    return harmless(" ".join(message.split()))
+
+
+def replace_line(text: str, *, last: bool) -> None:
+    """Shows a text on a terminal's last line, in place of what stands there."""
+    end = "\n" if last else ""
+    # the orders are ours
+    stream = getattr(sys.stderr, "rich_proxied_file", sys.stderr)
+    stream.write(f"\r{_one_line(text)}\x1b[K{end}")
+    stream.flush()
 
 
 @contextmanager
@@ -75,7 +94,7 @@ def quiet_libraries() -> Iterator[None]:
             os.fdopen(os.dup(2), "w", buffering=1) as ours,
         ):
             os.dup2(nothing.fileno(), 2)
-            sys.stderr = ours
+            sys.stderr = HarmlessStream.over(ours)
             yield
     finally:
         sys.stderr = shown
@@ -119,17 +138,17 @@ class Display:
             self._update()
 
     def _update(self) -> None:
-        what, share = self._now
+        # before its width is measured
+        what, share = harmless(self._now[0]), self._now[1]
         if self._bar is not None:
             total = None if share is None else 1.0
             task = self._bar.task_ids[0]
             self._bar.update(task, description=what, total=total, completed=share or 0.0)
 
     def _show(self) -> None:
-        from rich.console import Console
         from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
-        console = Console(file=sys.stderr)
+        console = terminal(stderr=True)
         with self._lock:
             if self._ended:
                 return

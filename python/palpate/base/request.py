@@ -95,7 +95,7 @@ class Option:
         """Returns what was given as the type of the field.
 
         Args:
-            given: As a file or the command line has it; numbers may be one text with commas.
+            given: As a file or the command line has it; numbers may be text, several with commas.
             folder: What paths are relative to; by default where the process is.
 
         Raises:
@@ -114,7 +114,9 @@ class Option:
         if isinstance(given, Path) and kind is Path:
             return given
         try:
-            return msgspec.convert(parts, kind, dec_hook=path_of, strict=parts is given)
+            # a variable of a recipe is text, whatever option it fills
+            exact = not isinstance(given, str)
+            return msgspec.convert(parts, kind, dec_hook=path_of, strict=exact)
         except (msgspec.ValidationError, ValueError):
             near = perhaps(given, self.choices)
             raise OptionError(

@@ -130,7 +130,7 @@ def _in_this_process(path: Path, case: Case, part: Path) -> None:
     part.mkdir(parents=True)
     source = filled(read_source(path), case.variables, scan=case.scan)
     recipe = placed(recipe_of(source), source, part)
-    scene, _, _ = run_recipe(recipe, read_inputs(recipe, source))
+    scene = run_recipe(recipe, read_inputs(recipe, source)).scene
     measured_segments(scene)
     write_thumbnail(scene, part / "thumbnail.jpg")
 

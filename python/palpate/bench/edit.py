@@ -25,7 +25,8 @@ import numpy as np
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED, GOALS
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.edit import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED
 from palpate.bench.haptics_data import CTHEAD, data_file
 from palpate.bench.page import Page, chromium, opened, served
 from palpate.bench.report import Row, row_of

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
-from palpate.bench.goals import FLYING
+from palpate.bench.goals.surface import FLYING
 
 __all__ = ["FlyingEdges"]
 

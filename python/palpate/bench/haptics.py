@@ -19,8 +19,10 @@ from typing import Any, cast
 
 from palpate import _core
 from palpate.base.errors import OptionError
+from palpate.base.harmless_text import terminal
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import (
+from palpate.bench.goals import Goal
+from palpate.bench.goals.haptics import (
     EMBEDDED,
     EMBEDDED_ROWS,
     EMBEDDED_WORKS,
@@ -33,7 +35,6 @@ from palpate.bench.goals import (
     RATIO,
     TOUCH_CASES,
     WORKS,
-    Goal,
     TouchCase,
     haptics_rows,
 )
@@ -228,14 +229,13 @@ EXPLAINED = (
 
 def print_tables(rows: Iterable[Row]) -> None:
     """Prints a table for each data set, with a line for each case."""
-    from rich.console import Console
     from rich.table import Table
 
     grounds: dict[str, dict[str, list[Row]]] = {}
     for row in rows:
         ground, _, case = row.case.partition(SEPARATOR)
         grounds.setdefault(ground, {}).setdefault(case, []).append(row)
-    console = Console()
+    console = terminal(markup=True)
     console.width = max(console.width, WIDTH)
     for ground, cases in grounds.items():
         metrics = list(dict.fromkeys(row.metric for rows in cases.values() for row in rows))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.base.simpleitk import simpleitk
-from palpate.bench.goals import CHEST, HEAD, LARGE, MANY, TORSO, TRUNK
+from palpate.bench.goals.haptics import CHEST, HEAD, LARGE, MANY, TORSO, TRUNK
 from palpate.io.reading import read
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume

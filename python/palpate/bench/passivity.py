@@ -13,8 +13,10 @@ from collections.abc import Iterable, Sequence
 
 from palpate import _core
 from palpate.base.errors import OptionError
+from palpate.base.harmless_text import terminal
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import DEFAULT_STIFFNESS, FLAT_WALL, GOALS, RATES_KHZ, WALLS
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.passivity import DEFAULT_STIFFNESS, FLAT_WALL, RATES_KHZ, WALLS
 from palpate.bench.report import Row, row_of
 from palpate.volumes.segment import Segment
 
@@ -85,7 +87,6 @@ def rub(
 
 def print_table(rows: Iterable[Row]) -> None:
     """Prints a line for each case; figures that miss their goal are red."""
-    from rich.console import Console
     from rich.table import Table
 
     cases: dict[str, list[Row]] = {}
@@ -98,7 +99,7 @@ def print_table(rows: Iterable[Row]) -> None:
         table.add_column(f"{heading}\n{row.unit}", justify="right")
     for case, figures in cases.items():
         table.add_row(case, *map(_figure, figures))
-    console = Console()
+    console = terminal(markup=True)
     console.width = max(console.width, WIDTH)
     console.print(table)
 

@@ -7,20 +7,12 @@ has a marker of its own.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palpate.base.errors import OptionError
 from palpate.base.whole_file import whole_file
-from palpate.bench.goals import (
-    BODIES,
-    GRIDS,
-    PUBLISHED_BY_OTHERS,
-    TOUCHES,
-    Touch,
-    quality_case,
-)
+from palpate.bench.goals.haptics import PUBLISHED_BY_OTHERS
+from palpate.bench.goals.quality import BODIES, GRIDS, TOUCHES, Touch, quality_case
 from palpate.bench.goals.soft_tissue import TRUTH_LEVELS, TRUTH_MODELS, truth_case
 from palpate.bench.report import Row
 
@@ -30,9 +22,8 @@ if TYPE_CHECKING:
 
     from palpate.bench.truth_cube import Cube, Points
 
-__all__ = ["check_plot", "plot_haptics", "plot_quality", "plot_truth_cube"]
+__all__ = ["plot_haptics", "plot_quality", "plot_truth_cube"]
 
-ENDINGS = (".png", ".svg", ".pdf")
 
 BLUE, SKY, VERMILION, ORANGE, GREEN, GREY = (
     "#0072B2",
@@ -80,22 +71,6 @@ LOST = 50.0
 
 LEAST = 1e-3
 """Smaller figures are plotted as this value, on logarithmic axes."""
-
-
-def check_plot(path: Path | None) -> None:
-    """Refuses what would fail after the measurement.
-
-    Raises:
-        OptionError: The extension is not one of a picture, or matplotlib is missing.
-    """
-    if path is None:
-        return
-    if path.suffix.lower() not in ENDINGS:
-        raise OptionError(f"plot {path} given; allowed: a file that ends in {', '.join(ENDINGS)}")
-    if find_spec("matplotlib") is None:
-        raise OptionError(
-            "a plot needs matplotlib, which is not here; allowed: after pip install palpate[plot]"
-        )
 
 
 def plot_haptics(rows: Iterable[Row], path: Path) -> None:

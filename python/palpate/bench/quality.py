@@ -19,8 +19,10 @@ from collections.abc import Iterable, Sequence
 
 from palpate import _core
 from palpate.base.errors import OptionError
+from palpate.base.harmless_text import terminal
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import GOALS, TOUCHES, Touch
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.quality import TOUCHES, Touch
 from palpate.bench.report import Row, row_of
 
 __all__ = ["all_cases", "feel", "measure", "print_tables"]
@@ -84,7 +86,6 @@ def print_tables(rows: Iterable[Row]) -> None:
 
     Figures that miss their goal are red.
     """
-    from rich.console import Console
     from rich.table import Table
 
     tables: dict[str, dict[str, list[Row]]] = {}
@@ -92,7 +93,7 @@ def print_tables(rows: Iterable[Row]) -> None:
         touch, case = _parts(row.case)
         body, stroke = case.split(", ", maxsplit=1)
         tables.setdefault(f"{touch}: {stroke}", {}).setdefault(body, []).append(row)
-    console = Console()
+    console = terminal(markup=True)
     console.width = max(console.width, WIDTH)
     for title, bodies in tables.items():
         table = Table(title=title, title_justify="left", box=None, padding=(0, 1))

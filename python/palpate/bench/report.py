@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from palpate.base.harmless_text import terminal
 from palpate.base.whole_file import whole_file
 from palpate.bench.goals import Goal
 
@@ -54,7 +55,6 @@ def write_rows(bench: str, rows: Iterable[Row], path: Path) -> None:
 
 def print_rows(bench: str, rows: Iterable[Row]) -> None:
     """Prints the figures of a benchmark as a table."""
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(title=bench, title_justify="left")
@@ -65,4 +65,4 @@ def print_rows(bench: str, rows: Iterable[Row]) -> None:
         goal = "" if row.goal is None else f"{sign} {row.goal:g}"
         style = "red" if row.met is False else None
         table.add_row(row.case, row.metric, f"{row.value:.4g}", row.unit, goal, style=style)
-    Console().print(table)
+    terminal().print(table)

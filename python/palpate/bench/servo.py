@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.bench.goals import BUSY, DEFORMING, GOALS, LOADS, RATES, servo_case
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.servo import BUSY, DEFORMING, LOADS, RATES, servo_case
 from palpate.bench.report import Row, row_of
 from palpate.session.frame_state import ThreadLateness
 from palpate.session.session import Session, SessionOptions

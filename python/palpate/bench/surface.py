@@ -18,12 +18,11 @@ import numpy as np
 from palpate import _core
 from palpate.base.progress import Progress, silent
 from palpate.bench.flying_edges import FlyingEdges
-from palpate.bench.goals import (
-    CHEST,
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.haptics import CHEST, HEAD
+from palpate.bench.goals.surface import (
     DRILLED,
     FLYING,
-    GOALS,
-    HEAD,
     SPHERES,
     SURFACES,
     TRUNK_512,

@@ -6,6 +6,7 @@ import gc
 import sys
 
 from palpate.base.early_imports import importing
+from palpate.base.harmless_text import print_harmlessly
 from palpate.base.reader_process import warm
 
 __all__ = ["main"]
@@ -19,6 +20,7 @@ READING = {
 
 def main() -> None:
     """Runs the command line and ends the process."""
+    print_harmlessly()
     if READING.intersection(sys.argv[1:2]) and not {"-h", "--help"}.intersection(sys.argv):
         # it starts while the modules of the commands do
         warm()

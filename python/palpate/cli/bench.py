@@ -218,8 +218,9 @@ def bench_segment(
 def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:
     """Compare the lattice with a measured silicone cube under load, and with FEM."""
     from palpate.base.errors import OptionError
+    from palpate.base.plot_file import check_plot
     from palpate.bench.haptics_data import MissingDataError
-    from palpate.bench.plots import check_plot, plot_truth_cube
+    from palpate.bench.plots import plot_truth_cube
     from palpate.bench.report import print_rows, write_rows
     from palpate.bench.truth_cube import Cube, measure
 

@@ -30,8 +30,9 @@ def bench_haptics(
     quick: Annotated[bool, typer.Option("--quick", help="Few calls with rough results.")] = False,
 ) -> None:
     """Measure touch: contact detection alone, the hard proxy, and the complete tick."""
+    from palpate.base.plot_file import check_plot
     from palpate.bench import haptics
-    from palpate.bench.plots import check_plot, plot_haptics
+    from palpate.bench.plots import plot_haptics
     from palpate.bench.report import write_rows
 
     check_plot(plot)
@@ -96,8 +97,9 @@ def bench_touch_quality(
 ) -> None:
     """Measure the accuracy of the force on bodies that are known exactly."""
     from palpate.base.errors import OptionError
-    from palpate.bench.goals import TOUCHES
-    from palpate.bench.plots import check_plot, plot_quality
+    from palpate.base.plot_file import check_plot
+    from palpate.bench.goals.quality import TOUCHES
+    from palpate.bench.plots import plot_quality
     from palpate.bench.quality import measure, print_tables
     from palpate.bench.report import write_rows
 

@@ -15,6 +15,7 @@ from typer.exceptions import TyperException
 
 from palpate.base.console import WRONG_INPUT, fail, told_by
 from palpate.base.errors import PalpateError
+from palpate.base.full_disk import is_full_disk, told_of
 from palpate.base.temporary_files import temporary_files
 from palpate.cli.bench import (
     bench_cohort,
@@ -36,12 +37,18 @@ from palpate.cli.bench_touch import (
     bench_stress,
     bench_touch_quality,
 )
+from palpate.cli.bids_app import EXAMPLES as BIDS_EXAMPLES
+from palpate.cli.bids_app import bids_app
+from palpate.cli.compare import EXAMPLES as COMPARE_EXAMPLES
+from palpate.cli.compare import compare
 from palpate.cli.ended_by_signal import signals_as_ctrl_c
 from palpate.cli.export import export
 from palpate.cli.flags import as_flags
 from palpate.cli.import_scan import EXAMPLES as IMPORT_EXAMPLES
 from palpate.cli.import_scan import import_scan
 from palpate.cli.info import info
+from palpate.cli.landmarks import EXAMPLES as LANDMARKS_EXAMPLES
+from palpate.cli.landmarks import landmarks
 from palpate.cli.open import demo, open_scan
 from palpate.cli.recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli.recipe import run_file
@@ -62,6 +69,8 @@ from palpate.cli.series import series
 from palpate.cli.statistics import EXAMPLES as STATISTICS_EXAMPLES
 from palpate.cli.statistics import statistics
 from palpate.cli.surface import surface
+from palpate.cli.touch import EXAMPLES as TOUCH_EXAMPLES
+from palpate.cli.touch import touch
 from palpate.cli.transform import EXAMPLES as TRANSFORM_EXAMPLES
 from palpate.cli.transform import transform
 from palpate.cli.written_files import keeping_files
@@ -157,6 +166,8 @@ def _system(error: OSError) -> str:
     """Says what the system refused, and for which file."""
     if error.strerror is None:
         return str(error)
+    if is_full_disk(error):
+        return told_of(error)
     if isinstance(error, FileNotFoundError) and error.filename is not None:
         folder = Path(error.filename).parent
         if not folder.is_dir():
@@ -201,8 +212,12 @@ app.command("render", epilog=RENDER_EXAMPLES)(keeping_files(render))
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(keeping_files(segment))
 app.command("statistics", epilog=STATISTICS_EXAMPLES)(keeping_files(statistics))
+app.command("compare", epilog=COMPARE_EXAMPLES)(keeping_files(compare))
+app.command("landmarks", epilog=LANDMARKS_EXAMPLES)(keeping_files(landmarks))
+app.command("touch", epilog=TOUCH_EXAMPLES)(keeping_files(touch))
 app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
+app.command("bids", epilog=BIDS_EXAMPLES)(bids_app)
 app.command("report")(report)
 app.add_typer(surface, name="surface")
 app.add_typer(scenario, name="scenario")

@@ -93,6 +93,7 @@ def export(
             kind=kind,
             only=request.only,
             keep_identity=request.keep_identity,
+            pixels_checked=request.pixels_checked,
             progress=display,
         )
     _print_result(scene, request.out, notes, written=_written(scene, kind, request.only))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palpate.base.console import Display, quiet_libraries, spoken
+from palpate.base.harmless_text import terminal
 from palpate.cli.options import Scan
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
@@ -81,11 +82,10 @@ def _rows(volume: Volume) -> list[tuple[str, str]]:
 
 def print_table(volume: Volume) -> None:
     """Prints what is known of a scan for a person."""
-    from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
 
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    table.add_column(style="bold")
     for name, value in _rows(volume):
-        table.add_row(Text(name, style="bold"), Text(value))
-    Console().print(table)
+        table.add_row(name, value)
+    terminal().print(table)

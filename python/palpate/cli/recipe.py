@@ -36,6 +36,17 @@ A recipe has a step for each command, with its options:
       out: bone.stl
   export:
     - out: segments.seg.nrrd
+  compare:                     # with a reference mask
+    - reference: truth.seg.nrrd
+      out: agreement.csv
+  landmarks:
+    - segment: bone
+      out: landmarks.csv
+  touch:                       # a press of 3 mm from above
+    - segment: bone
+      at: superior
+      depth: 3
+      out: press.csv
   transform:                   # the second scan's labels, on the grid of the first
     - path: mr-labels.nii.gz
       transform: mr-to-ct.tfm
@@ -77,6 +88,16 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
             "column case names the row."
         ),
     ] = None,
+    bids: Annotated[
+        Path | None, typer.Option(help="Run it over each scan of a BIDS data set.", metavar="DIR")
+    ] = None,
+    participant_label: Annotated[
+        list[str] | None,
+        typer.Option("--participant-label", help="With --bids: these participants; repeatable."),
+    ] = None,
+    suffix: Annotated[
+        str | None, typer.Option(help="With --bids: this kind of image, such as T1w or ct.")
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -113,7 +134,7 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     force: Force = False,
 ) -> None:
     """Run a recipe: import, registration, segments, surfaces, export, report."""
-    if over is not None or table is not None:
+    if over is not None or table is not None or bids is not None:
         if force:
             raise OptionError(
                 "--force given with many cases; allowed: without it, since a case's folder is "
@@ -126,6 +147,9 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
         options = OverOptions(
             over=over,
             table=table,
+            bids=bids,
+            participants=participant_label or (),
+            suffix=suffix,
             output=output,
             shard=shard,
             only_failed=only_failed,
@@ -135,11 +159,15 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
             limits=Limits(seconds=timeout, memory=room, retry=retry),
         )
         raise typer.Exit(run_over(recipe, options))
-    if any((output, shard, only_failed, dry_run, workers, scheduler)):
-        raise OptionError("no scans given for these options; allowed: with --over or --table")
+    many = (output, shard, only_failed, dry_run, workers, scheduler, participant_label, suffix)
+    if any(many):
+        raise OptionError(
+            "no scans given for these options; allowed: with --over, --table or --bids"
+        )
     from palpate.recipes.check import read_inputs
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe
+    from palpate.segmentation.statistics_table import aligned_lines
 
     with (
         files_noted(),
@@ -151,13 +179,15 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
         wanted, source = read_recipe(recipe)
         inputs = read_inputs(wanted, source, progress=display)
         if not check:
-            scene, written, told = run_recipe(wanted, inputs, progress=display)
+            made = run_recipe(wanted, inputs, progress=display)
     if check:
         typer.echo(f"{recipe}: nothing is wrong with it")
         return
-    for sentence in told:
+    for sentence in made.told:
         warn(sentence)
-    for shown in scene:
+    for shown in made.scene:
         typer.echo(f"{shown.name}: {shown.segment.volume_text}")
-    for path in written:
+    for measured in made.measures.tables:
+        typer.echo("\n".join((f"{measured.title}:", *aligned_lines(measured.cells))))
+    for path in made.written:
         typer.echo(f"{path} written")

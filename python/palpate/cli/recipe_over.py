@@ -1,19 +1,20 @@
-"""``palpate run --over`` and ``--table``: a recipe over many scans."""
+"""``palpate run --over``, ``--table`` and ``--bids``: a recipe over many scans."""
 
 from __future__ import annotations
 
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
 import typer
 
-from palpate.base.console import warn
+from palpate.base.console import replace_line, warn
 from palpate.base.errors import OptionError
+from palpate.cohort.bids import cases_of_bids
 from palpate.cohort.case import Case, share_of
 from palpate.cohort.limits import Limits
 from palpate.cohort.locked_cases import locked_cases
@@ -40,14 +41,17 @@ NO_DASK = (
 class OverOptions:
     """Which cases are run, where to, and how."""
 
-    over: str | None
-    table: Path | None
+    over: str | None = None
+    table: Path | None = None
+    bids: Path | None = None
+    participants: Sequence[str] = ()
+    suffix: str | None = None
     output: Path | None
-    shard: str | None
-    only_failed: bool
-    dry_run: bool
-    workers: int | None
-    scheduler: str | None
+    shard: str | None = None
+    only_failed: bool = False
+    dry_run: bool = False
+    workers: int | None = None
+    scheduler: str | None = None
     limits: Limits
 
 
@@ -58,8 +62,12 @@ def run_over(recipe: Path, options: OverOptions) -> int:
         OptionError: Something given is wrong; nothing was written.
         OSError: The output folder cannot be written.
     """
-    if (options.over is None) == (options.table is None):
-        raise OptionError("--over and --table given; allowed: one of both")
+    ways = {"--over": options.over, "--table": options.table, "--bids": options.bids}
+    given = [name for name, value in ways.items() if value is not None]
+    if len(given) != 1:
+        raise OptionError(f"{' and '.join(given)} given; allowed: one of {', '.join(ways)}")
+    if options.bids is None and (options.participants or options.suffix):
+        raise OptionError("--participant-label or --suffix given; allowed: with --bids")
     if options.output is None:
         raise OptionError("no output folder given; allowed: --output FOLDER")
     if options.workers is not None and options.scheduler is not None:
@@ -93,6 +101,10 @@ def run_over(recipe: Path, options: OverOptions) -> int:
 def _cases(options: OverOptions) -> list[Case]:
     if options.table is not None:
         cases = cases_of_table(options.table)
+    elif options.bids is not None:
+        cases = cases_of_bids(
+            options.bids, participants=options.participants, suffix=options.suffix
+        )
     else:
         cases = cases_over(options.over or "")
     return cases if options.shard is None else share_of(cases, options.shard)
@@ -128,12 +140,11 @@ def _progress(count: int) -> Callable[[Outcome, CaseResult], None]:
             ended = len(outcome.done) + len(outcome.failed)
             rate = ended / (time.monotonic() - begun)
             left = count - ended
-            sys.stderr.write(
-                f"\r{len(outcome.done)} done, {len(outcome.failed)} failed, {left} left, "
-                f"{rate * 60:.1f} a minute, {left / rate / 60:.0f} min to go\x1b[K"
-                + ("" if left else "\n")
+            replace_line(
+                f"{len(outcome.done)} done, {len(outcome.failed)} failed, {left} left, "
+                f"{rate * 60:.1f} a minute, {left / rate / 60:.0f} min to go",
+                last=not left,
             )
-            sys.stderr.flush()
 
     return told
 

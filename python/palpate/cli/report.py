@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["report"]
+__all__ = ["report", "write_report_of"]
 
 
 def report(
@@ -16,6 +16,16 @@ def report(
     ],
 ) -> None:
     """Write page and table of all cases of a cohort."""
+    write_report_of(folder)
+
+
+def write_report_of(folder: Path) -> None:
+    """Writes both, and says so.
+
+    Raises:
+        OptionError: It is no folder of a cohort.
+        OSError: The disk refuses it.
+    """
     from palpate.base.errors import OptionError
     from palpate.cohort.output_folder import CohortFolder
     from palpate.cohort.overview import write_overview

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from palpate.base.console import Display, quiet_libraries
+from palpate.base.harmless_text import terminal
 from palpate.cli.written_files import WRITES, keeping_files
 
 if TYPE_CHECKING:
@@ -239,7 +240,7 @@ def _needle(
 def _check_files(files: Files) -> None:
     """Refuses what could not be written, before anything is computed."""
     from palpate.base.errors import OptionError
-    from palpate.bench.plots import check_plot
+    from palpate.base.plot_file import check_plot
 
     check_plot(files[1])
     for path in files:
@@ -291,7 +292,6 @@ def _tell(run: ScenarioRun, files: Files) -> None:
 
 
 def _print_table(run: ScenarioRun) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(title=f"{run.scenario}: {run.scan}", title_justify="left")
@@ -312,8 +312,7 @@ def _print_table(run: ScenarioRun) -> None:
         for event in run.events:
             felt = (f"{event.time:.2f}", f"{event.depth:.1f}", f"{event.force:z.2f}")
             table.add_row(event.kind, event.segment, *felt)
-    # brackets are units there, not styles
-    Console(markup=False).print(table)
+    terminal().print(table)
 
 
 def _add_map(table: Table, run: ScenarioRun) -> None:

@@ -12,7 +12,7 @@ from palpate.base.console import warn
 from palpate.base.errors import MeshFormatError, OptionError, PalpateError, SceneFormatError
 from palpate.base.hints import prefixed, retold
 from palpate.base.progress import Progress
-from palpate.base.typed_numbers import Bounds
+from palpate.base.typed_numbers import Bounds, parse_threshold
 from palpate.cli.flags import of_import
 from palpate.io.reading import read
 from palpate.volumes.scene import Scene
@@ -29,6 +29,7 @@ __all__ = [
     "add_mesh",
     "add_second",
     "further_scan",
+    "measured_scene",
     "mesh_file",
     "saved_scene",
     "scene_at",
@@ -249,6 +250,40 @@ def scene_at(
         volume,
         bounds=bounds,
         label_map=label_map,
+        resample=resample,
+        another_patient=another_patient,
+        progress=progress,
+    )
+
+
+def measured_scene(
+    path: Path,
+    reading: ReadRequest,
+    *,
+    threshold: str | None,
+    segments: Path | None,
+    resample: bool,
+    another_patient: bool,
+    progress: Progress,
+) -> Scene:
+    """Returns the scene of a command that measures segments, of which there must be some.
+
+    Raises:
+        OptionError: No segments are asked for, or those do not fit the scan.
+        PalpateError: It cannot be read.
+    """
+    from palpate.saved.ending import is_scene
+
+    bounds = parse_threshold(threshold)
+    if not is_scene(path) and segments is None and bounds is None:
+        raise OptionError(
+            "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
+        )
+    return scene_at(
+        path,
+        reading,
+        bounds=bounds,
+        label_map=segments,
         resample=resample,
         another_patient=another_patient,
         progress=progress,

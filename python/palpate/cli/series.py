@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palpate.base.console import Display, quiet_libraries
+from palpate.base.harmless_text import terminal
 
 if TYPE_CHECKING:
     from palpate.io.browse import Choice
@@ -124,9 +125,7 @@ def print_series(found: list[dict[str, Any]]) -> None:
 
     A series that is ``refused`` says why below it.
     """
-    from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
 
     table = Table(box=None, padding=(0, 2, 0, 0))
     for name in ("number", "patient", "study", "series", "modality", "size"):
@@ -135,10 +134,10 @@ def print_series(found: list[dict[str, Any]]) -> None:
         edges = one["columns"], one["rows"], one["slices"]
         size = "" if None in edges else " x ".join(map(str, edges))
         cells = (one["number"], one["patient"], one["study"], one["series"], one["modality"], size)
-        table.add_row(*(Text(str(cell)) for cell in cells))
-    console = Console()
+        table.add_row(*map(str, cells))
+    console = terminal()
     console.print(table)
     for one in found:
         if one.get("refused"):
             said = f"{one['number']} cannot be read: {one['refused']}"
-            console.print(said, markup=False, highlight=False)
+            console.print(said)

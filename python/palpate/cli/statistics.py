@@ -10,6 +10,7 @@ import typer
 from palpate.base.console import Display, quiet_libraries
 from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
 from palpate.cli.request_options import with_requests
+from palpate.cli.table_form import AsCsv, AsJson, table_form
 from palpate.cli.written_files import WRITES
 from palpate.io.request import ReadRequest
 
@@ -45,8 +46,8 @@ def statistics(
     threshold: Threshold = None,
     resample: Resample = False,
     another_patient: AnotherPatient = False,
-    as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON object.")] = False,
+    as_csv: AsCsv = False,
+    as_json: AsJson = False,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", help="Write a file (.csv, .json) instead."),
@@ -55,27 +56,19 @@ def statistics(
     reading: ReadRequest,
 ) -> None:
     """Measure segments: volume, values, diameters, surface area, centroid."""
-    from palpate.base.errors import OptionError
-    from palpate.base.typed_numbers import parse_threshold
     from palpate.base.whole_file import check_target, whole_file
-    from palpate.cli.scenes import scene_at
-    from palpate.saved.ending import is_scene
+    from palpate.cli.scenes import measured_scene
     from palpate.segmentation.segment_statistics import statistics as measure
 
-    form = _form(out, as_csv=as_csv, as_json=as_json)
+    form = table_form(out, as_csv=as_csv, as_json=as_json)
     if out is not None:
         check_target(out, SUFFIXES)
-    bounds = parse_threshold(threshold)
-    if not is_scene(path) and segments is None and bounds is None:
-        raise OptionError(
-            "no segments given; allowed: --segments FILE or --threshold LOW,HIGH, or a saved scene"
-        )
     with quiet_libraries(), Display() as display:
-        scene = scene_at(
+        scene = measured_scene(
             path,
             reading,
-            bounds=bounds,
-            label_map=segments,
+            threshold=threshold,
+            segments=segments,
             resample=resample,
             another_patient=another_patient,
             progress=display,
@@ -88,25 +81,6 @@ def statistics(
     with whole_file(out) as unfinished:
         unfinished.write_text(text, "utf-8")
     typer.echo(f"{out}: {len(measured)} segments")
-
-
-def _form(out: Path | None, *, as_csv: bool, as_json: bool) -> str:
-    """Returns how numbers are written: "table", ".csv" or ".json".
-
-    Raises:
-        OptionError: Two ways are asked for.
-    """
-    from palpate.base.errors import OptionError
-
-    forms = [".csv"] * as_csv + [".json"] * as_json
-    if out is not None:
-        forms.append(out.suffix.lower())
-    if len(set(forms)) > 1:
-        raise OptionError(
-            f"{' and '.join(forms)} asked for; allowed: one of --csv, --json, and -o FILE with "
-            "the same extension"
-        )
-    return forms[0] if forms else "table"
 
 
 def _text(measured: list[SegmentStatistics], volume: Volume, form: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from palpate.export.numbering import unique_names
 from palpate.pictures.picture_file import image_of
 from palpate.pictures.render import DrawnScene
 from palpate.segmentation.segment_statistics import statistics
-from palpate.segmentation.statistics_table import statistics_row
+from palpate.segmentation.statistics_table import Row, statistics_row
 from palpate.volumes.scene import Scene
 
 __all__ = ["THUMBNAIL", "measured_segments", "write_thumbnail"]
@@ -20,8 +21,14 @@ EDGE = 200
 QUALITY = 80
 
 
-def measured_segments(scene: Scene) -> tuple[dict[str, dict[str, Any]], list[str]]:
+def measured_segments(
+    scene: Scene, measured: Mapping[str, Row] | None = None
+) -> tuple[dict[str, dict[str, Any]], list[str]]:
     """Measures the segments of a case.
+
+    Args:
+        scene: The scan and its segments.
+        measured: Numbers that steps of the recipe have measured, by segment.
 
     Returns:
         What ``palpate statistics`` tells of each, by names that differ, and its colour; and what is
@@ -29,8 +36,9 @@ def measured_segments(scene: Scene) -> tuple[dict[str, dict[str, Any]], list[str
     """
     shown = list(scene)
     names, told = unique_names(shown)
+    further = measured or {}
     rows = {
-        name: {**statistics_row(row), "colour": _hex(one.colour)}
+        name: {**statistics_row(row), **further.get(one.name, {}), "colour": _hex(one.colour)}
         for name, one, row in zip(names, shown, statistics(scene), strict=True)
     }
     return rows, told

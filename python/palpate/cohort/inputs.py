@@ -8,11 +8,10 @@ from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
 
-from palpate.base.request import Request
 from palpate.base.request_files import files_of
 from palpate.recipes.recipe import recipe_of
 from palpate.recipes.source import Source
-from palpate.recipes.steps import Recipe
+from palpate.recipes.steps import steps_of
 
 __all__ = ["inputs_of", "recipe_hash", "same_inputs", "told_inputs"]
 
@@ -28,7 +27,7 @@ def inputs_of(source: Source) -> list[Path]:
     recipe = recipe_of(source)
     read: list[Path] = []
     written: set[Path] = set()
-    for step in _requests(recipe):
+    for _, step in steps_of(recipe):
         for option, path in files_of(step):
             (read.append if option.reads else written.add)(path)
     return sorted({path.absolute() for path in read if path not in written})
@@ -81,9 +80,3 @@ def _files(paths: Sequence[Path]) -> list[Path]:
         elif path.is_file():
             found.add(path)
     return sorted(found)
-
-
-def _requests(recipe: Recipe) -> list[Request]:
-    single = [recipe.scan, recipe.reconstruct, recipe.register]
-    many = [*recipe.segment, *recipe.surface, *recipe.export, *recipe.transform, *recipe.picture]
-    return [each for each in (*single, *many, recipe) if each is not None]

@@ -40,6 +40,7 @@ def export_scene(
     kind: Kind | None = None,
     only: Sequence[str] | None = None,
     keep_identity: bool = False,
+    pixels_checked: bool = False,
     progress: Progress = silent,
 ) -> list[str]:
     """Writes a scene's segments, its scan, or both, for other programs.
@@ -51,6 +52,8 @@ def export_scene(
         only: Names of the segments to write; the default is all.
         keep_identity: Whether DICOM objects keep the patient's name and refer to the scan as it is
             in the archive; else the scan is written beside them and all files are de-identified.
+        pixels_checked: Whether a person has looked for text in the pixels of images that are
+            declared to have some, or are of a kind that often has.
         progress: Takes the progress.
 
     Returns:
@@ -70,7 +73,9 @@ def export_scene(
         write_scan(scene.volume, target)
         return []
     if chosen == "dicom" and len(scene) == 0:
-        return _export_folder(scene, [], target, keep=keep_identity, progress=progress)
+        return _export_folder(
+            scene, [], target, keep=keep_identity, checked=pixels_checked, progress=progress
+        )
     segments, told = written_segments(scene, only)
     match chosen:
         case "seg-nrrd":
@@ -78,7 +83,14 @@ def export_scene(
         case "labels":
             told += write_label_map(segments, scene.volume, target)
         case "dicom":
-            told += _export_folder(scene, segments, target, keep=keep_identity, progress=progress)
+            told += _export_folder(
+                scene,
+                segments,
+                target,
+                keep=keep_identity,
+                checked=pixels_checked,
+                progress=progress,
+            )
         case _:
             told += _export_object(scene, segments, target, kind=chosen, progress=progress)
     return told
@@ -123,7 +135,13 @@ def _changes_told(kind: Kind, segments: list[SceneSegment]) -> list[str]:
 
 
 def _export_folder(
-    scene: Scene, segments: list[SceneSegment], path: Path, *, keep: bool, progress: Progress
+    scene: Scene,
+    segments: list[SceneSegment],
+    path: Path,
+    *,
+    keep: bool,
+    checked: bool,
+    progress: Progress,
 ) -> list[str]:
     """Writes everything that DICOM can represent of a scene into a new folder."""
     from palpate.export.deidentify import Deidentifier
@@ -142,7 +160,7 @@ def _export_folder(
         dicom_source(scene.volume, complete=not keep, progress=progress) as source,
         whole_folder(path) as folder,
     ):
-        share = None if keep else Deidentifier(source.images)
+        share = None if keep else Deidentifier(source.images, pixels_checked=checked)
         if share is not None:
             _copy_scan(source, folder / "scan", share, progress=progress)
         if scene.volume.edited:
@@ -162,6 +180,8 @@ def _export_folder(
             made = make_seg(segments, scene.volume, source, kind="BINARY")
             _save(made, folder / "segments.dcm", share)
             _save(make_rtstruct(segments, scene.volume, source), folder / "structures.dcm", share)
+        if share is not None:
+            share.write_report(folder / "deidentification.csv")
     return lost
 
 

@@ -42,6 +42,13 @@ class ExportRequest(Request, frozen=True, kw_only=True):
         bool,
         words("Keep the patient's identity in DICOM and refer to the original series."),
     ] = False
+    pixels_checked: Annotated[
+        bool,
+        words(
+            "Say that you have looked for text in the pixels of all images. Asked for where they "
+            "are declared to have some, or are of a kind that often has, such as ultrasound."
+        ),
+    ] = False
 
     def kind_for(self, *, has_segments: bool) -> Kind:
         """Returns what is to be written: what was asked for, or what its name says.

@@ -21,7 +21,7 @@ from palpate.labels.label_map import read_label_map, read_mask_folder
 from palpate.labels.seg_nrrd import is_segmentation, read_seg_nrrd
 from palpate.volumes.volume import Volume
 
-__all__ = ["Label", "Labels", "modality_of", "read_labels"]
+__all__ = ["Label", "Labels", "modality_of", "read_any_labels", "read_labels"]
 
 
 def read_labels(
@@ -54,19 +54,41 @@ def read_labels(
         OptionError: It is on another grid than the scan, of another patient or study, or has no
             segment.
     """
+    found = read_any_labels(
+        path, volume, resample=resample, another_patient=another_patient, progress=progress
+    )
+    if not found.labels:
+        why = "; ".join(found.warnings) or "no labels"
+        raise OptionError(
+            f"{path_of(path)} holds no segments ({why}); allowed: files with segments"
+        )
+    return found
+
+
+def read_any_labels(
+    path: str | PathLike[str],
+    volume: Volume,
+    *,
+    resample: bool = False,
+    another_patient: bool = False,
+    progress: Progress = silent,
+) -> Labels:
+    """Reads segments as ``read_labels`` does; there may be none.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It cannot be read.
+        OptionError: It is on another grid than the scan, or of another patient or study.
+    """
     source = path_of(path)
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
     check_plain(source)
     damaged, allowed = f"{source} is damaged", "complete, undamaged files of segments"
     with damage_as(VolumeFormatError, damaged, allowed=allowed):
-        found = _read(
+        return _read(
             source, volume, resample=resample, another_patient=another_patient, progress=progress
         )
-    if not found.labels:
-        why = "; ".join(found.warnings) or "no labels"
-        raise OptionError(f"{source} holds no segments ({why}); allowed: files with segments")
-    return found
 
 
 def _read(

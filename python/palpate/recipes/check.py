@@ -21,13 +21,24 @@ from palpate.export.kinds import FROM_DICOM
 from palpate.export.request import ExportRequest
 from palpate.recipes.register_step import read_mask, read_moving
 from palpate.recipes.source import Source
-from palpate.recipes.steps import Recipe, ReconstructStep, RegisterStep, TransformStep
+from palpate.recipes.steps import (
+    Recipe,
+    ReconstructStep,
+    RegisterStep,
+    TransformStep,
+    steps_of,
+)
 from palpate.reconstruction.projections import stack_at
 from palpate.reconstruction.reconstruction import missing_library
 from palpate.reconstruction.request import grid_of
+from palpate.session.touch_request import TouchRequest
+from palpate.volumes.surface_request import SurfaceRequest
 from palpate.volumes.volume import Volume
 
 __all__ = ["Inputs", "check_options", "read_inputs"]
+
+OF_ONE = (SurfaceRequest, TouchRequest)
+"""Steps that take one segment, and must be told which where there are several."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +62,7 @@ def check_options(recipe: Recipe, source: Source) -> None:
     if not recipe.segment:
         raise source.wrong("$.segment", "no segment given; allowed: one or more")
     _check_files(recipe, source)
-    for where, step in _steps(recipe):
+    for where, step in steps_of(recipe):
         check = getattr(step, "check", None)
         if check is not None:
             with source.at(where):
@@ -89,28 +100,6 @@ def read_inputs(recipe: Recipe, source: Source, *, progress: Progress = silent) 
     return Inputs(scan, moving)
 
 
-def _steps(recipe: Recipe) -> Iterator[tuple[str, Request]]:
-    """Yields each step with its place, in order; then the recipe itself."""
-    for name, step in (
-        ("import", recipe.scan),
-        ("reconstruct", recipe.reconstruct),
-        ("register", recipe.register),
-    ):
-        if step is not None:
-            yield f"$.{name}", step
-    for number, segment in enumerate(recipe.segment):
-        yield f"$.segment[{number}]", segment
-    for number, surface in enumerate(recipe.surface):
-        yield f"$.surface[{number}]", surface
-    for number, export in enumerate(recipe.export):
-        yield f"$.export[{number}]", export
-    for number, carried in enumerate(recipe.transform):
-        yield f"$.transform[{number}]", carried
-    for number, picture in enumerate(recipe.picture):
-        yield f"$.picture[{number}]", picture
-    yield "$", recipe
-
-
 def _check_reconstruct(step: ReconstructStep, source: Source) -> None:
     with source.at("$.reconstruct.path"):
         stack = stack_at(step.path)
@@ -136,20 +125,29 @@ def _check_names(recipe: Recipe, source: Source) -> None:
                     f"two segments are called {name!r}; allowed: a name for each",
                 )
         known += names
-    for number, surface in enumerate(recipe.surface):
-        if surface.segment is None and len(known) > 1:
-            raise source.wrong(
-                f"$.surface[{number}].segment", f"no segment given; allowed: {', '.join(known)}"
-            )
+    for where, step in steps_of(recipe):
+        if isinstance(step, OF_ONE) and step.segment is None and len(known) > 1:
+            raise source.wrong(f"{where}.segment", f"no segment given; allowed: {', '.join(known)}")
+    numbers = [str(number + 1) for number in range(len(known))]
+    for where, name in _names_used(recipe):
         # a number is one of the list
-        by_number = surface.segment in [str(number + 1) for number in range(len(known))]
-        if surface.segment is not None and not by_number:
-            with source.at(f"$.surface[{number}].segment"):
-                _check_name(surface.segment, known)
-    for number, export in enumerate(recipe.export):
-        for place, name in enumerate(export.only or ()):
-            with source.at(f"$.export[{number}].only[{place}]"):
+        if name not in numbers or ".only[" in where:
+            with source.at(where):
                 _check_name(name, known)
+
+
+def _names_used(recipe: Recipe) -> Iterator[tuple[str, str]]:
+    """Yields names of segments that steps take, with their places."""
+    for where, step in steps_of(recipe):
+        segment = getattr(step, "segment", None)
+        if isinstance(segment, str):
+            yield f"{where}.segment", segment
+        if isinstance(step, TouchRequest):
+            for place, name in enumerate(step.rigid):
+                yield f"{where}.rigid[{place}]", name
+        if isinstance(step, ExportRequest):
+            for place, name in enumerate(step.only or ()):
+                yield f"{where}.only[{place}]", name
 
 
 def _check_name(name: str, known: list[str]) -> None:
@@ -165,7 +163,7 @@ def _check_files(recipe: Recipe, source: Source) -> None:
     """
     read: set[Path] = set()
     written: set[Path] = set()
-    for where, step in _steps(recipe):
+    for where, step in steps_of(recipe):
         for option, path in files_of(step):
             place = path.resolve()
             with source.at(f"{where}.{option.name}"):
@@ -230,6 +228,9 @@ def _check_on(recipe: Recipe, scan: Volume, source: Source, *, progress: Progres
         for number, request in enumerate(recipe.segment):
             with source.at(f"$.segment[{number}]"):
                 request.check_on(scan, progress=progress)
+        for number, compared in enumerate(recipe.compare):
+            with source.at(f"$.compare[{number}].reference"):
+                compared.check_on(scan, progress=progress)
     for number, export in enumerate(recipe.export):
         if export.kind_for(has_segments=True) in FROM_DICOM:
             with source.at(f"$.export[{number}].out"):

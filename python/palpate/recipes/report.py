@@ -18,6 +18,7 @@ from palpate.pictures.choices import View
 from palpate.pictures.picture_file import png_bytes
 from palpate.pictures.render import DrawnScene
 from palpate.recipes.html_page import data_url, html_page
+from palpate.recipes.measures import Table
 from palpate.segmentation.mask_shape import box_of
 from palpate.segmentation.segment_statistics import statistics
 from palpate.segmentation.statistics_table import statistics_cells
@@ -42,7 +43,14 @@ figure img { border-radius: 6px; }
 """
 
 
-def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Sequence[str]) -> None:
+def write_report(
+    scene: Scene,
+    path: Path,
+    *,
+    written: Sequence[Path],
+    told: Sequence[str],
+    tables: Sequence[Table] = (),
+) -> None:
     """Writes what was made of a scan.
 
     Args:
@@ -50,6 +58,7 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
         path: The new file.
         written: Other files that were written.
         told: What a person should know.
+        tables: What steps have measured.
 
     Raises:
         OSError: The disk refuses it.
@@ -76,6 +85,7 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
         f"<figcaption>{side}</figcaption></figure>"
         for side, picture in _views(scene)
     )
+    measured = "\n".join(map(_table, tables))
     files = "".join(f"<li>{escape(each.name)}</li>" for each in written)
     notes = "".join(f"<li>{escape(each)}</li>" for each in told)
     body = f"""<h1>Segments</h1>
@@ -85,6 +95,7 @@ def write_report(scene: Scene, path: Path, *, written: Sequence[Path], told: Seq
 <tr><th>{headings[0]}</th>{_row("th", headings[1:])}</tr>
 {rows}
 </table></div>
+{measured}
 <h2>Seen from outside</h2>
 {views}
 <h2>Slices through the middle of all segments</h2>
@@ -148,6 +159,18 @@ def _window(scene: Scene) -> tuple[float, float]:
     stored = np.percentile(volume.array[::4, ::4, ::4], (1.0, 99.0))
     low, high = sorted(volume.value_of(float(value)) for value in stored)
     return low, max(high, low + 1e-9)
+
+
+def _table(table: Table) -> str:
+    headings, *rows = table.cells
+    lines = "\n".join(
+        f"<tr><td>{escape(name)}</td>{_row('td', cells)}</tr>" for name, *cells in rows
+    )
+    return f"""<h2>{escape(table.title)}</h2>
+<div class="wide"><table>
+<tr><th>{escape(headings[0])}</th>{_row("th", headings[1:])}</tr>
+{lines}
+</table></div>"""
 
 
 def _hex(colour: tuple[float, float, float]) -> str:

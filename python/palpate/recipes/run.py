@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.base.errors import OptionError
@@ -9,6 +10,8 @@ from palpate.base.progress import Progress, silent
 from palpate.export.export import export_scene
 from palpate.export.image import write_scan
 from palpate.recipes.check import Inputs
+from palpate.recipes.measure_steps import measure
+from palpate.recipes.measures import Measures
 from palpate.recipes.register_step import registered
 from palpate.recipes.report import write_report
 from palpate.recipes.steps import Recipe, RegisterStep
@@ -20,21 +23,28 @@ from palpate.volumes.scene import Scene, choose_segment
 from palpate.volumes.surface import Surface
 from palpate.volumes.volume import Volume
 
-__all__ = ["run_recipe"]
+__all__ = ["RecipeResult", "run_recipe"]
 
 
-def run_recipe(
-    recipe: Recipe, inputs: Inputs, *, progress: Progress = silent
-) -> tuple[Scene, list[Path], list[str]]:
+@dataclass(frozen=True)
+class RecipeResult:
+    """What a recipe made."""
+
+    scene: Scene
+    """The scan with its segments."""
+    written: list[Path]
+    told: list[str]
+    """What a person should know."""
+    measures: Measures
+
+
+def run_recipe(recipe: Recipe, inputs: Inputs, *, progress: Progress = silent) -> RecipeResult:
     """Does all steps in order.
 
     Args:
         recipe: What is to be done.
         inputs: Its scans, as ``palpate.recipes.check.read_inputs`` read and checked them.
         progress: Takes the progress.
-
-    Returns:
-        The scan with its segments, the files that were written, and what a person should know.
 
     Raises:
         PalpateError: A step cannot be done; files of steps before it stay.
@@ -64,9 +74,11 @@ def run_recipe(
             kind=export.kind,
             only=export.only,
             keep_identity=export.keep_identity,
+            pixels_checked=export.pixels_checked,
             progress=progress,
         )
         written.append(export.out)
+    measures = measure(scene, recipe, log=(told, written), progress=progress)
     for carried_step in recipe.transform:
         told += carried(carried_step, volume, progress=progress)
         written.append(carried_step.output)
@@ -74,9 +86,10 @@ def run_recipe(
         written += picture.write(scene, progress=progress)
     if recipe.report is not None:
         progress("writing the report", None)
-        write_report(scene, recipe.report, written=written, told=told)
+        tables = measures.tables
+        write_report(scene, recipe.report, written=written, told=told, tables=tables)
         written.append(recipe.report)
-    return scene, written, told
+    return RecipeResult(scene, written, told, measures)
 
 
 def _add_segments(scene: Scene, recipe: Recipe, *, progress: Progress) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -9,17 +10,27 @@ import msgspec
 
 from palpate.base.errors import OptionError
 from palpate.base.file_suffixes import IMAGE_SUFFIXES
-from palpate.base.request import Request, words
+from palpate.base.request import Request, options_of, words
 from palpate.export.request import ExportRequest
 from palpate.io.request import ReadRequest
 from palpate.pictures.request import PictureRequest
 from palpate.reconstruction.request import ReconstructionRequest
 from palpate.registration.request import RegisterRequest
 from palpate.registration.transform_request import TransformRequest
+from palpate.segmentation.comparison_request import CompareRequest
+from palpate.segmentation.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
+from palpate.session.touch_request import TouchRequest
 from palpate.volumes.surface_request import SurfaceRequest
 
-__all__ = ["ImportStep", "Recipe", "ReconstructStep", "RegisterStep", "TransformStep"]
+__all__ = [
+    "ImportStep",
+    "Recipe",
+    "ReconstructStep",
+    "RegisterStep",
+    "TransformStep",
+    "steps_of",
+]
 
 
 class ImportStep(ReadRequest, frozen=True, kw_only=True):
@@ -81,6 +92,15 @@ class Recipe(Request, frozen=True, kw_only=True):
     export: Annotated[list[ExportRequest], words("Files to write.")] = msgspec.field(
         default_factory=list
     )
+    compare: Annotated[list[CompareRequest], words("References to compare segments with.")] = (
+        msgspec.field(default_factory=list)
+    )
+    landmarks: Annotated[list[LandmarksRequest], words("Landmarks of segments to list.")] = (
+        msgspec.field(default_factory=list)
+    )
+    touch: Annotated[
+        list[TouchRequest], words("Segments to press, stroke or drill by a script.")
+    ] = msgspec.field(default_factory=list)
     transform: Annotated[list[TransformStep], words("Files to carry.")] = msgspec.field(
         default_factory=list
     )
@@ -90,3 +110,15 @@ class Recipe(Request, frozen=True, kw_only=True):
     report: Annotated[
         Path | None, words("Report of pictures and volumes to write.", writes=(".html",))
     ] = None
+
+
+def steps_of(recipe: Recipe) -> Iterator[tuple[str, Request]]:
+    """Yields each step with its place, such as ``$.segment[0]``, in order; then the recipe."""
+    for option in options_of(Recipe):
+        step = getattr(recipe, option.field)
+        if isinstance(step, Request):
+            yield f"$.{option.name}", step
+        elif isinstance(step, list):
+            for number, each in enumerate(step):
+                yield f"$.{option.name}[{number}]", each
+    yield "$", recipe

@@ -15,6 +15,9 @@ from palpate.base.volume_text import volume_text
 from palpate.segmentation.segment_statistics import SegmentStatistics
 
 __all__ = [
+    "Row",
+    "aligned_lines",
+    "rows_csv",
     "statistics_cells",
     "statistics_csv",
     "statistics_json",
@@ -67,7 +70,11 @@ def statistics_row(one: SegmentStatistics) -> Row:
 
 def statistics_csv(measured: Sequence[SegmentStatistics]) -> str:
     """Returns a table with a line for each segment, in at most ten digits."""
-    rows = [statistics_row(one) for one in measured]
+    return rows_csv([statistics_row(one) for one in measured])
+
+
+def rows_csv(rows: Sequence[Row]) -> str:
+    """Returns rows of the same columns as CSV, in at most ten digits."""
     text = StringIO()
     writer = csv.DictWriter(text, list(rows[0]) if rows else ["segment"], lineterminator="\n")
     writer.writeheader()
@@ -102,7 +109,11 @@ def statistics_cells(measured: Sequence[SegmentStatistics]) -> list[list[str]]:
 
 def statistics_lines(measured: Sequence[SegmentStatistics]) -> list[str]:
     """Returns the same table as lines of equal columns."""
-    rows = statistics_cells(measured)
+    return aligned_lines(statistics_cells(measured))
+
+
+def aligned_lines(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Returns rows as lines of equal columns; numbers stand between the first and the last."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(

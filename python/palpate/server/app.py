@@ -24,6 +24,7 @@ from starlette.staticfiles import StaticFiles
 
 from palpate.base.errors import OptionError
 from palpate.server.library.library import Library
+from palpate.server.patience import PatientProtocol
 from palpate.server.resume import Resuming, kept_port
 from palpate.server.security import Access, AccessMiddleware
 from palpate.server.workbench import Workbench
@@ -140,7 +141,10 @@ class _Server(uvicorn.Server):
 def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> _Server:
     """Makes a server of an app; ``ready`` is called once it answers."""
     options: dict[str, Any] = {
+        "http": PatientProtocol,
         "log_level": "warning",
+        # streams of the command line print no orders to a terminal
+        "use_colors": False,
         "access_log": False,
         "server_header": False,
         "lifespan": "on",

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-__all__ = ["ENDED", "EXCHANGED", "STOOD_STILL", "close_all", "end_all"]
+__all__ = ["ENDED", "EXCHANGED", "STOOD_STILL", "TOO_MANY", "close_all", "end_all"]
 
 EXCHANGED = 4001
 """Code with which pages of a scan are sent away that makes room for another."""
@@ -20,6 +20,8 @@ STOOD_STILL = 4002
 done; the reason is how many seconds the process stood still."""
 ENDED = 4003
 """Code with which pages are sent away whose session has ended, or whose server is being stopped."""
+TOO_MANY = 1013
+"""Code with which a page is turned away while many others are open: "try again later"."""
 
 _log = logging.getLogger(__name__)
 

@@ -17,7 +17,7 @@ from palpate.server.messages.segment_list import SegmentList
 
 __all__ = ["MOST_EXPORT_BYTES", "export_response"]
 
-MOST_EXPORT_BYTES = 1 << 12
+MOST_EXPORT_BYTES = 1 << 18
 """Bytes of an export request."""
 
 ENDINGS: dict[Kind, str] = {
@@ -37,6 +37,10 @@ class ExportRequest(msgspec.Struct, frozen=True):
 
     kind: Kind
     keep_identity: bool = False
+    pixels_checked: bool = False
+    """Whether the person has looked for text in the pixels."""
+    names: dict[str, str] = {}
+    """Other names for segments, by what they are called."""
 
 
 def export_response(segments: SegmentList, values: NDArray[np.int16], body: bytes) -> Response:
@@ -52,6 +56,8 @@ def _write(
     segments: SegmentList, values: NDArray[np.int16], wanted: ExportRequest, *, folder: Path
 ) -> tuple[Path, list[str]]:
     scene, notes = segments.scene(values)
+    for one in scene:
+        one.name = wanted.names.get(one.name, "").strip() or one.name
     shared = wanted.kind == "dicom" and not wanted.keep_identity
     name = "shared" if shared else file_name(scene.volume.name)
     ending = ENDINGS[wanted.kind]
@@ -60,7 +66,11 @@ def _write(
         target = folder / name / "labels.nii.gz"
         target.parent.mkdir()
     notes += export_scene(
-        scene, target, kind=wanted.kind, keep_identity=wanted.keep_identity or bool(ending)
+        scene,
+        target,
+        kind=wanted.kind,
+        keep_identity=wanted.keep_identity or bool(ending),
+        pixels_checked=wanted.pixels_checked,
     )
     if ending:
         return target, notes

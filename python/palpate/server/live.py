@@ -19,7 +19,7 @@ from palpate import protocol
 from palpate.base.errors import PalpateError
 from palpate.saved.journal import Journal
 from palpate.saved.kept_with_scan import KeptWithScan
-from palpate.server.closing import ENDED, STOOD_STILL, close_all, end_all
+from palpate.server.closing import ENDED, STOOD_STILL, TOO_MANY, close_all, end_all
 from palpate.server.messages.engine_pictures import EnginePictures
 from palpate.server.messages.kept import KeptMessages
 from palpate.server.messages.outbox import Missed, Outbox
@@ -45,7 +45,7 @@ from palpate.server.standstill import Standstill
 from palpate.session.session import Session
 from palpate.volumes.second_scan import SecondScan
 
-__all__ = ["Live"]
+__all__ = ["MOST_PAGES", "Live"]
 
 STATES_HZ = 60.0
 """States a second while pages look."""
@@ -56,6 +56,8 @@ GOODBYE = 5.0
 """Seconds that pages have at most to take leave: one on a busy machine may be late."""
 KEEPING_PAUSE = 0.5
 """Seconds after which a change of what is kept with the scan is on disk: a drag has many."""
+MOST_PAGES = 64
+"""Pages that one session is shown on."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
 
@@ -173,6 +175,10 @@ class Live:
         await websocket.accept()
         if not self.session.is_running:
             await websocket.close(ENDED, "the session has ended")
+            return
+        if len(self._outboxes) >= MOST_PAGES:
+            reason = f"{MOST_PAGES} pages show this scan; allowed: fewer, so close one"
+            await websocket.close(TOO_MANY, reason)
             return
         # it knows no surface yet; the voxels it asks for
         is_near = websocket.client is not None and websocket.client.host in {"127.0.0.1", "::1"}

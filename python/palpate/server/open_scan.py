@@ -27,7 +27,7 @@ from palpate.saved.journal import Journal
 from palpate.saved.kept_with_scan import KeptWithScan
 from palpate.saved.scene_file import SavedScene
 from palpate.server.added_labels import add_labels
-from palpate.server.answers import errors_as_text, json_body, json_response
+from palpate.server.answers import errors_as_text, json_body, json_response, whole_body
 from palpate.server.area_values import AreaRequest, measured_areas
 from palpate.server.closing import ENDED, EXCHANGED
 from palpate.server.export import export_response
@@ -233,7 +233,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         return Response(status_code=204) if run is None else FileResponse(run)
 
     async def scene(request: Request) -> Response:
-        body = await request.body()
+        body = await whole_body(request)
         passing = opened.files is not None
         return await run_in_threadpool(
             scene_response,
@@ -246,7 +246,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         )
 
     async def export(request: Request) -> Response:
-        body = await request.body()
+        body = await whole_body(request)
         return await run_in_threadpool(export_response, live.segments, live.picture.values, body)
 
     async def view(_: Request) -> Response:
@@ -260,8 +260,8 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/registration", _registration_of(live), methods=["POST"]),
         Route("/recording", recording),
         Route("/scenario", scenario),
-        Route("/scene", scene, methods=["POST"]),
-        Route("/export", export, methods=["POST"]),
+        Route("/scene", errors_as_text(scene), methods=["POST"]),
+        Route("/export", errors_as_text(export), methods=["POST"]),
         Route("/statistics", _statistics_of(live), methods=["POST"]),
         Route("/areas", _areas_of(live), methods=["POST"]),
         Route("/surface", _surface_of(live), methods=["POST"]),
@@ -282,10 +282,10 @@ def _areas_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
 
 def _surface_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
     async def surface(request: Request) -> Response:
-        body = await request.body()
+        body = await whole_body(request)
         return await run_in_threadpool(surface_response, live.segments, live.picture.values, body)
 
-    return surface
+    return errors_as_text(surface)
 
 
 def _picture_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
@@ -305,10 +305,10 @@ def _presets_of(live: Live) -> Callable[[Request], Awaitable[ASGIApp]]:
 
 def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
     async def registration(request: Request) -> Response:
-        body = await request.body()
+        body = await whole_body(request)
         return await run_in_threadpool(live.registration.file_response, body)
 
-    return registration
+    return errors_as_text(registration)
 
 
 def _statistics_of(live: Live) -> Callable[[Request], Awaitable[Job]]:

@@ -20,6 +20,7 @@ OPTIONS = (
         r",? with `[a-z_]+=[^`]*`(, its [^;]*list| or its UID| from \d+ to \d+| \[mm\])?",
         "",
     ),
+    (r"`pixels_checked=True` once", "the tick at Export once"),
     # what is left is no more than a word
     (r"`([a-z_]+)=True`", r"\1"),
     (r"`([a-z_]+)=([^`]*)`", r"\1 \2"),

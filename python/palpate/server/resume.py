@@ -33,6 +33,8 @@ __all__ = ["Resuming", "kept_key", "kept_port", "note_port"]
 
 KEY_BYTES = 32
 MOST_WAITING = 16
+MOST_BYTES = 1 << 12
+"""Bytes of a request, which may be anybody's."""
 """Pages that are asked for their proof at once."""
 MOST_PORTS = 64
 
@@ -67,7 +69,7 @@ class Resuming:
         return json_response({"key": self._access.key})
 
     async def _resume(self, request: Request) -> ASGIApp:
-        wanted = await json_body(request, ResumeRequest)
+        wanted = await json_body(request, ResumeRequest, most=MOST_BYTES)
         if wanted.answers is None:
             number = secrets.token_hex(KEY_BYTES)
             self._asked.append(number)

@@ -17,6 +17,7 @@ from palpate.base.errors import OptionError, PalpateError
 from palpate.base.simpleitk import Transform
 from palpate.labels.labels import Label, Labels, read_labels
 from palpate.registration.carry import Carrier
+from palpate.server.answers import whole_body
 from palpate.server.messages.hello import scan_of
 from palpate.server.page_words import page_words
 from palpate.volumes.scene import Scene
@@ -57,7 +58,7 @@ def second_routes(scene: Scene, show: Show, add: Add) -> list[Route]:
             transform = None
             if request.method == "PUT":
                 name = request.query_params.get("name", "")
-                body = await _body(request)
+                body = await whole_body(request, most=MOST_BYTES)
                 transform = await run_in_threadpool(_transform_of, name, body)
             await run_in_threadpool(_lay, scene, show, transform)
         except (PalpateError, OSError) as error:
@@ -66,7 +67,7 @@ def second_routes(scene: Scene, show: Show, add: Add) -> list[Route]:
 
     async def bring(request: Request) -> Response:
         try:
-            body = await _body(request)
+            body = await whole_body(request, most=MOST_BYTES)
             name = request.query_params.get("name", "")
             add(await run_in_threadpool(_carried, scene, name, body))
         except (PalpateError, OSError) as error:
@@ -120,12 +121,3 @@ def _transform_of(name: str, content: bytes) -> Transform:
         path = Path(folder) / f"transform{ending}"
         path.write_bytes(content)
         return read_transform(path, called=name)
-
-
-async def _body(request: Request) -> bytes:
-    body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > MOST_BYTES:
-            raise OptionError(f"more than {MOST_BYTES} bytes given; allowed: fewer")
-    return bytes(body)

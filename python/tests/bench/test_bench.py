@@ -11,15 +11,10 @@ import palpate
 import pytest
 from palpate import OptionError, Scene, Volume, _core  # noqa: TID251  # the table is held against it
 from palpate.bench import haptics, stress
-from palpate.bench.goals import (
-    DEFAULT_STIFFNESS,
-    EXACT_TOUCHES,
-    GOALS,
-    IMPROVED,
-    STROKES,
-    TOUCHES,
-    haptics_rows,
-)
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.haptics import IMPROVED, haptics_rows
+from palpate.bench.goals.passivity import DEFAULT_STIFFNESS
+from palpate.bench.goals.quality import EXACT_TOUCHES, STROKES, TOUCHES
 from palpate.bench.haptics_data import SOURCES, ground_of, skin
 from palpate.bench.passivity import measure as rub_rows
 from palpate.bench.passivity import rub

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from palpate.base.errors import OptionError
 from palpate.bench.edit import figures_of, rows_of
-from palpate.bench.goals import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED, GOALS
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.edit import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED
 from palpate.bench.page import chromium
 
 TIMES = [{"way": 4.0 + i, "wait": 10.0 * (i % 2), "work": 1.0} for i in range(21)]

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 from palpate import OptionError
+from palpate.base import plot_file
+from palpate.base.plot_file import check_plot
 from palpate.bench import plots
 from palpate.bench.goals import GOALS
 from palpate.bench.report import Row, row_of
@@ -33,10 +35,10 @@ def test_plots_are_pictures(tmp_path: Path, name: str) -> None:
 def test_a_plot_that_cannot_be_made_is_refused_before_measuring(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plots.check_plot(None)
-    plots.check_plot(tmp_path / "a.PNG")
+    check_plot(None)
+    check_plot(tmp_path / "a.PNG")
     with pytest.raises(OptionError, match="allowed: a file that ends in"):
-        plots.check_plot(tmp_path / "a.xyz")
-    monkeypatch.setattr(plots, "find_spec", lambda _: None)
+        check_plot(tmp_path / "a.xyz")
+    monkeypatch.setattr(plot_file, "find_spec", lambda _: None)
     with pytest.raises(OptionError, match="pip install palpate"):
-        plots.check_plot(tmp_path / "a.png")
+        check_plot(tmp_path / "a.png")

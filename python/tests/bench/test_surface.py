@@ -9,7 +9,8 @@ import pytest
 from palpate import OptionError, Volume, phantom
 from palpate.bench import surface
 from palpate.bench.flying_edges import FlyingEdges
-from palpate.bench.goals import DRILLED, GOALS, SPHERES, SURFACES, sphere_case
+from palpate.bench.goals import GOALS
+from palpate.bench.goals.surface import DRILLED, SPHERES, SURFACES, sphere_case
 from palpate.bench.haptics_data import MissingDataError
 from palpate.bench.report import row_of
 from palpate.cli.commands import run

@@ -26,7 +26,7 @@ OWN = {"--help", "--version"}
 
 OF_SEVERAL = {
     "of", "like", "inverse", "landmarks", "keep_identity", "only", "another_patient", "resample",
-    "bone", "smoothing", "fast", "out", "turntable",
+    "bone", "smoothing", "fast", "out", "turntable", "segment", "against",
 }  # fmt: skip
 """Options that only the commands have that use them."""
 
@@ -51,6 +51,9 @@ HINTS: dict[str, set[str]] = {
     "surface export": READING | FITTING,
     "surface voxels": {"close", "as_shell", "frame", "unit"},
     "statistics": READING | FITTING,
+    "compare": READING | FITTING | {"segment", "against"},
+    "landmarks": READING | FITTING,
+    "touch": READING | FITTING,
     "register": {"landmarks", "moving_series", "moving_frame"} | FITTING,
     "transform": {"of", "like", "inverse", "series", "frame", "unit"} | FITTING,
 }

@@ -33,6 +33,12 @@ READ_BY = {
     "register": (["register", "scan.nii.gz", "moved.nii.gz", "--resampled"], "moved.nii.gz"),
     "render": (["render", "scan.nii.gz", "--segments", "mask.png", "-o"], "mask.png"),
     "statistics": (["statistics", "scan.nii.gz", "--segments", "marks.csv", "-o"], "marks.csv"),
+    "compare": (
+        ["compare", "scan.nii.gz", "--threshold", "0", "--reference", "marks.csv", "-o"],
+        "marks.csv",
+    ),
+    "landmarks": (["landmarks", "scan.nii.gz", "--segments", "marks.csv", "-o"], "marks.csv"),
+    "touch": (["touch", "scan.nii.gz", "--segments", "marks.csv", "-o"], "marks.csv"),
     "surface voxels": (["surface", "voxels", "ball.stl", "--like", "scan.nii.gz"], "scan.nii.gz"),
     "surface export": (["surface", "export", "scan.nii.gz", "--segments", "ball.stl"], "ball.stl"),
     "transform": (["transform", "marks.csv", "--transform", "T.tfm", "-o"], "marks.csv"),
@@ -166,7 +172,9 @@ def written_options() -> list[tuple[str, ...]]:
 def test_every_command_that_writes_files_takes_force() -> None:
     assert {" ".join(way) for way in written_options()} >= {
         "record", "replay", "export", "import", "reconstruct", "register", "transform", "render",
-        "segment", "statistics", "run", "surface export", "surface voxels", "scenario drilling",
+        "segment", "statistics", "compare", "landmarks", "touch", "run",
+        "surface export",
+        "surface voxels", "scenario drilling",
         "scenario palpation", "scenario needle-skull", "scenario needle-liver", "bench stress",
         "bench haptics", "bench deform",
     }  # fmt: skip
@@ -178,6 +186,10 @@ OTHERS = {
     "import": ["import", "scan.nii.gz", "-o", "there.nrrd"],
     "import segments": ["import", "scan.nii.gz", "--segments", "labels.nii.gz", "-o", "new.nrrd"],
     "statistics": ["statistics", "scan.nii.gz", "--threshold", "0", "-o", "there.csv"],
+    "compare": ["compare", "scan.nii.gz", "--threshold", "0", "--reference", "labels.nii.gz", "-o",
+                "there.csv"],
+    "landmarks": ["landmarks", "scan.nii.gz", "--threshold", "0", "-o", "there.csv"],
+    "touch": ["touch", "scan.nii.gz", "--threshold", "0", "-o", "there.csv"],
     "surface voxels": ["surface", "voxels", "ball.stl", "there.nrrd", "--spacing", "1",
                        "--frame", "LPS", "--unit", "mm"],
     "surface export": ["surface", "export", "scan.nii.gz", "there.stl", "--threshold", "0"],

@@ -129,6 +129,32 @@ def test_a_run_that_was_killed_goes_on_where_it_was(folder: Path) -> None:
     assert done == ["p1", "p2", "p3"]
 
 
+def test_a_full_disk_is_told_and_the_same_command_goes_on(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number in (1, 2, 3):
+        write_block(folder / "data" / f"p{number}" / "ct.nii.gz", 3 + number, edge=32)
+    (folder / "out").mkdir()
+
+    def disk(*options: str) -> subprocess.CompletedProcess[bytes]:
+        command = ["mount", "-t", "tmpfs", "-o", *options, "tmpfs", "out"]
+        return subprocess.run(command, check=False, capture_output=True)
+
+    if disk("size=64k").returncode != 0:
+        pytest.skip("a small disk cannot be mounted here: this needs root")
+    try:
+        assert over() in (2, 3)
+        assert "no space is left on the disk; the same command" in capsys.readouterr().err
+        assert not list((folder / "out").glob("*.part/done.json"))
+        assert disk("remount,size=8m").returncode == 0
+        assert over() == 0
+        assert len(list((folder / "out").glob("*/done.json"))) == 3
+        assert not list((folder / "out").glob("*/failed.json"))
+        assert len((folder / "out" / "cohort.csv").read_text().splitlines()) == 4
+    finally:
+        subprocess.run(["umount", "out"], check=True)
+
+
 def test_a_second_run_of_the_same_cases_is_told_and_changes_nothing(
     folder: Path, capsys: Any
 ) -> None:

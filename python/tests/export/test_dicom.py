@@ -285,7 +285,7 @@ def test_nothing_names_the_patient_in_what_is_shared(folder: Path, tmp_path: Pat
     for one, name in zip(scene, ("liver", "Zyste λ of Quixote"), strict=True):
         one.name = name
     export_scene(scene, tmp_path / "shared")
-    files = [path for path in (tmp_path / "shared").rglob("*") if path.is_file()]
+    files = list((tmp_path / "shared").rglob("*.dcm"))
     assert len(files) == 5 + 5 + 2
     known = {
         element.value
@@ -377,7 +377,7 @@ def test_the_command_shares_by_default(
 ) -> None:
     options = ["--threshold", "-900", "-o"]
     assert run(["export", str(folder), *options, str(tmp_path / "shared")]) == 0
-    assert "7 files, 1 of 1 segments" in capsys.readouterr().out
+    assert "8 files, 1 of 1 segments" in capsys.readouterr().out
     assert dcmread(tmp_path / "shared" / "segments.dcm").PatientIdentityRemoved == "YES"
     assert run(["export", str(folder), *options, str(tmp_path / "shared")]) == 2
     assert "is there already" in capsys.readouterr().err

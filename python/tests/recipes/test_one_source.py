@@ -12,7 +12,10 @@ from palpate.cli.commands import app
 from palpate.export.request import ExportRequest
 from palpate.pictures.request import PictureRequest
 from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterStep, TransformStep
+from palpate.segmentation.comparison_request import CompareRequest
+from palpate.segmentation.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
+from palpate.session.touch_request import TouchRequest
 from palpate.volumes.mesh_write import SUFFIXES
 from palpate.volumes.surface_request import SurfaceRequest
 from typer.main import get_command
@@ -24,6 +27,9 @@ STEPS: dict[str, tuple[type[Request], str]] = {
     "segment": (SegmentRequest, "segment"),
     "surface": (SurfaceRequest, "surface export"),
     "export": (ExportRequest, "export"),
+    "compare": (CompareRequest, "compare"),
+    "landmarks": (LandmarksRequest, "landmarks"),
+    "touch": (TouchRequest, "touch"),
     "transform": (TransformStep, "transform"),
     "picture": (PictureRequest, "render"),
 }
@@ -57,6 +63,11 @@ ELSEWHERE: dict[str, set[str]] = {
         "path", "json_file", "segments", "threshold", "resample", "another_patient",
     } | READING,
     "export": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
+    "compare": {"path", "segments", "threshold", "as_csv", "as_json"} | READING,
+    "landmarks": {
+        "path", "segments", "threshold", "resample", "another_patient", "as_csv", "as_json",
+    } | READING,
+    "touch": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
     "picture": {"path", "segments", "threshold", "resample", "another_patient"} | READING,
 }  # fmt: skip
 """Parameters of a command that other steps of a recipe stand for."""
@@ -136,6 +147,8 @@ def test_what_is_typed_means_the_same_in_a_command_and_in_a_recipe(
         assert option.value(typed) == option.value(list(numbers)) == numbers
     if kind in VALUES:
         assert option.value(VALUES[kind][1]) == VALUES[kind][1]
+        # as a variable fills it
+        assert option.value(VALUES[kind][0]) == VALUES[kind][1]
     wrong: Any = {"no": "such"}
     with pytest.raises(ValueError, match=f"^{option.name} .*given.*; allowed: ") as refused:
         option.value(wrong)

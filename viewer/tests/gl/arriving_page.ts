@@ -30,12 +30,12 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
   const extent = outlineOf(test);
   // nothing fits into so short a frame: while the view moves it would be as coarse as it gets
   picture.setQuality({ ...firstQuality(true), frameBudget: 0.01 });
-  picture.setScan(coarse, brickRanges(coarse));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(coarse, brickRanges(coarse));
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   picture.resize(edge, edge, { x: edge / 2, y: 0, width: edge / 2, height: edge });
-  picture.setSliceAppearance({ window: 2000, level: 0, slab: 0, slabMode: "mean", fill: 0, outline: 0 });
-  picture.setSlices([coronal(extent.centre)]);
+  picture.contents.setSliceAppearance({ window: 2000, level: 0, slab: 0, slabMode: "mean", fill: 0, outline: 0 });
+  picture.contents.setSlices([coronal(extent.centre)]);
   const pictures = [await finished(drawn)];
   const planes = [picture.arrived];
   let links = 0;
@@ -49,7 +49,7 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
   const volume = { ...own, values: Uint16Array.from(own.values) };
   volume.values.set(behind, arrived * voxels ** 2);
   // what stands in for values and is not covered by theirs is covered all the same
-  picture.refineScan(volume, coveringRanges(brickRanges(volume), brickRanges(own)), arrived);
+  picture.contents.refineScan(volume, coveringRanges(brickRanges(volume), brickRanges(own)), arrived);
   let worst = 0;
   do {
     picture.advance(performance.now());
@@ -60,7 +60,7 @@ export async function arriving(test: MarchTest, arrived: number): Promise<Arrivi
   planes.push(picture.arrived);
 
   volume.values.set(own.values);
-  picture.setScan(volume, brickRanges(own));
+  picture.contents.setScan(volume, brickRanges(own));
   pictures.push(await finished(drawn));
   planes.push(picture.arrived);
   picture.dispose();

@@ -51,11 +51,11 @@ export async function edit(test: EditTest): Promise<EditResult> {
   const segments = test.appearances.map((appearance, i) => ({ ...segment, id: i + 1, ...appearance }));
   const open = (): ReturnType<typeof pictureOf> => {
     const drawn = pictureOf(false);
-    drawn.picture.setScan(volume, held.bricks);
-    drawn.picture.setAppearance(appearanceOf(test.scan));
+    drawn.picture.contents.setScan(volume, held.bricks);
+    drawn.picture.contents.setAppearance(appearanceOf(test.scan));
     drawn.picture.setCamera(lookFrom(test.scan.from, extent, viewport), extent);
     edits.showAll(drawn.picture);
-    drawn.picture.setSegments(segments);
+    drawn.picture.contents.setSegments(segments);
     return drawn;
   };
   const changed = (part: Partial<Changed>): Changed => ({

@@ -33,8 +33,8 @@ export async function programs(test: MarchTest, software: boolean): Promise<Prog
     const prepared = links;
     const volume = fieldOf(test);
     const extent = outlineOf(test);
-    picture.setScan(volume, bricksOf(volume, true));
-    picture.setAppearance(appearanceOf(test));
+    picture.contents.setScan(volume, bricksOf(volume, true));
+    picture.contents.setAppearance(appearanceOf(test));
     picture.setCamera(viewOf(test, extent), extent);
     await until(() => picture.hasPicture);
     const awaited = links;

@@ -108,8 +108,8 @@ export function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[])
     id: i + 1,
     ...appearance,
   }));
-  picture.setSegments(segments);
-  picture.changeSurfaces(
+  picture.contents.setSegments(segments);
+  picture.contents.changeSurfaces(
     surfaces.map(({ centre, radius, sectors, rings }, i) =>
       decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings)),
     ),
@@ -131,8 +131,8 @@ export async function refined(
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), quality });
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   const pixels = await finished(drawn);
   const { shown } = picture;
@@ -220,23 +220,23 @@ export async function show({
     picture.setStereo(stereo);
     picture.resize(edge, edge);
   }
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
   const view = viewOf(test, extent);
   picture.setCamera(
     { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind },
     extent,
   );
-  picture.setClip(test.clip ?? []);
+  picture.contents.setClip(test.clip ?? []);
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
-    picture.setDeforming(true);
-    picture.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
+    picture.contents.setDeforming(true);
+    picture.contents.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
   }
   if (markers !== undefined) {
-    picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
+    picture.contents.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
   }
-  picture.setMarks(marks);
+  picture.contents.setMarks(marks);
   const pixels = await finished(drawn);
   picture.dispose();
   return pixels;
@@ -254,9 +254,9 @@ export async function hasty(
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setQuality({ ...firstQuality(true), frameBudget: 1e-3 });
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
-  picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough([]) });
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
+  picture.contents.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough([]) });
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
   // how coarse it becomes hangs on what these few samples cost beside all else
@@ -280,8 +280,8 @@ export async function steps(test: MarchTest): Promise<number[]> {
   // nothing fits into it
   picture.setQuality({ ...firstQuality(true), frameBudget: 1e-3 });
   picture.resize(4 * edge, 4 * edge);
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
   for (let tries = 0; tries < 20 && picture.shown.divisor < 8; ++tries) {
@@ -314,15 +314,15 @@ export async function bored(test: MarchTest, box: Box): Promise<BoredResult> {
   const volume = fieldOf(test);
   const bricks = bricksOf(volume, true);
   const extent = outlineOf(test);
-  picture.setScan(volume, bricks);
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricks);
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   const before = await finished(drawn);
   forEachCell(box, volume.dimensions, (i) => {
     volume.values[i] = 0;
   });
   updateBricks(bricks, volume, box);
-  picture.changeVoxels(box, { values: true, labels: false });
+  picture.contents.changeVoxels(box, { values: true, labels: false });
   let worst = 0;
   let first: number[];
   do {
@@ -352,8 +352,8 @@ export async function withoutFrames(
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   await finished(drawn);
   // on a busy machine a piece may take longer than any pause
@@ -398,14 +398,14 @@ export async function turned(
   const begun = (shown: typeof marks): ReturnType<typeof pictureOf> => {
     const drawn = pictureOf(false, true);
     drawn.picture.resize(size, size);
-    drawn.picture.setScan(volume, bricksOf(volume, true));
-    drawn.picture.setAppearance(appearanceOf(test));
-    drawn.picture.setMarks(shown);
+    drawn.picture.contents.setScan(volume, bricksOf(volume, true));
+    drawn.picture.contents.setAppearance(appearanceOf(test));
+    drawn.picture.contents.setMarks(shown);
     return drawn;
   };
   const turnTo = (drawn: ReturnType<typeof pictureOf>, i: number): Promise<number[]> => {
     const probe = probes[i] ?? extent.centre;
-    drawn.picture.setMarkers({ ...stillMarkers(probe), trail: trailThrough([]) });
+    drawn.picture.contents.setMarkers({ ...stillMarkers(probe), trail: trailThrough([]) });
     drawn.picture.setCamera(orbit(view, 0.4 * i, 0.1 * i), extent);
     return finished(drawn, size);
   };
@@ -413,7 +413,7 @@ export async function turned(
   for (const [i, probe] of probes.entries()) {
     await turnTo(moved, i);
     // it moves on while the view rests
-    moved.picture.setMarkers({ ...stillMarkers(addScaled(probe, [0, 0, 1], 100)), trail: trailThrough([]) });
+    moved.picture.contents.setMarkers({ ...stillMarkers(addScaled(probe, [0, 0, 1], 100)), trail: trailThrough([]) });
     await finished(moved);
   }
   const fresh = begun(marks);
@@ -429,8 +429,8 @@ async function atWork({ scan: test, surfaces = [] }: ScreenTest): Promise<Return
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(viewOf(test, extent), extent);
   showSurfaces(picture, surfaces);
   await finished(drawn);

@@ -27,8 +27,8 @@ export async function snapshot(
   const extent = outlineOf(test);
   const view = viewOf(test, extent);
   const camera = { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind };
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(camera, extent);
   showSurfaces(picture, surfaces);
   const before = await finished(drawn);
@@ -58,8 +58,8 @@ export async function cancelled(test: MarchTest): Promise<string> {
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   const camera = viewOf(test, extent);
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setAppearance(appearanceOf(test));
+  picture.contents.setScan(volume, bricksOf(volume, true));
+  picture.contents.setAppearance(appearanceOf(test));
   picture.setCamera(camera, extent);
   while (!picture.hasPicture) {
     picture.advance(performance.now());

@@ -24,11 +24,13 @@ function make(tag, given = {}, ...children) {
   return made;
 }
 
-/** "mean_HU" is "mean [HU]": the unit stands last in the name of a column. */
+/** "mean_HU" is "mean [HU]": the unit stands last in the name of a column, but for the number of a second one. */
 function titled(column) {
   if (column === "voxels_without_value") return "voxels without a value";
-  const [, name, unit] = /^(.*?)(?:_([^_]+))?$/.exec(column);
-  return unit === undefined ? name : `${name.replaceAll("_", " ")} [${unit.replace(/mm(\d)/, (_, power) => `mm${"²³"[power - 2]}`)}]`;
+  const [, name, unit, count] = /^(.*?)(?:_([A-Za-z]+_per_[A-Za-z]+|[^_\d][^_]*))?(?:_(\d+))?$/.exec(column);
+  const told = name.replaceAll("_", " ") + (count === undefined ? "" : ` (${count})`);
+  if (unit === undefined) return told;
+  return `${told} [${unit.replace("_per_", "/").replace(/mm(\d)/, (_, power) => `mm${"²³"[power - 2]}`)}]`;
 }
 
 function number(value) {
@@ -42,7 +44,7 @@ const segments = [...new Set(done.flatMap((one) => Object.keys(one.segments)))];
 function columns() {
   const of = (segment) => [...new Set(done.flatMap((one) => Object.keys(one.segments[segment]?.values ?? {})))];
   if (state.segment !== "") return of(state.segment).map((column) => [state.segment, column]);
-  const chosen = (column) => column === "volume_ml" || column.startsWith("mean");
+  const chosen = (column) => column === "volume_ml" || /^(mean|dice|hausdorff95)|stiffness/.test(column);
   return segments.flatMap((segment) => of(segment).filter(chosen).map((column) => [segment, column]));
 }
 
@@ -170,7 +172,7 @@ const filters = FILTERS.map(([name, takes], index) =>
   make("button", { on: { click: () => { state.filter = index; show(); } } }, name, make("span", { class: "count" }, cases.filter(takes).length)));
 const search = make("input", { type: "search", placeholder: "Find a case", "aria-label": "Find a case", on: { input: (event) => { state.words = event.target.value; show(); } } });
 const choice = make("select", { "aria-label": "Measures", on: { change: (event) => { state.segment = event.target.value; state.sort = "name"; show(); } } },
-  make("option", { value: "" }, "Volume and mean of all segments"), ...segments.map((name) => make("option", { value: name }, `All of ${name}`)));
+  make("option", { value: "" }, "Main numbers of all segments"), ...segments.map((name) => make("option", { value: name }, `All of ${name}`)));
 const scrolled = (name, label) => make("div", { class: name, role: "region", tabindex: 0, "aria-label": label });
 const cards = scrolled("cards", "Distributions"), table = scrolled("table", "Cases"), more = make("div", { class: "more" });
 const failed = cases.length - done.length;

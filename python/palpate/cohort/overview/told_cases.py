@@ -13,7 +13,7 @@ from palpate.cohort.overview.outliers import outliers
 
 __all__ = ["ToldCase", "told_cases"]
 
-NO_MEASURES = ("centroid", "voxels", "segment", "note", "colour", "volume_mm3")
+NO_MEASURES = ("centroid", "landmark", "voxels", "segment", "note", "colour", "volume_mm3")
 """Columns that depend on the frame of the scan or its grid, say no number, or say one twice."""
 
 

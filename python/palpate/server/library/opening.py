@@ -21,6 +21,7 @@ from palpate.saved.demonstration import demonstration
 from palpate.saved.ending import is_scene
 from palpate.saved.opening import Opening, opening, opening_of
 from palpate.saved.recent import note_recent
+from palpate.saved.scene_file import SavedScene
 from palpate.server.added_labels import add_labels
 from palpate.server.job import Emit
 from palpate.server.library.requests import Place, VolumeRequest
@@ -107,6 +108,9 @@ class Opener:
         self, opened: Opening, place: Place, *, fetched: Files | None, progress: Progress
     ) -> None:
         """Shows a scene that was read in place of the one that is open."""
+        if opened.saved is not None:
+            progress("checking the scene", None)
+            self._rehearse(opened.saved)
         # from here on it cannot be taken back
         progress("starting", None)
         for sentence in opened.messages:
@@ -117,6 +121,14 @@ class Opener:
         except (PalpateError, OSError, RuntimeError) as error:
             self._workbench.notify(f"The scan was not opened: {page_words(str(error))}")
             raise
+
+    def _rehearse(self, saved: SavedScene) -> None:
+        """Brings a saved scene back where nobody sees it: a damaged one leaves what is open.
+
+        Raises:
+            PalpateError: It is damaged.
+        """
+        OpenScan.begin(saved.scene(), rate=self._workbench.rate, saved=saved).end()
 
     def _begin(self, read: Opening, place: Place, fetched: Files | None) -> OpenScan:
         """Starts the session of a scan that was read, and notes it as recent."""

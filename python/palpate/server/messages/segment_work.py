@@ -137,6 +137,7 @@ class SegmentWork:
         self._stops = 0
         self._busy = False
         self._table: Segment | None = None
+        self._table_shown: protocol.TableFound | None = None
         self._going = GoingPart(session, segments)
         self._grown = GrownPreview(session, segments)
         self._kinds: dict[type[Wanted], Callable[[Any, Told], None]] = {
@@ -199,7 +200,15 @@ class SegmentWork:
 
     def previews(self) -> list[protocol.ToPage]:
         """Returns what a page that comes is to be told of what waits for a decision."""
-        return [told for told in (self._grown.told, self._going.told) if told is not None]
+        waiting = (self._grown.told, self._going.told, self._table_told)
+        return [told for told in waiting if told is not None]
+
+    @property
+    def _table_told(self) -> protocol.TableFound | None:
+        """What was told of a table that is shown, as long as its segment is there."""
+        shown = self._table_shown
+        there = {state["id"] for state in self._session.segments() if state["voxels"]}
+        return shown if shown is not None and shown.id in there else None
 
     def stop(self) -> None:
         """Stops what is done as soon as it can be, and forgets what waits, but for decisions."""
@@ -279,13 +288,15 @@ class SegmentWork:
         found = self._found_table(progress)
         progress("adding the segment", None)
         number = self._segments.add_preview(found, colour=TABLE_COLOUR)
-        self._publish(protocol.TableFound(number))
+        self._table_shown = protocol.TableFound(number)
+        self._publish(self._table_shown)
 
     def _remove_from_scan(self, wanted: protocol.RemoveFromScan, progress: Told) -> None:
         part = self._now(wanted.id)
         pose = next(each["pose"] for each in self._session.segments() if each["id"] == wanted.id)
         if pose is not None and pose != UNMOVED:
             raise OptionError(f"{part.name} was moved; allowed: one that stands as in the scan")
+        self._table_shown = None
         progress(f"removing {part.name} from the scan", None)
         self._session.remove_from_scan(part)
         left = self._session.segment(wanted.id).voxel_count

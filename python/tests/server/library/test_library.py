@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import zipfile
 from base64 import b64decode
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -234,6 +236,46 @@ def test_a_dropped_bomb_is_refused(client: LibraryClient, tmp_path: Path) -> Non
         archive.writestr("zeros", bytes(50 << 20))
     (failed,) = client.job("find", {"upload": client.upload({"bomb.zip": path.read_bytes()})})
     assert "Use at most 200 times" in failed["reason"]
+
+
+@pytest.mark.parametrize("harm", ["segments.journal", "locked", "looks", "flipped"])
+def test_a_damaged_scene_leaves_the_open_scan(
+    client: LibraryClient, study: Path, tmp_path: Path, harm: str
+) -> None:
+    found = client.job("find", {"path": str(study)})[0]
+    client.job("open", {"find": found["find"], "choice": 0})
+    before = client.workbench.opened
+    assert before is not None
+    mask = np.ones(before.session.scene.volume.shape, bool)
+    before.session.add_segment(before.session.scene.volume.segment(mask, name="all"))
+    content = client.ask("POST", "scene", {"view": {}, "copy": True}).content
+    with zipfile.ZipFile(BytesIO(content)) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+        at = archive.getinfo("segments.journal").header_offset + 60
+    if harm == "flipped":
+        content = content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
+    else:
+        about = json.loads(parts["scene.json"])
+        if harm in about:
+            about[harm] = [["no segment"]]
+        parts["scene.json"] = json.dumps(about).encode()
+        if harm in parts:
+            parts[harm] = parts[harm][:-40]
+        written = BytesIO()
+        with zipfile.ZipFile(written, "w") as archive:
+            for name, part in parts.items():
+                archive.writestr(name, part)
+        content = written.getvalue()
+    path = tmp_path / "damaged.palpate"
+    path.write_bytes(content)
+    told = client.job("open", {"path": str(path)})
+    assert told[-1]["kind"] == "failed"
+    assert told[-1]["reason"]
+    assert "\n" not in told[-1]["reason"]
+    # the same session goes on, with its pages
+    assert client.workbench.opened is before
+    assert before.session.is_running
+    assert client.ask("GET", "volume").status_code == 200
 
 
 def test_the_library_needs_the_token(client: LibraryClient) -> None:

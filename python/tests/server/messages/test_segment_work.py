@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 from threading import Event
 from typing import Any
 
@@ -19,7 +20,7 @@ from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume, VolumeTraits
-from running_server import PATIENCE
+from running_server import PATIENCE, running, write_page
 
 GROW = {"type": "grow_segment", "spread": 2.5, "passage": 4.0, "most_ml": 100.0}
 FOUND = GROW | {"spread": None, "passage": None}
@@ -167,6 +168,28 @@ def test_a_scan_is_cropped_to_a_box_and_undo_brings_it_back(server: Any) -> None
         page.receive("notice", until=lambda m: "holds all of the scan" in m["text"])
         page.send({"type": "find_table"})
         page.receive("notice", until=lambda m: "no part of the body" in m["text"])
+
+
+def test_a_page_that_comes_later_is_asked_about_a_table_that_waits(tmp_path: Path) -> None:
+    z, y, x = np.indices((16, 64, 64), sparse=True)
+    values = np.full((16, 64, 64), -1000, np.int16)
+    values[((x - 32) / 24.0) ** 2 + ((y - 24) / 14.0) ** 2 + 0.0 * z < 1.0] = 40
+    values[:, 20:28, 28:36] = 800
+    values[:, 46:48, 4:60] = 700
+    volume = Volume(values, spacing=(3.0, 3.0, 3.0), traits=VolumeTraits(unit="HU"))
+    with running(Scene(volume, [volume.threshold(300.0)]), write_page(tmp_path)) as server:
+        with server.page() as page:
+            page.send({"type": "find_table"})
+            found = page.receive("table_found")
+        # its connection was lost, or it was loaded again
+        with server.page() as page:
+            assert page.receive("table_found") == found
+            page.send({"type": "remove_segment", "id": found["id"]})
+            page.receive("segments", until=lambda m: len(m["segments"]) == 1)
+        with server.page() as page:
+            page.receive("hello")
+            page.send({"type": "find_table"})
+            assert page.receive("table_found")["id"] != found["id"]
 
 
 def test_otsu_makes_segments_whose_range_can_be_changed(server: Any) -> None:

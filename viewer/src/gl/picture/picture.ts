@@ -3,22 +3,12 @@
  * something has changed; the engine's rates never depend on it.
  */
 import * as THREE from "three";
-import type { BrickRanges } from "../../core/scan/bricks";
 import type { Camera, Extent } from "../../core/geometry/camera";
-import type { Plane } from "../../core/view/clip";
-import type { Displacements } from "../../core/scan/displacements";
-import type { Appearance } from "../../core/appearance/appearance";
-import { isGrey } from "../../core/appearance/optics";
 import type { Rect } from "../../core/view/picture_layout";
 import { firstQuality, restingPictures, type QualityChoice } from "../../core/view/quality";
 import { everywhere, type Region } from "../../core/view/region";
-import type { DrawnPicture, DrawPicture, MovedPose, PictureFailed, PictureLook, Segment } from "../../core/protocol";
-import type { ScanVolume } from "../../core/scan/scan_volume";
-import { drawnFromVoxels, type InsideModes } from "../../core/segments/shown_segments";
+import type { DrawnPicture, DrawPicture, PictureFailed, PictureLook } from "../../core/protocol";
 import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../../core/view/stereo";
-import type { SurfaceChange } from "../../core/surfaces/surface_patches";
-import type { Vec3 } from "../../core/geometry/vector";
-import type { Box, LabelVolume } from "../../core/scan/voxel_change";
 import { Compositor } from "./compositor";
 import { EngineDrawing } from "../engine_pictures/engine_drawing";
 import type { EngineFrame } from "../engine_pictures/engine_pictures";
@@ -28,18 +18,14 @@ import { DrawnScreen } from "./drawn_screen";
 import type { FieldFormat } from "../textures/field_texture";
 import { GpuClock } from "../base/gpu_clock";
 import type { GpuSupport } from "../base/gpu_support";
-import { LabelTexture } from "../textures/label_texture";
-import { labelColours } from "../textures/lookup_textures";
-import type { CutSheet } from "../../core/segments/cut_sheet";
-import type { MarkerState } from "../markers/markers";
 import { chooseFilter, type FieldFilter } from "../march/field_filter";
 import type { PictureTarget } from "../base/picture_target";
 import { RayMarcher } from "../march/ray_marcher";
 import { Refiner, type Shown } from "./refiner";
-import { sameInView, type ShownSecond } from "../textures/second_texture";
+import { PictureContents } from "./picture_contents";
 import { PictureSaving } from "./picture_saving";
 import type { SnapshotWish } from "./snapshot";
-import { Slices, type ShownSlice, type SliceAppearance } from "./slices";
+import { Slices } from "./slices";
 import { Surfaces } from "../surfaces/surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
 import { ThreeCamera } from "../base/three_camera";
@@ -76,6 +62,8 @@ export class Picture {
   private readonly pane: ViewPane;
   private readonly slices: Slices;
   private readonly screen: DrawnScreen;
+  /** What is shown. */
+  readonly contents: PictureContents;
   /** How the GPU filters the scan's values. */
   readonly filter: FieldFilter;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
@@ -89,7 +77,6 @@ export class Picture {
   /** The GPU has the programs for a first picture, or cannot have them before it. */
   private prepared: boolean | "soon" = false;
   private quality: QualityChoice;
-  private deforming = false;
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
   private begun = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
@@ -98,9 +85,6 @@ export class Picture {
   private readonly eyeCamera = new ThreeCamera();
   private readonly saving: PictureSaving;
   private readonly closing = new AbortController();
-  private labels: LabelTexture | null = null;
-  private second: ShownSecond | null = null;
-  private colours: THREE.DataTexture | null = null;
 
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
@@ -147,6 +131,19 @@ export class Picture {
     const shown = (eye: number): PictureTarget => this.engine.standIn(eye) ?? this.refiner.pictureOf(eye);
     this.pane = new ViewPane(this.renderer, this.compositor, shown);
     this.screen = new DrawnScreen(this.renderer, this.pane, this.slices, support.software, options.mostPixelRatio);
+    this.contents = new PictureContents({
+      renderer: this.renderer,
+      marcher: this.marcher,
+      surfaces: this.surfaces,
+      compositor: this.compositor,
+      slices: this.slices,
+      scan: this.scan,
+      refiner: this.refiner,
+      engine: this.engine,
+      pane: this.pane,
+      drawnByEngine: () => this.byEngine,
+      slicesChanged: () => { this.screen.stale = true; },
+    });
     this.saving = new PictureSaving({
       renderer: this.renderer,
       marcher: this.marcher,
@@ -291,176 +288,9 @@ export class Picture {
     }
   }
 
-  /**
-   * Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU.
-   */
-  setScan(volume: ScanVolume, bricks: BrickRanges): void {
-    if (volume.frame === this.scan.frame) {
-      this.scan.bring(volume, bricks, volume.dimensions[2]);
-      return;
-    }
-    const field = this.scan.begin(volume);
-    this.refiner.recount();
-    this.engine.pictures.recount();
-    this.marcher.setField(field, bricks);
-    this.slices.follow(volume.frame);
-    this.surfaces.setFrame(volume.frame);
-    this.refiner.restart();
-  }
-
-  /**
-   * Shows more finely what is drawn of a scan; nothing else is drawn by that.
-   *
-   * @param volume the same object each time, with more values.
-   * @param bricks ranges that cover all of them.
-   * @param arrived planes, from the first on, that have their own values; what stands in for others does not change.
-   */
-  refineScan(volume: ScanVolume, bricks: BrickRanges, arrived: number): void {
-    if (volume.frame === this.scan.frame) {
-      this.scan.bring(volume, bricks, arrived);
-    }
-  }
-
-  setAppearance(appearance: Appearance): void {
-    this.marcher.setAppearance(appearance);
-    this.engine.setAppearance(appearance);
-    this.compositor.bendsHighlights = !isGrey(appearance.optics.blend);
-    this.refiner.restart();
-  }
-
-  /** Segments that are no threshold; null where there are none. */
-  setLabels(volume: LabelVolume | null): void {
-    const isFirst = this.labels === null;
-    this.labels?.dispose();
-    this.labels = volume === null ? null : new LabelTexture(volume);
-    this.marcher.setLabels(
-      volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks },
-    );
-    this.slices.follow(this.scan.frame);
-    if (isFirst) {
-      // they come with an edit that is seen already, and show the same as thresholds did
-      this.refiner.renew();
-    } else {
-      this.refiner.restart();
-    }
-  }
-
-  /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
-  setSecond(shown: ShownSecond | null): void {
-    this.marcher.setSecond(shown);
-    this.engine.setSecond(shown?.appearance ?? null);
-    this.slices.follow(this.scan.frame);
-    if (!sameInView(shown, this.second)) {
-      this.refiner.restart();
-    }
-    this.second = shown;
-  }
-
-  /** How segments are shown, from their voxels and as surfaces. */
-  setSegments(segments: readonly Segment[], modes: InsideModes = {}): void {
-    this.colours?.dispose();
-    this.colours = labelColours(segments, drawnFromVoxels, modes);
-    this.marcher.setLabelColours(this.colours);
-    this.surfaces.setSegments(segments, modes);
-    this.slices.setSegments(segments);
-    this.engine.setSegments({ segments, modes });
-    this.refiner.restart();
-  }
-
-  /** Values, labels or both have changed in a box of the arrays that this picture was given. */
-  changeVoxels(box: Box, what: { readonly values: boolean; readonly labels: boolean }): void {
-    if (what.values) {
-      this.scan.uploadBox(this.renderer, box);
-    }
-    if (what.labels) {
-      this.labels?.uploadBox(this.renderer, box);
-    }
-    if (this.byEngine) {
-      // it draws its own voxels, whatever has come here of the scan
-      this.refiner.restart();
-    }
-    if (this.scan.isLoading) {
-      // it is drawn with the scan that comes
-      return;
-    }
-    this.marcher.changeVoxels(box, this.renderer);
-    this.slices.changed();
-    const region = this.pane.regionOf(this.marcher.cornersOf(box));
-    if (region === null || this.deforming || this.byEngine) {
-      this.refiner.restart();
-    } else {
-      this.refiner.change(region);
-    }
-  }
-
-  /** Exchanges patches of surfaces. */
-  changeSurfaces(changes: readonly SurfaceChange[]): void {
-    this.surfaces.apply(this.renderer, changes);
-    this.refiner.restart();
-  }
-
-  /** Whether a model of deformation is at work: only then tissue can be displaced. */
-  setDeforming(on: boolean): void {
-    if (on !== this.deforming) {
-      this.deforming = on;
-      // between two pictures tissue moves, and not as the view does
-      this.engine.mayTurn = !on;
-      this.marcher.setDeforming(on);
-      this.slices.follow(this.scan.frame);
-      this.refiner.restart();
-    }
-  }
-
-  /** Displacements of tissue from its voxels; null where there are none. */
-  setDisplaced(displaced: Displacements | null): void {
-    this.marcher.setDisplaced(displaced);
-    this.slices.changed();
-    this.refiner.restart();
-  }
-
-  /** Where moved segments stand now. */
-  setPoses(poses: readonly MovedPose[]): void {
-    if (this.surfaces.setPoses(poses)) {
-      this.refiner.restart();
-    }
-  }
-
   setCamera(camera: Camera, extent: Extent): void {
     this.view = { camera, extent };
     this.refiner.restart();
-  }
-
-  /** Cuts away what lies before planes of the scene. */
-  setClip(planes: readonly Plane[]): void {
-    this.marcher.setClip(planes);
-    this.surfaces.setClip(planes);
-    this.engine.setClip(planes);
-    this.refiner.restart();
-  }
-
-  /** Points of each mark that is shown, in their order; scene [mm]. */
-  setMarks(lines: readonly (readonly Vec3[])[]): void {
-    this.pane.setMarks(lines);
-  }
-
-  /** The surface that a cut would go along; null where nothing is cut. */
-  setCutSheet(sheet: CutSheet | null): void {
-    this.pane.setCutSheet(sheet);
-  }
-
-  setMarkers(state: MarkerState): void {
-    this.pane.setMarkers(state);
-  }
-
-  /** Which slices are seen beside the 3-D view. */
-  setSlices(shown: readonly ShownSlice[]): void {
-    if (this.slices.show(shown)) {
-      this.screen.stale = true;
-    }
-  }
-
-  setSliceAppearance(appearance: SliceAppearance): void {
-    this.slices.setAppearance(appearance);
   }
 
   /** One picture, or one for each eye; followed by `resize`. */
@@ -651,8 +481,7 @@ export class Picture {
     this.compositor.dispose();
     this.pane.dispose();
     this.scan.dispose();
-    this.labels?.dispose();
-    this.colours?.dispose();
+    this.contents.dispose();
     this.renderer.dispose();
   }
 

@@ -122,13 +122,13 @@ export class PictureHost {
         this.blend = appearance.optics.blend;
         this.sources.drawer.quicker.forget();
       }
-      this.picture?.setAppearance(appearance);
+      this.picture?.contents.setAppearance(appearance);
     }
   }
 
   /** Passes colours, poses and surfaces' appearance to the picture. */
   setSegments(segments: readonly Segment[]): void {
-    this.picture?.setSegments(segments, this.sources.scene.inside);
+    this.picture?.contents.setSegments(segments, this.sources.scene.inside);
   }
 
   /** Gives the 3-D view its pane. */
@@ -172,7 +172,7 @@ export class PictureHost {
     const { picture } = this;
     const { edits, loader, scene } = this.sources;
     if (picture !== null && loader.held !== null) {
-      picture.setScan(loader.held.volume, loader.held.bricks);
+      picture.contents.setScan(loader.held.volume, loader.held.bricks);
       this.setAppearance(scene.appearance);
       edits.showAll(picture);
       this.setSegments(scene.segments);
@@ -320,8 +320,8 @@ export class PictureHost {
       this.drawnCamera = camera;
       touch.redraw();
     }
-    picture.setPoses(session.latest?.poses ?? []);
-    picture.setDeforming(edits.displaced !== null || (session.latest?.matter.model ?? null) !== null);
+    picture.contents.setPoses(session.latest?.poses ?? []);
+    picture.contents.setDeforming(edits.displaced !== null || (session.latest?.matter.model ?? null) !== null);
     view.tell();
     touch.pass(picture, camera, view.viewport);
   }

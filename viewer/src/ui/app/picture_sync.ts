@@ -81,19 +81,19 @@ export class PictureSync {
     }
     if (clips.cutting !== this.clip) {
       this.clip = clips.cutting;
-      picture.setClip(this.clip);
+      picture.contents.setClip(this.clip);
     }
     if (marks.lines !== this.marks) {
       this.marks = marks.lines;
-      picture.setMarks(this.marks);
+      picture.contents.setMarks(this.marks);
     }
     if (cutting.sheet !== this.sheet) {
       this.sheet = cutting.sheet;
-      picture.setCutSheet(this.sheet);
+      picture.contents.setCutSheet(this.sheet);
     }
     if (scan && second.shown !== this.second) {
       this.second = second.shown;
-      picture.setSecond(this.second);
+      picture.contents.setSecond(this.second);
     }
   }
 
@@ -106,11 +106,11 @@ export class PictureSync {
     this.slicesAt = now;
     if (appearance !== this.sliceAppearance) {
       this.sliceAppearance = appearance;
-      picture.setSliceAppearance(appearance);
+      picture.contents.setSliceAppearance(appearance);
     }
     if (shown !== this.slices) {
       this.slices = shown;
-      picture.setSlices(shown);
+      picture.contents.setSlices(shown);
     }
   }
 }

@@ -57,8 +57,8 @@ export class ScanOpener {
     this.measure(volume, bricks, scan);
     view.reset();
     this.previewCamera = view.camera;
-    drawn.setScan(volume, bricks);
-    drawn.setAppearance(appearance);
+    drawn.contents.setScan(volume, bricks);
+    drawn.contents.setAppearance(appearance);
     picture.setSegments(scene.segments);
     return true;
   }

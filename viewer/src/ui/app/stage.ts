@@ -90,7 +90,7 @@ function drawScene(
     largestEdge: support.largestEdge,
     preview: (volume, bricks, scan) => opener.preview(volume, bricks, scan),
     refine: (volume, { bricks, arrived }) => {
-      picture.drawn?.refineScan(volume, bricks, arrived);
+      picture.drawn?.contents.refineScan(volume, bricks, arrived);
     },
     shownParts: support.software ? shownParts.software : shownParts.gpu,
     show: (held, scan) => {

@@ -59,6 +59,12 @@ export type Format = (typeof formats)[number];
 
 export class Exporter {
   busy = $state.raw(false);
+  /** Names to share segments by, where they are others than those that they have. */
+  names = $state.raw<Readonly<Record<string, string>>>({});
+  /** Whether the engine wants a person to look for text in the images first. */
+  asksForLook = $state.raw(false);
+  /** Whether the person says that they have. */
+  looked = $state.raw(false);
   private chosen = $state.raw(recall("export", { format: "slicer" }).format);
   /** What is exported: what was chosen last, where that can be made of this scan. */
   readonly format: Format = $derived.by(
@@ -70,6 +76,15 @@ export class Exporter {
   /** Why nothing in DICOM can refer to the scan; null where something may. */
   get noDicom(): string | null {
     return this.session.scan?.no_dicom ?? null;
+  }
+
+  /** Names of segments as they would be shared. */
+  get sharedNames(): readonly { readonly name: string; readonly shared: string }[] {
+    return this.session.segments.map(({ name }) => ({ name, shared: this.names[name] ?? name }));
+  }
+
+  rename(name: string, shared: string): void {
+    this.names = { ...this.names, [name]: shared };
   }
 
   canMake({ fromDicom }: Format): boolean {
@@ -87,14 +102,16 @@ export class Exporter {
     }
     this.busy = true;
     const { kind, label } = this.format;
+    const shared = kind === "dicom" ? { names: this.names, pixels_checked: this.looked } : {};
     try {
-      const { name, notes } = await fetchFile("/api/export", { kind }, "export");
+      const { name, notes } = await fetchFile("/api/export", { kind, ...shared }, "export");
       tellSaved(this.session, name);
       for (const note of notes) {
         this.session.notify("warning", `${label}: ${note}.`);
       }
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
+      this.asksForLook ||= reason.includes("text in their pixels");
       this.session.notify("error", `Nothing was exported: ${reason}`);
     } finally {
       this.busy = false;

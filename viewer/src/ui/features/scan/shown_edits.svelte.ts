@@ -158,9 +158,9 @@ export class ShownEdits {
   /** Gives all that is held to a new picture. */
   showAll(picture: Picture): void {
     this.drawn = this.drawsLabels ? this.labels : null;
-    picture.setLabels(this.drawn);
-    picture.setDisplaced(this.displaced);
-    picture.changeSurfaces(
+    picture.contents.setLabels(this.drawn);
+    picture.contents.setDisplaced(this.displaced);
+    picture.contents.changeSurfaces(
       this.surfaces.ids.map((id) => ({ id, whole: true, dropped: [], patches: this.surfaces.patches(id) })),
     );
   }
@@ -210,7 +210,7 @@ export class ShownEdits {
     const labels = this.drawsLabels ? this.labels : null;
     if (picture !== null && labels !== this.drawn) {
       this.drawn = labels;
-      picture.setLabels(labels);
+      picture.contents.setLabels(labels);
     }
   }
 
@@ -234,11 +234,11 @@ export class ShownEdits {
       this.surfaces.apply(change);
     }
     if (edit.surfaces.length > 0) {
-      picture?.changeSurfaces(edit.surfaces);
+      picture?.contents.changeSurfaces(edit.surfaces);
     }
     if (edit.displaced !== undefined) {
       this.displaced = edit.displaced;
-      picture?.setDisplaced(edit.displaced);
+      picture?.contents.setDisplaced(edit.displaced);
     }
     this.lastEdit = changed.edit;
   }
@@ -256,7 +256,7 @@ export class ShownEdits {
       }
     }
     // labels that are not here will come with this edit in them
-    picture?.changeVoxels(box, { values: values !== null, labels: labels !== null && this.labels !== null });
+    picture?.contents.changeVoxels(box, { values: values !== null, labels: labels !== null && this.labels !== null });
   }
 }
 

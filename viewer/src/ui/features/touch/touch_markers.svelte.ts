@@ -69,7 +69,7 @@ export class TouchMarkers {
       return;
     }
     this.drawn = state;
-    picture.setMarkers({
+    picture.contents.setMarkers({
       probe: state.proxy,
       radius: state.probe_radius,
       contactPoint: state.contact_point,
