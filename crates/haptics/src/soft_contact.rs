@@ -9,7 +9,8 @@
 //! a fiftieth of a voxel in a tick; a fall of the force is never held up.
 //!
 //! The hard proxy knows nothing of it and keeps all that it promises. An answer that is too old
-//! counts no more: then the tissue is as hard as its voxels.
+//! counts no more: then the tissue is as hard as its voxels. One that stays still counts where it was
+//! found, so that a hand at rest feels the same however late the next one is.
 //!
 //! No answer leads the tool into what does not give way: where that stops it on its way from the
 //! proxy, the spring ends there, as stiff as what stops it. So bone under soft tissue is felt
@@ -28,8 +29,11 @@ use serde::{Deserialize, Serialize};
 use crate::force::{Coupling, Feel, Friction, FrictionState, SurfaceBlend};
 use crate::tick::TickOutput;
 
-/// Age at which an answer of the model is dropped [s].
+/// Age at which an answer of the model is late, and dropped unless it stays [s].
 pub const STALE_SECS: f64 = 0.1;
+/// How far from where it was found an answer is held whole, and one that stays is not left; it fades to
+/// nothing at twice that [its validity].
+const WHOLE: f64 = 2.0;
 /// How far the spring's end goes over in a tick, beside the hand's way [smallest spacings].
 pub const STEP: f64 = 0.02;
 
@@ -84,6 +88,9 @@ struct Answer {
     validity: f64,
     /// Time at which the answer came [s].
     time: f64,
+    /// Whether it stays where the next one is late; none in recordings of 0.1 does.
+    #[serde(default)]
+    stays: bool,
 }
 
 impl SoftContact {
@@ -91,6 +98,15 @@ impl SoftContact {
     /// no answer; a law that is no spring holds along its force only.
     pub fn take(&mut self, contact: Option<&LocalContact>, time: f64) {
         self.answer = contact.and_then(|contact| Answer::of(contact, time));
+    }
+
+    /// Takes an answer that stays: however late the next one is, it counts for a device that does not
+    /// leave where it is held whole. One by which nothing pushes stays no longer than others.
+    pub fn take_staying(&mut self, contact: Option<&LocalContact>, time: f64) {
+        self.take(contact, time);
+        if let Some(answer) = &mut self.answer {
+            answer.stays = true;
+        }
     }
 
     /// Whether the force of this tick, or of the one before, is not that of a hard contact alone.
@@ -113,17 +129,19 @@ impl SoftContact {
         output: &mut TickOutput,
         stop: impl FnOnce(DVec3) -> Option<Stop>,
     ) {
-        let fresh = self
-            .answer
-            .filter(|answer| input.time - answer.time <= STALE_SECS && input.gives_way);
-        if fresh.is_none() && self.last.is_none() {
-            return;
-        }
         let mut coupling = if output.coupling.stiffness > 0.0 {
             output.coupling
         } else {
             input.coupling
         };
+        // what counts no more is no answer again where the hand comes back: nothing goes to and fro
+        self.answer = self
+            .answer
+            .filter(|answer| answer.counts(input, coupling.stiffness));
+        let fresh = self.answer.filter(|_| input.gives_way);
+        if fresh.is_none() && self.last.is_none() {
+            return;
+        }
         if !(input.device.is_finite() && coupling.stiffness > 0.0) {
             self.forget_force();
             return;
@@ -204,7 +222,24 @@ impl Answer {
             stiffness: spring_like(stiffness, force),
             validity,
             time,
+            stays: false,
         })
+    }
+
+    /// Whether it counts: while it is fresh, and longer where it stays and the device has not left it.
+    fn counts(&self, input: &SoftInput, k: f64) -> bool {
+        let is_fresh = input.time - self.time <= STALE_SECS;
+        let stays = self.stays && self.force != DVec3::ZERO;
+        is_fresh || stays && self.moved(input.device, k).length() <= WHOLE * self.validity
+    }
+
+    /// From the tool of the answer to the one in balance with the device by a coupling of stiffness
+    /// k [N/mm], as the law would have it anywhere [mm].
+    fn moved(&self, device: DVec3, k: f64) -> DVec3 {
+        // k I − K has no eigenvalue below k
+        let balance = DMat3::from_diagonal(DVec3::splat(k)) - self.stiffness;
+        let pushed = self.force - self.stiffness * self.tool + device * k;
+        balance.inverse() * pushed - self.tool
     }
 
     /// From the device to the tool that is in balance [mm] with a coupling of stiffness k [N/mm].
@@ -213,13 +248,10 @@ impl Answer {
         if normal == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        // the tissue's law and the coupling in balance; k I − K has no eigenvalue below k
-        let balance = DMat3::from_diagonal(DVec3::splat(k)) - self.stiffness;
-        let pushed = self.force - self.stiffness * self.tool + device * k;
-        let moved = balance.inverse() * pushed - self.tool;
+        let moved = self.moved(device, k);
         let force = self.force + self.stiffness * moved.clamp_length_max(self.validity);
         // held a little beyond what is known, and no farther
-        let share = (2.0 - 0.5 * moved.length() / self.validity).clamp(0.0, 1.0);
+        let share = (2.0 - moved.length() / (WHOLE * self.validity)).clamp(0.0, 1.0);
         one_sided(force, normal, self.force.length()) * (share / k)
     }
 }

@@ -153,6 +153,97 @@ fn an_answer_that_is_too_old_leaves_the_hard_contact() {
     assert!(!soft.is_felt());
 }
 
+/// Of a law that stays, after a device has settled in it.
+fn staying(law: &LocalContact, device: DVec3) -> (SoftContact, DVec3) {
+    let mut soft = SoftContact::default();
+    let force = settled(&mut soft, law, device);
+    soft.take_staying(Some(law), 1.999);
+    (soft, force)
+}
+
+/// A tick with the hard proxy at the skin, so many seconds after the answer.
+fn tick_after(soft: &mut SoftContact, device: DVec3, late: f64) -> TickOutput {
+    let mut output = hard(device.with_z(device.z.max(0.0)), device, device.z < 0.0);
+    soft.follow(&input(device, 1.999 + late, true), &mut output, |_| None);
+    output
+}
+
+/// A law that is held whole within a millimetre.
+fn near_law() -> LocalContact {
+    LocalContact {
+        validity: 0.5,
+        ..floor(0.1, -1.0)
+    }
+}
+
+#[test]
+fn a_hand_at_rest_feels_a_law_that_stays_however_late_the_next_answer_is() {
+    let device = DVec3::Z * -1.0;
+    let (mut soft, force) = staying(&near_law(), device);
+    assert!(force.z > 0.05);
+    for tick in 0..60_000 {
+        let late = f64::from(tick) * 0.001;
+        assert_eq!(tick_after(&mut soft, device, late).force, force, "{late} s");
+    }
+}
+
+#[test]
+fn a_law_that_stays_is_left_for_good_by_a_hand_that_goes_elsewhere_while_the_answer_is_late() {
+    for aside in [DVec3::new(1.5, 0.0, -1.0), DVec3::Z * -3.0, DVec3::Z] {
+        let (mut soft, force) = staying(&near_law(), DVec3::Z * -1.0);
+        // in time it is followed, as any other
+        tick_after(&mut soft, aside, STALE_SECS - 0.01);
+        assert!(soft.is_awaited());
+        // in small steps, so that each step of the force can be seen
+        let mut last = tick_after(&mut soft, DVec3::Z * -1.0, STALE_SECS - 0.005).force;
+        let way = (aside - DVec3::Z * -1.0) / 100.0;
+        for step in 1..=3000 {
+            let device = DVec3::Z * -1.0 + way * f64::from(step.min(100));
+            let now = tick_after(&mut soft, device, STALE_SECS + 0.001 * f64::from(step)).force;
+            let most = K * (STEP * H + way.length()) + 1e-9;
+            assert!(now.length() - last.length() <= most, "{last} {now}");
+            last = now;
+        }
+        // as hard as the voxels
+        assert_eq!(last, DVec3::Z * (-aside.z).max(0.0) * K);
+        assert!(!soft.is_awaited());
+        // and it does not come back before the next answer, wherever the hand goes
+        let mut back = DVec3::ZERO;
+        for _ in 0..1000 {
+            back = tick_after(&mut soft, DVec3::Z * -1.0, 5.0).force;
+        }
+        assert!(force.z < 0.5 * K && back == DVec3::Z * K, "{force} {back}");
+    }
+}
+
+#[test]
+fn a_hand_that_moves_a_little_under_a_late_law_that_stays_gains_no_energy() {
+    let (mut soft, _) = staying(&near_law(), DVec3::Z * -1.0);
+    let mut gained = 0.0;
+    let mut last = (
+        DVec3::Z * -1.0,
+        tick_after(&mut soft, DVec3::Z * -1.0, 0.2).force,
+    );
+    for tick in 1..=20_000 {
+        let phase = f64::from(tick) * 0.02;
+        let device = DVec3::new(0.2 * phase.sin(), 0.0, -1.0 - 0.3 * (0.7 * phase).sin());
+        let force = tick_after(&mut soft, device, 0.2 + 0.001 * f64::from(tick)).force;
+        gained += 0.5 * (force + last.1).dot(device - last.0);
+        last = (device, force);
+    }
+    assert!(soft.is_felt());
+    // but for what a spring of some 0.1 N/mm holds over these 0.3 mm
+    assert!(gained <= 0.05, "{gained} N·mm");
+}
+
+#[test]
+fn an_answer_by_which_nothing_pushes_stays_no_longer_than_others() {
+    let (mut soft, force) = staying(&floor(0.0, 1.0), DVec3::Z * 1.0);
+    assert_eq!(force, DVec3::ZERO);
+    tick_after(&mut soft, DVec3::Z, STALE_SECS + 0.01);
+    assert!(!soft.is_awaited());
+}
+
 /// Guarantee 4 where friction leads a probe that is caught in tissue: the spring of the hard contact
 /// then pulls past the probe, which is cut off.
 #[test]

@@ -172,8 +172,8 @@ class MatterState(msgspec.Struct, frozen=True):
     """State of the deformation; ``model`` is the current one, null where every segment is rigid.
 
     ``force`` is that of the tissue on the tool [N, scene], sent where ``force_source`` says so;
-    ``answers`` counts the model's answers. While the next one is ``late``, tissue is as rigid as
-    its voxels. ``nodes`` take part in the last answer; since the start ``bonds_broken`` bonds
+    ``answers`` counts the model's answers. While the next one is ``late``, a hand at rest feels
+    the last one. ``nodes`` take part in the last answer; since the start ``bonds_broken`` bonds
     broke, which took ``work_broken`` [mJ].
     """
 

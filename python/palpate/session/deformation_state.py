@@ -64,7 +64,7 @@ class DeformationReport(TypedDict):
     answers: int
     """Answers of the model since the session's start."""
     late: bool
-    """Whether the next answer is late; tissue is as rigid as its voxels meanwhile."""
+    """Whether the next answer is late; a hand at rest feels the last one meanwhile."""
     slips: int
     """Answers in which particles slipped."""
     iterations: int

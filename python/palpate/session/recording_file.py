@@ -45,8 +45,9 @@ __all__ = [
 ]
 
 FORMAT = "palpate-session"
-VERSION = 4
-"""Version of the file format; an older Palpate refuses a newer version."""
+VERSION = 5
+"""Version of the file format; an older Palpate refuses a newer version. Since version 5 the answers
+of soft tissue say whether they stay where the next one is late; older ones are dropped then."""
 OLDEST_VERSION = 2
 """Oldest version that can be read. It has no tool; the tool counts as resting then."""
 

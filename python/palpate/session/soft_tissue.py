@@ -144,7 +144,7 @@ class SessionSoftTissue:
             ``model`` (None where every segment is rigid), its ``options``, ``force_source``,
             ``force`` of the tissue on the tool [N, scene], whether it is sent or not, ``answers``
             so far, ``slips`` (answers in which particles slipped), and whether the next answer is
-            ``late`` (tissue is as rigid as its voxels then). Of the last answer: ``iterations``,
+            ``late`` (a hand at rest feels the last one then). Of the last answer: ``iterations``,
             ``residual`` (unbalanced force relative to the contact force), ``nodes``,
             ``moved_voxels`` (displaced from rest) and ``lasting_voxels`` (those of them that stay
             displaced). Since the start: ``bonds_broken`` and ``work_broken`` [N·mm].

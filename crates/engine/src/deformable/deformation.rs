@@ -28,6 +28,12 @@ const PATIENCE: Duration = Duration::from_millis(25);
 const SOONEST: f64 = 0.008;
 /// Tissue farther from the tool than this is not asked [mm].
 const REACH: f64 = 30.0;
+/// A tool that has moved by no more than this is asked about where it was: else what the model errs by
+/// goes around through tool and force, and a hand at rest feels it [smallest spacings].
+const STILL: f64 = 0.01;
+/// A law is followed over this at least, so that a hand that presses on before the next answer neither
+/// comes to hard voxels nor falls into tissue that counts as air [radii of the tool].
+const FOLLOWED: f64 = 0.5;
 
 /// A model and the name that it goes by.
 pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
@@ -59,7 +65,8 @@ pub struct DeformationStatus {
     pub slips: u64,
     /// How the last one went.
     pub report: ModelReport,
-    /// Whether the next one is late: until it comes, tissue is as hard as its voxels.
+    /// Whether the next one is late: until it comes, a hand that stays feels the last one, and one that
+    /// goes elsewhere voxels that are hard.
     pub late: bool,
 }
 
@@ -95,6 +102,8 @@ pub struct Deformation {
     known: Option<u64>,
     reset: bool,
     asked: Option<Asked>,
+    /// Where the model had the tool last [mm].
+    tool: Option<DVec3>,
     last_time: f64,
     now: DeformationStatus,
     was_deformable: bool,
@@ -105,6 +114,7 @@ pub struct Deformation {
 struct Asked {
     segments: SegmentSet,
     tool: DVec3,
+    radius: f64,
     edit: u64,
 }
 
@@ -126,6 +136,7 @@ impl Deformation {
             known: None,
             reset: false,
             asked: None,
+            tool: None,
             last_time: 0.0,
             now: DeformationStatus::default(),
             was_deformable: false,
@@ -258,7 +269,14 @@ impl Deformation {
         let deformable_contact = match self.now.source {
             ForceSource::Matter => DeformableContact {
                 segments: asked.segments,
-                contact: Some(contact.unwrap_or_else(|| nothing_at(asked.tool))),
+                contact: Some(contact.map_or_else(
+                    || nothing_at(asked.tool),
+                    |law| LocalContact {
+                        validity: law.validity.max(FOLLOWED * asked.radius),
+                        ..law
+                    },
+                )),
+                stays: true,
             },
             ForceSource::Voxels => DeformableContact::default(),
         };
@@ -284,7 +302,11 @@ impl Deformation {
 
     fn ask(&mut self, scene: &Scene, status: &ServoStatus) {
         let smallest = scene.voxels().grid().smallest_spacing();
-        let tool = self.tool(status, smallest);
+        let now = self.tool(status, smallest);
+        let is_still = |tool: &DVec3| tool.distance(now) <= STILL * smallest;
+        let tool = self.tool.filter(is_still).unwrap_or(now);
+        // what is smaller than the voxels would slip between them
+        let radius = status.radius.max(smallest);
         let leaves = self.next.is_some();
         let segments = match leaves {
             true => SegmentSet::default(),
@@ -310,8 +332,7 @@ impl Deformation {
             materials: self.matter.materials(scene),
             tool: (!leaves).then_some(ToolState {
                 id: 0,
-                // what is smaller than the voxels would slip between them
-                shape: ToolShape::Ball(status.radius.max(smallest)),
+                shape: ToolShape::Ball(radius),
                 position: tool,
                 orientation: DQuat::IDENTITY,
             }),
@@ -321,9 +342,11 @@ impl Deformation {
         self.last_time = status.time;
         if self.jobs.send(job).is_ok() {
             self.known = Some(edit);
+            self.tool = Some(tool);
             self.asked = Some(Asked {
                 segments,
                 tool,
+                radius,
                 edit,
             });
         }

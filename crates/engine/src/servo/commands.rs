@@ -111,9 +111,12 @@ impl ServoLoop {
             }
             Some(ServoCommand::DeformableContact(deformable_contact)) => {
                 self.state.deformable_contact = deformable_contact;
-                self.state
-                    .soft
-                    .take(deformable_contact.contact.as_ref(), inputs.time);
+                let (contact, soft) = (&deformable_contact.contact, &mut self.state.soft);
+                if deformable_contact.stays {
+                    soft.take_staying(contact.as_ref(), inputs.time);
+                } else {
+                    soft.take(contact.as_ref(), inputs.time);
+                }
             }
             Some(ServoCommand::Needle(on, tissues)) => {
                 self.state.needle.hold(on, &tissues);

@@ -37,6 +37,9 @@ pub struct DeformableContact {
     pub segments: SegmentSet,
     /// How they push the tool; none where nothing is known of it.
     pub contact: Option<LocalContact>,
+    /// Whether it stays where the next answer is late; none in recordings of 0.1 does.
+    #[serde(default)]
+    pub stays: bool,
 }
 
 /// What a tick is given from outside, besides commands.

@@ -3,6 +3,7 @@
 mod at_rest;
 mod floor;
 mod friction;
+mod late;
 mod lattice;
 mod probe_size;
 mod regions;
