@@ -22,6 +22,8 @@ def of(kind: str) -> dict[str, list[str]]:
 
 
 ADDED = {
+    "recording commands": ("GiveWay.stays",),
+    "recording start": ("state.giving_way.stays", "state.soft.answer.stays"),
     "state recent.json": ("[].frame",),
     "scene keys": ("labels", "save_id", "tears_by"),
     "scene members": ("steps.msgpack",),
@@ -79,7 +81,8 @@ def test_the_names_in_other_files_of_0_1_are_listed() -> None:
 
 @pytest.mark.parametrize("kind", sorted(of("recording")))
 def test_recordings_of_this_build_have_the_same_names(written: Path, kind: str) -> None:
-    assert names.names_of_recordings(written)[kind] == NAMES[kind]
+    found = names.names_of_recordings(written)[kind]
+    assert [name for name in found if name not in ADDED.get(kind, ())] == NAMES[kind]
 
 
 @pytest.mark.parametrize("kind", sorted(NAMES.keys() - of("recording")))

@@ -20,7 +20,7 @@ EXAMPLES = """\b
 Examples:
   palpate compare ct/ --segments mine.seg.nrrd --reference truth.seg.nrrd
   palpate compare ct.nii.gz --threshold 250 --reference bone.nii.gz -o bone.csv
-  palpate compare work.palpate --segment liver --reference labels.nii.gz --against 5
+  palpate compare work.palpate --segment 1 --reference labels.nii.gz --against 2
 
 HD95 is the 95th percentile of distances between borders, the larger one of both ways; the mean
 surface distance is that of both ways together. Distances run between centres of border voxels.

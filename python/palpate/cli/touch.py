@@ -18,9 +18,9 @@ __all__ = ["EXAMPLES", "touch"]
 EXAMPLES = """\b
 Examples:
   palpate touch ct/ --threshold 250 --at superior --depth 3 -o press.csv
-  palpate touch ct/ --segments organs.seg.nrrd --segment liver --material liver --plot liver.svg
+  palpate touch ct/ --segments organs.seg.nrrd --segment 1 --material liver --plot liver.svg
   palpate touch ct/ --threshold 250 --do drill --at anterior --offset 0,0,20 --depth 4 -o drill.csv
-  palpate touch ct/ --threshold 250 --do stroke --along superior --length 40 -o stroke.csv
+  palpate touch ct/ --threshold 250 --do stroke --along superior --length 15 -o stroke.csv
 
 The ball comes from the side of the place, along the axis, or from the point toward the centroid.
 Stiffness is the slope of force over depth on the way in. The same touch gives the same numbers.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import shutil
@@ -18,6 +19,7 @@ from made_scans import series_writer
 from numpy.typing import NDArray
 from palpate.cli.commands import app, run
 from palpate.cli.recipe import EXAMPLES as RECIPE
+from palpate.export.export import export_scene
 from palpate.io.reading import read
 from palpate.saved.scene_file import save_scene
 from palpate.session.session import Session, SessionOptions
@@ -33,6 +35,12 @@ ORIGIN = (-123.0, 240.5, 1135.0)
 """Around the point of the liver in the examples [mm]."""
 UNSERVED = ("--dicomweb", "--auto", "palpate reconstruct", "palpate recover --re")
 """What needs a server, TotalSegmentator, RTK or changes: only its options are looked at."""
+TOLD_OF = {
+    "palpate bids data/ out/ group": (
+        "palpate bids data/ out/ participant --recipe recipe.yaml --participant-label 01 02"
+    ),
+}
+"""What an example tells of, and another one makes."""
 
 
 def commands(command: Any = None) -> Iterator[Any]:
@@ -95,8 +103,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write(place / name, moved)
     parts = np.where(still > 500, 2, np.where(still > 100, 1, 0)).astype(np.uint8)
     parts[:, :2, :] = 3
-    for name in ("organs.seg.nrrd", "painted.seg.nrrd"):
+    for name in ("organs.seg.nrrd", "painted.seg.nrrd", "labels.nii.gz"):
         write(place / name, parts)
+    write(place / "bone.nii.gz", (still > 500).astype(np.uint8))
     write(place / "teeth.seg.nrrd", (still > 500).astype(np.uint8) * (np.indices(SHAPE)[0] > 18))
     write(place / "body.nii.gz", (still > -500).astype(np.uint8))
     write_dicom(place, large, large_moved)
@@ -114,8 +123,22 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with Session(scene, options=SessionOptions(real_time=False)) as session:
         for name in ("work.palpate", "mr.palpate"):
             save_scene(place / name, session, copy=True)
+    for name in ("mine.seg.nrrd", "truth.seg.nrrd"):
+        export_scene(scene, place / name)
     write_carried(place, parts)
+    write_bids(place / "data", still)
     return place
+
+
+def write_bids(place: Path, values: NDArray[np.int16]) -> None:
+    """Writes a data set of two participants, and what there is of its derivative."""
+    told = {"Name": "Two", "BIDSVersion": "1.10.0", "DatasetType": "raw"}
+    for each in ("01", "02"):
+        folder = place / f"sub-{each}" / "anat"
+        folder.mkdir(parents=True)
+        write(folder / f"sub-{each}_T1w.nii.gz", values)
+    (place / "dataset_description.json").write_text(json.dumps(told))
+    (place.parent / "recipe.yaml").write_text("segment:\n  - threshold: 250\n")
 
 
 def write_carried(place: Path, parts: NDArray[np.uint8]) -> None:
@@ -207,6 +230,8 @@ def test_examples_of_the_help_run_as_printed(line: str, capsys: pytest.CaptureFi
     if any(each in line for each in UNSERVED):
         understand(given)
         return
+    if line in TOLD_OF:
+        assert run(words(TOLD_OF[line])) == 0, capsys.readouterr().err
     # other examples read what this one writes
     options = {"-o", "--out", "--resampled", "--picture"}
     written = [after for one, after in pairwise(given) if one in options]

@@ -27,6 +27,7 @@ OWN = {"--help", "--version"}
 OF_SEVERAL = {
     "of", "like", "inverse", "landmarks", "keep_identity", "only", "another_patient", "resample",
     "bone", "smoothing", "fast", "out", "turntable", "segment", "against",
+    "pixels_checked",
 }  # fmt: skip
 """Options that only the commands have that use them."""
 

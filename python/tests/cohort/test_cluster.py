@@ -201,7 +201,10 @@ def test_palpate_itself_needs_no_dask() -> None:
 def test_a_case_gets_its_number_of_threads() -> None:
     process = CaseProcess(2)
     try:
-        set_for = psutil.Process(process._process.pid).environ()
+        started = psutil.Process(process._process.pid)
+        # the system shows it a moment after the process is there
+        while not (set_for := started.environ()):
+            time.sleep(0.001)
         assert set_for["RAYON_NUM_THREADS"] == set_for["OPENBLAS_NUM_THREADS"] == "2"
     finally:
         process.end()

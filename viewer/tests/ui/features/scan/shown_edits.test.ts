@@ -31,11 +31,12 @@ function setUp(download: () => Promise<LabelVolume> = () => Promise.resolve(labe
   const shown: (LabelVolume | null)[] = [];
   const volume = volumeOf(scanOf(dimensions, [1, 1, 1]), () => 0);
   const edits = new ShownEdits({ complain: (text) => complaints.push(text), download });
-  const picture = {
+  const contents = {
     setLabels: (labels: LabelVolume | null) => shown.push(labels),
     changeVoxels: () => undefined,
     changeSurfaces: () => undefined,
-  } as unknown as Picture;
+  };
+  const picture = { contents } as unknown as Picture;
   const show = (...messages: readonly Changed[]): void => {
     for (const message of messages) {
       edits.add(message, performance.now());
@@ -143,7 +144,7 @@ test("another scan forgets the surfaces of the one before, but no edit that wait
 test("displacements of tissue are shown with their edit, kept, and gone with the scan or without any", () => {
   const { edits, picture, complaints, show } = setUp();
   const told: (readonly number[] | null)[] = [];
-  Object.assign(picture, {
+  Object.assign(picture.contents, {
     setDisplaced: (displaced: { size: readonly number[] } | null) => told.push(displaced?.size ?? null),
   });
   const displaced = {
