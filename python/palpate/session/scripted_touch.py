@@ -67,7 +67,8 @@ class TouchResult:
     volumes: Column
     """What a drill has removed so far [mm³]."""
     stiffness: float | None
-    """Slope of force over depth on the way in [N/mm]; None of a stroke, or without contact."""
+    """Slope of force over depth on the way in [N/mm]; None of a stroke, without contact, or where
+    the force does not rise."""
     residual: float | None
     """Root of the mean squared distance of the forces to that line [N]."""
     warnings: tuple[str, ...]
@@ -191,7 +192,11 @@ def _felt(
         felt = (times <= seconds_in) & (forces > 0.0) & (forces < NEAR_LIMIT * most)
         if np.count_nonzero(felt) >= FEWEST:
             stiffness, residual = _line_through(depths[felt], forces[felt])
-            if request.material is None:
+            if stiffness * depths[felt].std() <= residual:
+                # the line tells less than half of it: the segment tore, or went aside
+                stiffness = residual = None
+                told.append(f"the force of {segment.name} does not rise with depth: no stiffness")
+            elif request.material is None:
                 told.append(
                     f"{segment.name} is rigid: the stiffness is that of the spring between ball "
                     "and hand"

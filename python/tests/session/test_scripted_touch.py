@@ -186,3 +186,16 @@ def test_the_command_writes_curve_and_plot_the_same_each_time(
     assert float(row["press_largest_force_N_2"]) < float(row["press_largest_force_N"])
     for name in ("press.csv", "press.png"):
         assert Path(f"out/scan/{name}").read_bytes() == Path(f"again/scan/{name}").read_bytes()
+
+
+def test_a_horn_that_gives_way_aside_has_no_stiffness_and_that_is_told() -> None:
+    values = np.full((40, 32, 32), -1000, np.int16)
+    values[:12] = 50
+    values[12:28, 15:17, 15:17] = 50
+    volume = palpate.Volume(values, spacing=(1.0, 1.0, 1.0), traits=HU)
+    scene = palpate.Scene(volume, [volume.threshold(0.0, 100.0, name="horn")])
+    felt = palpate.touch(scene, request(depth=8.0, material="liver", radius=2.0))
+    assert felt.largest_force > 0.0
+    assert felt.stiffness is None
+    assert felt.residual is None
+    assert any("does not rise with depth" in told for told in felt.warnings)
