@@ -38,9 +38,9 @@ if TYPE_CHECKING:
     from palpate.registration.inverse import Inverse
     from palpate.registration.options import RegistrationError, SearchOptions
     from palpate.registration.registration import Registration, register
-    from palpate.segmentation.comparison import Comparison, SegmentComparison, compare
-    from palpate.segmentation.landmarks import Landmark, landmarks
-    from palpate.segmentation.segment_statistics import (
+    from palpate.segmentation.measures.comparison import Comparison, SegmentComparison, compare
+    from palpate.segmentation.measures.landmarks import Landmark, landmarks
+    from palpate.segmentation.measures.segment_statistics import (
         SegmentStatistics,
         ValueStatistics,
         statistics,
@@ -140,14 +140,14 @@ __getattr__ = lazy_exports(
     {
         "Camera": "pictures.camera",
         "Carrier": "registration.carry",
-        "Comparison": "segmentation.comparison",
+        "Comparison": "segmentation.measures.comparison",
         "DicomWebError": "base.errors",
         "EmptySegmentError": "base.errors",
         "Gap": "session.gap",
         "Inverse": "registration.inverse",
         "Label": "labels.labels",
         "Labels": "labels.labels",
-        "Landmark": "segmentation.landmarks",
+        "Landmark": "segmentation.measures.landmarks",
         "Material": "volumes.material",
         "Mesh": "volumes.surface",
         "MeshFile": "volumes.mesh_read",
@@ -165,8 +165,8 @@ __getattr__ = lazy_exports(
         "ScriptedPath": "session.scripted_path",
         "SearchOptions": "registration.options",
         "Segment": "volumes.segment",
-        "SegmentComparison": "segmentation.comparison",
-        "SegmentStatistics": "segmentation.segment_statistics",
+        "SegmentComparison": "segmentation.measures.comparison",
+        "SegmentStatistics": "segmentation.measures.segment_statistics",
         "SeriesChoiceError": "base.errors",
         "Session": "session.session",
         "SessionOptions": "session.session",
@@ -175,14 +175,14 @@ __getattr__ = lazy_exports(
         "TouchRequest": "session.touch_request",
         "TouchResult": "session.scripted_touch",
         "TouchSettings": "session.touch_settings",
-        "ValueStatistics": "segmentation.segment_statistics",
+        "ValueStatistics": "segmentation.measures.segment_statistics",
         "Volume": "volumes.volume",
         "VolumeFormatError": "base.errors",
         "WebAddress": "io.dicomweb.address",
-        "compare": "segmentation.comparison",
+        "compare": "segmentation.measures.comparison",
         "export_scene": "export.export",
         "fetch_series": "io.dicomweb.series",
-        "landmarks": "segmentation.landmarks",
+        "landmarks": "segmentation.measures.landmarks",
         "material_presets": "volumes.material",
         "object_of_mesh": "volumes.mesh_read",
         "phantom": "volumes.phantom",
@@ -195,7 +195,7 @@ __getattr__ = lazy_exports(
         "render": "pictures.render",
         "resampled": "volumes.resampled",
         "segment_of_mesh": "volumes.mesh_read",
-        "statistics": "segmentation.segment_statistics",
+        "statistics": "segmentation.measures.segment_statistics",
         "suitable_spacing": "volumes.mesh_read",
         "touch": "session.scripted_touch",
         "write_mesh": "volumes.mesh_write",

@@ -12,7 +12,7 @@ from palpate.cli.options import Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.cli.table_form import AsCsv, AsJson, table_form
 from palpate.io.request import ReadRequest
-from palpate.segmentation.comparison_request import CompareRequest
+from palpate.segmentation.measures.comparison_request import CompareRequest
 
 __all__ = ["EXAMPLES", "compare"]
 
@@ -46,7 +46,7 @@ def compare(
     """Compare segments with a reference: Dice, Hausdorff and mean surface distance."""
     from palpate.cli.scenes import measured_scene
     from palpate.saved.ending import is_scene
-    from palpate.segmentation.comparison_table import comparison_text
+    from palpate.segmentation.measures.comparison_table import comparison_text
 
     form = table_form(request.out, as_csv=as_csv, as_json=as_json)
     # of a saved scene, they are about the reference alone

@@ -12,7 +12,7 @@ from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.cli.table_form import AsCsv, AsJson, table_form
 from palpate.io.request import ReadRequest
-from palpate.segmentation.landmarks_request import LandmarksRequest
+from palpate.segmentation.measures.landmarks_request import LandmarksRequest
 
 __all__ = ["EXAMPLES", "landmarks"]
 
@@ -45,7 +45,7 @@ def landmarks(
 ) -> None:
     """List landmarks of segments: centroid, and the farthest point to each side."""
     from palpate.cli.scenes import measured_scene
-    from palpate.segmentation.landmarks_request import landmarks_text
+    from palpate.segmentation.measures.landmarks_request import landmarks_text
 
     form = table_form(request.out, as_csv=as_csv, as_json=as_json)
     with quiet_libraries(), Display() as display:

@@ -167,7 +167,7 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     from palpate.recipes.check import read_inputs
     from palpate.recipes.recipe import read_recipe
     from palpate.recipes.run import run_recipe
-    from palpate.segmentation.statistics_table import aligned_lines
+    from palpate.segmentation.measures.statistics_table import aligned_lines
 
     with (
         files_noted(),

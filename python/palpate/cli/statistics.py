@@ -15,7 +15,7 @@ from palpate.cli.written_files import WRITES
 from palpate.io.request import ReadRequest
 
 if TYPE_CHECKING:
-    from palpate.segmentation.segment_statistics import SegmentStatistics
+    from palpate.segmentation.measures.segment_statistics import SegmentStatistics
     from palpate.volumes.volume import Volume
 
 __all__ = ["EXAMPLES", "statistics"]
@@ -58,7 +58,7 @@ def statistics(
     """Measure segments: volume, values, diameters, surface area, centroid."""
     from palpate.base.whole_file import check_target, whole_file
     from palpate.cli.scenes import measured_scene
-    from palpate.segmentation.segment_statistics import statistics as measure
+    from palpate.segmentation.measures.segment_statistics import statistics as measure
 
     form = table_form(out, as_csv=as_csv, as_json=as_json)
     if out is not None:
@@ -84,7 +84,7 @@ def statistics(
 
 
 def _text(measured: list[SegmentStatistics], volume: Volume, form: str) -> str:
-    from palpate.segmentation.statistics_table import (
+    from palpate.segmentation.measures.statistics_table import (
         statistics_csv,
         statistics_json,
         statistics_lines,

@@ -45,7 +45,7 @@ def touch(
 ) -> None:
     """Press, stroke or drill a segment by a script: force curve and stiffness."""
     from palpate.cli.scenes import measured_scene
-    from palpate.segmentation.statistics_table import aligned_lines
+    from palpate.segmentation.measures.statistics_table import aligned_lines
     from palpate.session.touch_table import touch_and_write, touch_cells
 
     with quiet_libraries(), Display() as display:

@@ -9,8 +9,8 @@ from typing import Any
 from palpate.export.numbering import unique_names
 from palpate.pictures.picture_file import image_of
 from palpate.pictures.render import DrawnScene
-from palpate.segmentation.segment_statistics import statistics
-from palpate.segmentation.statistics_table import Row, statistics_row
+from palpate.segmentation.measures.segment_statistics import statistics
+from palpate.segmentation.measures.statistics_table import Row, statistics_row
 from palpate.volumes.scene import Scene
 
 __all__ = ["THUMBNAIL", "measured_segments", "write_thumbnail"]

@@ -7,9 +7,9 @@ from pathlib import Path
 from palpate.base.progress import Progress
 from palpate.recipes.measures import Measures, Table
 from palpate.recipes.steps import Recipe
-from palpate.segmentation.comparison_request import CompareRequest
-from palpate.segmentation.comparison_table import comparison_cells, comparison_row
-from palpate.segmentation.landmarks_request import LandmarksRequest, landmark_cells
+from palpate.segmentation.measures.comparison_request import CompareRequest
+from palpate.segmentation.measures.comparison_table import comparison_cells, comparison_row
+from palpate.segmentation.measures.landmarks_request import LandmarksRequest, landmark_cells
 from palpate.session.touch_request import TouchRequest
 from palpate.volumes.scene import Scene
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from palpate.segmentation.statistics_table import Row
+from palpate.segmentation.measures.statistics_table import Row
 
 __all__ = ["Measures", "Table"]
 

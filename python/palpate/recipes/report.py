@@ -20,8 +20,8 @@ from palpate.pictures.render import DrawnScene
 from palpate.recipes.html_page import data_url, html_page
 from palpate.recipes.measures import Table
 from palpate.segmentation.mask_shape import box_of
-from palpate.segmentation.segment_statistics import statistics
-from palpate.segmentation.statistics_table import statistics_cells
+from palpate.segmentation.measures.segment_statistics import statistics
+from palpate.segmentation.measures.statistics_table import statistics_cells
 from palpate.volumes.scene import Scene
 
 __all__ = ["slice_pictures", "write_report"]

@@ -17,8 +17,8 @@ from palpate.pictures.request import PictureRequest
 from palpate.reconstruction.request import ReconstructionRequest
 from palpate.registration.request import RegisterRequest
 from palpate.registration.transform_request import TransformRequest
-from palpate.segmentation.comparison_request import CompareRequest
-from palpate.segmentation.landmarks_request import LandmarksRequest
+from palpate.segmentation.measures.comparison_request import CompareRequest
+from palpate.segmentation.measures.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
 from palpate.session.touch_request import TouchRequest
 from palpate.volumes.surface_request import SurfaceRequest

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 from palpate.base.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from palpate.segmentation.multi_otsu import otsu
-    from palpate.segmentation.operations import ShapeKind, changed_shape, grown, smoothed_together
-    from palpate.segmentation.region_growing import Growing
-    from palpate.segmentation.segment_statistics import (
+    from palpate.segmentation.growing.region_growing import Growing
+    from palpate.segmentation.measures.segment_statistics import (
         SegmentStatistics,
         ValueStatistics,
         statistics,
     )
+    from palpate.segmentation.multi_otsu import otsu
+    from palpate.segmentation.operations import ShapeKind, changed_shape, grown, smoothed_together
     from palpate.segmentation.segment_steps import HandEdit, SegmentSteps, ShapeStep
     from palpate.segmentation.watershed import grown_from_seeds
 

@@ -13,12 +13,12 @@ import numpy as np
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.segmentation import mask_shape
-from palpate.segmentation.growing_levels import Levels
+from palpate.segmentation.growing.levels import Levels
+from palpate.segmentation.growing.region_growing import Growing, grow, grow_levels
 from palpate.segmentation.joint_smoothing import smooth_together
 from palpate.segmentation.lengths_in_voxels import least_voxels, whole_voxels
 from palpate.segmentation.mask_shape import Mask
 from palpate.segmentation.multi_otsu import otsu
-from palpate.segmentation.region_growing import Growing, grow, grow_levels
 from palpate.segmentation.slice_interpolation import between_slices
 from palpate.segmentation.told_of_shape import told_of_shape
 from palpate.segmentation.watershed import grown_from_seeds

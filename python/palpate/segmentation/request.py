@@ -19,8 +19,8 @@ from palpate.segmentation.threshold_presets import PRESETS, preset_range
 
 if TYPE_CHECKING:
     from palpate.labels.labels import Labels
+    from palpate.segmentation.growing.region_growing import Growing
     from palpate.segmentation.operations import ShapeKind
-    from palpate.segmentation.region_growing import Growing
     from palpate.segmentation.segment_steps import SegmentSteps, ShapeStep
     from palpate.volumes.segment import Segment
     from palpate.volumes.volume import Volume
@@ -228,7 +228,7 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
 
     @property
     def _growing(self) -> Growing:
-        from palpate.segmentation.region_growing import Growing
+        from palpate.segmentation.growing.region_growing import Growing
 
         usual = Growing()
         return Growing(

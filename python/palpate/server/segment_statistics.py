@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.progress import Progress
-from palpate.segmentation.segment_statistics import statistics
-from palpate.segmentation.statistics_table import statistics_cells, statistics_csv
+from palpate.segmentation.measures.segment_statistics import statistics
+from palpate.segmentation.measures.statistics_table import statistics_cells, statistics_csv
 from palpate.server.job import Emit, Job
 from palpate.server.messages.segment_list import SegmentList
 

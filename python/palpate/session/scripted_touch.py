@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
-from palpate.segmentation.surface_place import SurfacePlace, direction_of, surface_places
+from palpate.segmentation.measures.surface_place import SurfacePlace, direction_of, surface_places
 from palpate.session.recording import Recording
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.session import Session, SessionOptions

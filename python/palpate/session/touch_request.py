@@ -67,7 +67,7 @@ class TouchRequest(Request, frozen=True, kw_only=True):
         Raises:
             OptionError: A number or a word is not allowed, or a plot cannot be made here.
         """
-        from palpate.segmentation.surface_place import check_place
+        from palpate.segmentation.measures.surface_place import check_place
 
         check_place(self.at)
         for name, value, most in (

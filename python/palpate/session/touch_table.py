@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.base.whole_file import whole_file
-from palpate.segmentation.statistics_table import Row, rows_csv
+from palpate.segmentation.measures.statistics_table import Row, rows_csv
 from palpate.session.scripted_touch import TouchResult, touch
 from palpate.session.touch_request import TouchRequest
 from palpate.volumes.scene import Scene

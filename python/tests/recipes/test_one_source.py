@@ -12,8 +12,8 @@ from palpate.cli.commands import app
 from palpate.export.request import ExportRequest
 from palpate.pictures.request import PictureRequest
 from palpate.recipes.steps import ImportStep, Recipe, ReconstructStep, RegisterStep, TransformStep
-from palpate.segmentation.comparison_request import CompareRequest
-from palpate.segmentation.landmarks_request import LandmarksRequest
+from palpate.segmentation.measures.comparison_request import CompareRequest
+from palpate.segmentation.measures.landmarks_request import LandmarksRequest
 from palpate.segmentation.request import SegmentRequest
 from palpate.session.touch_request import TouchRequest
 from palpate.volumes.mesh_write import SUFFIXES

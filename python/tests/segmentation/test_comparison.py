@@ -12,7 +12,7 @@ import SimpleITK
 from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.labels.labels import read_any_labels
-from palpate.segmentation.surface_distances import border_voxels, surface_distances
+from palpate.segmentation.measures.surface_distances import border_voxels, surface_distances
 from scipy import ndimage
 
 SPACING = (0.7, 1.3, 2.1)

@@ -13,7 +13,7 @@ from palpate.base.errors import OptionError
 from palpate.bench.growing import crisp_ball
 from palpate.io.reading import read
 from palpate.segmentation import mask_shape
-from palpate.segmentation.growing_levels import USUAL
+from palpate.segmentation.growing.levels import USUAL
 from palpate.segmentation.operations import Growing, grow_levels, grown
 from palpate.volumes.volume import Volume
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from palpate.segmentation.growing_basins import basins_of
+from palpate.segmentation.growing.basins import basins_of
 from scipy.ndimage import distance_transform_edt
 
 

@@ -12,9 +12,9 @@ import SimpleITK
 from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.simpleitk import image_on
-from palpate.segmentation import diameters
-from palpate.segmentation.diameters import largest_diameters
-from palpate.segmentation.segment_statistics import SegmentStatistics, statistics
+from palpate.segmentation.measures import diameters
+from palpate.segmentation.measures.diameters import largest_diameters
+from palpate.segmentation.measures.segment_statistics import SegmentStatistics, statistics
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume, VolumeTraits
 

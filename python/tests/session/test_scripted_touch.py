@@ -12,7 +12,7 @@ import palpate
 import pytest
 from palpate.base.errors import OptionError
 from palpate.cli.commands import run
-from palpate.segmentation.surface_place import direction_of, surface_places
+from palpate.segmentation.measures.surface_place import direction_of, surface_places
 from palpate.session.touch_table import touch_row
 from palpate.volumes.volume import VolumeTraits
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate import protocol
-from palpate.segmentation.growing_levels import USUAL
+from palpate.segmentation.growing.levels import USUAL
 from palpate.segmentation.operations import Levels
 from palpate.server.messages.segment_list import SegmentList
 from palpate.server.messages.shown_preview import ShownPreview

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_cells import Box, Cells, connected
-from palpate.segmentation.growing_choice import Region, seed_value
+from palpate.segmentation.growing.cells import Box, Cells, connected
+from palpate.segmentation.growing.choice import Region, seed_value
 from palpate.segmentation.mask_shape import Mask
 
 __all__ = ["MOST", "USUAL", "Levels", "alone", "levels_of"]

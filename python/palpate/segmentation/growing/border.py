@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.segmentation.growing_cells import Box, Cells, blurred, connected, eroded, grown_by
-from palpate.segmentation.growing_choice import Region, seed_value, span_of
+from palpate.segmentation.growing.cells import Box, Cells, blurred, connected, eroded, grown_by
+from palpate.segmentation.growing.choice import Region, seed_value, span_of
 from palpate.segmentation.mask_shape import Mask, filled
 from palpate.volumes.volume import Volume
 

@@ -20,9 +20,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_basins import Basins, basins_of
-from palpate.segmentation.growing_cells import Box, Cells, blurred, connected, eroded, grown_by
-from palpate.segmentation.growing_choice import (
+from palpate.segmentation.growing.basins import Basins, basins_of
+from palpate.segmentation.growing.cells import Box, Cells, blurred, connected, eroded, grown_by
+from palpate.segmentation.growing.choice import (
     Found,
     Region,
     in_box,

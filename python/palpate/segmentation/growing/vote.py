@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.segmentation.growing_cells import Cells, connected
-from palpate.segmentation.growing_choice import Found, Region, in_box, measured, slopes_of
+from palpate.segmentation.growing.cells import Cells, connected
+from palpate.segmentation.growing.choice import Found, Region, in_box, measured, slopes_of
 
 __all__ = ["ALIKE", "agreed", "best_of"]
 

@@ -12,7 +12,7 @@ from io import StringIO
 from typing import Any
 
 from palpate.base.volume_text import volume_text
-from palpate.segmentation.segment_statistics import SegmentStatistics
+from palpate.segmentation.measures.segment_statistics import SegmentStatistics
 
 __all__ = [
     "Row",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 
 from palpate.base.volume_text import volume_text
-from palpate.segmentation.comparison import Comparison, SegmentComparison
-from palpate.segmentation.statistics_table import Row, aligned_lines, rows_csv
+from palpate.segmentation.measures.comparison import Comparison, SegmentComparison
+from palpate.segmentation.measures.statistics_table import Row, aligned_lines, rows_csv
 
 __all__ = ["comparison_cells", "comparison_row", "comparison_text"]
 

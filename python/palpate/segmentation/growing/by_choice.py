@@ -1,8 +1,8 @@
 """A region that grows from seeds with no range of values and no passage given.
 
-It is looked for among cells first (``growing_choice.py``), finer ones where it is small; then its
-border is found at the scan's voxels (``growing_border.py``). Where no region ends at an edge of
-values it would leak; then a tube is looked for (``growing_tube.py``). Where there is none either,
+It is looked for among cells first (``choice.py``), finer ones where it is small; then its
+border is found at the scan's voxels (``border.py``). Where no region ends at an edge of
+values it would leak; then a tube is looked for (``tube.py``). Where there is none either,
 the click is refused.
 """
 
@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_basins import basins_of
-from palpate.segmentation.growing_border import at_voxels
-from palpate.segmentation.growing_cells import Box, Cells, cells_around, connected
-from palpate.segmentation.growing_choice import Region, regions, seed_value
-from palpate.segmentation.growing_levels import USUAL, Levels, levels_of
-from palpate.segmentation.growing_tube import is_tube, tubes
-from palpate.segmentation.growing_vote import ALIKE, agreed, best_of
+from palpate.segmentation.growing.basins import basins_of
+from palpate.segmentation.growing.border import at_voxels
+from palpate.segmentation.growing.cells import Box, Cells, cells_around, connected
+from palpate.segmentation.growing.choice import Region, regions, seed_value
+from palpate.segmentation.growing.levels import USUAL, Levels, levels_of
+from palpate.segmentation.growing.tube import is_tube, tubes
+from palpate.segmentation.growing.vote import ALIKE, agreed, best_of
 from palpate.segmentation.lengths_in_voxels import most_voxels
 from palpate.segmentation.mask_shape import Mask, opened
 from palpate.volumes.volume import Volume

@@ -10,7 +10,7 @@ from palpate.base.request import Request, words
 
 if TYPE_CHECKING:
     from palpate.labels.grid import Labels
-    from palpate.segmentation.comparison import Comparison
+    from palpate.segmentation.measures.comparison import Comparison
     from palpate.volumes.scene import Scene
     from palpate.volumes.volume import Volume
 
@@ -67,8 +67,8 @@ class CompareRequest(Request, frozen=True, kw_only=True):
             PalpateError: The reference cannot be read, or does not fit the scan or the segments.
             OSError: The disk refuses the table.
         """
-        from palpate.segmentation.comparison import compare
-        from palpate.segmentation.comparison_table import comparison_text
+        from palpate.segmentation.measures.comparison import compare
+        from palpate.segmentation.measures.comparison_table import comparison_text
 
         reference = self._read(scene.volume, progress)
         progress("comparing with the reference", None)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.progress import Progress, silent
-from palpate.segmentation.diameters import axial_axis, largest_diameters
+from palpate.segmentation.measures.diameters import axial_axis, largest_diameters
 from palpate.volumes.scene import Scene, require_scene
 from palpate.volumes.segment import Segment
 from palpate.volumes.surface import Surface

@@ -3,7 +3,7 @@
 Organs touch others of nearly the same values. So the region does not go where a ball of a certain
 size does not fit through: the values in range are eroded by the ball's radius, followed from the
 seed, and grown back. Which range and which ball is found by trying many on coarse cells
-(``growing_choice.py``); the border is then found at the scan's voxels (``growing_border.py``).
+(``choice.py``); the border is then found at the scan's voxels (``border.py``).
 
 Where a person gives the range, the spread or the passage, these count. Then, where the region
 becomes larger than what is allowed, a larger ball is tried.
@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from palpate.base.errors import EmptySegmentError, OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_by_choice import grown_by_choice
-from palpate.segmentation.growing_cells import Box
-from palpate.segmentation.growing_levels import USUAL, Levels, alone
+from palpate.segmentation.growing.by_choice import grown_by_choice
+from palpate.segmentation.growing.cells import Box
+from palpate.segmentation.growing.levels import USUAL, Levels, alone
 from palpate.segmentation.lengths_in_voxels import most_voxels, whole_voxels, within
 from palpate.segmentation.mask_shape import (
     Mask,

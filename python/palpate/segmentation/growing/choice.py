@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.simpleitk import simpleitk
-from palpate.segmentation.growing_cells import Box, Cells, connected
+from palpate.segmentation.growing.cells import Box, Cells, connected
 from palpate.segmentation.mask_shape import Mask, box_of
 from palpate.segmentation.packed_mask import PackedMask
 from palpate.segmentation.side_by_side import side_by_side

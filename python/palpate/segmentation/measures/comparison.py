@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.base.errors import OptionError
 from palpate.labels.grid import Labels
-from palpate.segmentation.surface_distances import surface_distances
+from palpate.segmentation.measures.surface_distances import surface_distances
 from palpate.volumes.scene import Scene, choose_segment, require_scene
 from palpate.volumes.segment import Segment
 

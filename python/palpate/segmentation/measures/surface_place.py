@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.typed_numbers import parse_point
-from palpate.segmentation.landmarks import SIDES, points_of
+from palpate.segmentation.measures.landmarks import SIDES, points_of
 from palpate.volumes.segment import Segment
 
 __all__ = ["PLACES", "SurfacePlace", "check_place", "direction_of", "surface_places"]

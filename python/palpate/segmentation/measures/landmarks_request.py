@@ -12,8 +12,8 @@ import msgspec
 from palpate.base.request import Request, words
 
 if TYPE_CHECKING:
-    from palpate.segmentation.landmarks import Landmark
-    from palpate.segmentation.statistics_table import Row
+    from palpate.segmentation.measures.landmarks import Landmark
+    from palpate.segmentation.measures.statistics_table import Row
     from palpate.volumes.scene import Scene
 
 __all__ = ["LandmarksRequest", "landmark_cells", "landmarks_text"]
@@ -44,7 +44,7 @@ class LandmarksRequest(Request, frozen=True, kw_only=True):
         Raises:
             OptionError: One is none.
         """
-        from palpate.segmentation.landmarks import check_points
+        from palpate.segmentation.measures.landmarks import check_points
 
         check_points(self.points)
 
@@ -58,7 +58,7 @@ class LandmarksRequest(Request, frozen=True, kw_only=True):
             OptionError: There is no such segment.
             OSError: The disk refuses the table.
         """
-        from palpate.segmentation.landmarks import POINTS, landmarks
+        from palpate.segmentation.measures.landmarks import POINTS, landmarks
         from palpate.volumes.scene import choose_segment
 
         found = landmarks(scene, segment=self.segment, points=self.points or POINTS)
@@ -79,7 +79,7 @@ class LandmarksRequest(Request, frozen=True, kw_only=True):
 
 def landmarks_text(found: Sequence[Landmark], form: str) -> str:
     """Returns landmarks as the text of a ".csv", a ".json", or a "table" for people."""
-    from palpate.segmentation.statistics_table import aligned_lines, rows_csv
+    from palpate.segmentation.measures.statistics_table import aligned_lines, rows_csv
 
     rows: list[Row] = [
         {

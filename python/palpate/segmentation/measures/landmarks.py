@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.nearest import perhaps
-from palpate.segmentation.surface_distances import border_voxels
+from palpate.segmentation.measures.surface_distances import border_voxels
 from palpate.volumes.scene import Scene, choose_segment, require_scene
 from palpate.volumes.segment import Segment
 

@@ -1,0 +1,1 @@
+"""What is measured of segments: volumes and values, agreement, landmarks, places on them."""
