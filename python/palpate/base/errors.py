@@ -7,6 +7,7 @@ code 2, without a traceback.
 from __future__ import annotations
 
 __all__ = [
+    "ConfirmationNeededError",
     "DicomWebError",
     "EmptySegmentError",
     "MeshFormatError",
@@ -33,6 +34,10 @@ class VolumeFormatError(PalpateError, ValueError):
 
 class SeriesChoiceError(VolumeFormatError):
     """A folder holds several series, or not the requested one."""
+
+
+class ConfirmationNeededError(PalpateError):
+    """A person must say first that something was looked at; then the same is done."""
 
 
 class EmptySegmentError(PalpateError, ValueError):

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast
 from uuid import uuid4
 
-from palpate.base.errors import PalpateError
+from palpate.base.errors import ConfirmationNeededError, PalpateError
 from palpate.base.package_version import package_version
 from palpate.export.clean_pixels import cleaned_pixels
 from palpate.export.code_strings import is_term
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pydicom.dataelem import DataElement
     from pydicom.dataset import Dataset
 
-__all__ = ["Deidentifier", "StillIdentifiedError"]
+__all__ = ["Deidentifier", "StillIdentifiedError", "UncheckedPixelsError"]
 
 PROFILE = "dicomfields_2026c"
 METHODS = (
@@ -101,6 +101,10 @@ class StillIdentifiedError(PalpateError):
     """Something by which the source names the patient would be left in a file."""
 
 
+class UncheckedPixelsError(StillIdentifiedError, ConfirmationNeededError):
+    """There may be text in the pixels, and nobody has looked."""
+
+
 class Deidentifier:
     """One map of UIDs and one pseudonym for all objects of a patient."""
 
@@ -112,7 +116,7 @@ class Deidentifier:
             pixels_checked: Whether a person has seen that no text in the pixels names somebody.
 
         Raises:
-            StillIdentifiedError: There may be text in the pixels, and nobody has looked.
+            UncheckedPixelsError: There may be text in the pixels, and nobody has looked.
         """
         if not pixels_checked:
             _check_shown(sources)
@@ -300,7 +304,7 @@ def _check_shown(sources: Sequence[Dataset]) -> None:
     """Refuses images that have text in their pixels, or may have, where nobody has looked.
 
     Raises:
-        StillIdentifiedError: There are some.
+        UncheckedPixelsError: There are some.
     """
     for source in sources:
         said = str(source.get("BurnedInAnnotation") or "").strip().upper()
@@ -309,7 +313,7 @@ def _check_shown(sources: Sequence[Dataset]) -> None:
         if said in {"NO", "N"} or not (said or often):
             continue
         has = "have" if said else "are of a kind that often has"
-        raise StillIdentifiedError(
+        raise UncheckedPixelsError(
             f"the scan's images {has} text in their pixels, which may name the patient; allowed: "
             "`pixels_checked=True` once you have looked at all of them, .seg.nrrd, or "
             "`keep_identity=True` for an archive that may know the patient"

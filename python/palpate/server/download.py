@@ -13,13 +13,16 @@ import msgspec
 from starlette.background import BackgroundTask
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
-from palpate.base.errors import PalpateError
+from palpate.base.errors import ConfirmationNeededError, PalpateError
 from palpate.server.page_words import page_words
 
 __all__ = ["file_name", "file_response", "refusal"]
 
 MOST_NOTES = 1000
 """Letters."""
+REFUSED = 400
+TO_CONFIRM = 428
+"""What the page asks for is done once its person has confirmed something: the reason says what."""
 
 Wanted = TypeVar("Wanted")
 Written = tuple[Path, Sequence[str]]
@@ -57,7 +60,8 @@ def file_response(
         path, notes = write(wanted, Path(folder.name))
     except (PalpateError, OSError, RuntimeError, MemoryError) as error:
         folder.cleanup()
-        return refusal(page_words(str(error)) or "not enough memory")
+        status = TO_CONFIRM if isinstance(error, ConfirmationNeededError) else REFUSED
+        return refusal(page_words(str(error)) or "not enough memory", status=status)
     except BaseException:
         folder.cleanup()
         raise
@@ -75,6 +79,6 @@ def file_name(called: str, otherwise: str = "shared") -> str:
     return re.sub(r"[^\w.-]+", "-", called, flags=re.ASCII).strip("-.")[:60] or otherwise
 
 
-def refusal(reason: str) -> Response:
+def refusal(reason: str, *, status: int = REFUSED) -> Response:
     """Answers with why something cannot be done."""
-    return PlainTextResponse(reason, status_code=400)
+    return PlainTextResponse(reason, status_code=status)

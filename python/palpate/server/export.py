@@ -39,8 +39,8 @@ class ExportRequest(msgspec.Struct, frozen=True):
     keep_identity: bool = False
     pixels_checked: bool = False
     """Whether the person has looked for text in the pixels."""
-    names: dict[str, str] = {}
-    """Other names for segments, by what they are called."""
+    names: dict[int, str] = {}
+    """Other names for segments, by their numbers."""
 
 
 def export_response(segments: SegmentList, values: NDArray[np.int16], body: bytes) -> Response:
@@ -55,9 +55,7 @@ def export_response(segments: SegmentList, values: NDArray[np.int16], body: byte
 def _write(
     segments: SegmentList, values: NDArray[np.int16], wanted: ExportRequest, *, folder: Path
 ) -> tuple[Path, list[str]]:
-    scene, notes = segments.scene(values)
-    for one in scene:
-        one.name = wanted.names.get(one.name, "").strip() or one.name
+    scene, notes = segments.scene(values, names=wanted.names)
     shared = wanted.kind == "dicom" and not wanted.keep_identity
     name = "shared" if shared else file_name(scene.volume.name)
     ending = ENDINGS[wanted.kind]

@@ -13,7 +13,7 @@ import palpate
 import pytest
 from dicom_cases import case
 from numpy.typing import NDArray
-from palpate.base.errors import OptionError
+from palpate.base.errors import ConfirmationNeededError, OptionError
 from palpate.cli.commands import run
 from palpate.export.deidentify import StillIdentifiedError
 from palpate.export.dicom_contours import outlines
@@ -367,8 +367,10 @@ def test_a_series_without_uids_is_shared_with_new_ones(
 
 def test_text_in_the_pixels_is_not_shared(write_series: WriteSeries, tmp_path: Path) -> None:
     scene = Scene(read(write_series(BurnedInAnnotation="YES")))
-    with pytest.raises(StillIdentifiedError, match="have text in their pixels"):
+    with pytest.raises(StillIdentifiedError, match="have text in their pixels") as refused:
         export_scene(scene, tmp_path / "shared")
+    # by which a page knows that it can ask its person
+    assert isinstance(refused.value, ConfirmationNeededError)
     assert not (tmp_path / "shared").exists()
 
 

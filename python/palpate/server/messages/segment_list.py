@@ -5,7 +5,7 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from threading import Lock
 from typing import NamedTuple
@@ -200,15 +200,27 @@ class SegmentList:
             raise OptionError(f"segment {segment_id} given; allowed: {allowed}")
         return ids.index(segment_id)
 
-    def scene(self, values: NDArray[np.int16]) -> tuple[Scene, list[str]]:
+    def scene(
+        self, values: NDArray[np.int16], *, names: Mapping[int, str] | None = None
+    ) -> tuple[Scene, list[str]]:
         """Returns the scan with such stored values and its segments as they are now, for files.
 
         Also returns sentences on what files cannot hold.
 
+        Args:
+            values: Stored values of the scan.
+            names: Other names for segments, by their numbers; blank ones are left out.
+
         Raises:
             OptionError: Segments came or went meanwhile.
         """
-        return scene_with_appearances(self._session, values, self._appearance_of)
+
+        def shared(segment_id: int) -> ShownAppearance:
+            look = self._appearance_of(segment_id)
+            name = (names or {}).get(segment_id, "").strip()
+            return replace(look, name=name) if name else look
+
+        return scene_with_appearances(self._session, values, shared)
 
     def keep(self) -> None:
         """Has appearances written to the journal, with what can be touched and changed."""

@@ -8,11 +8,25 @@ export interface KeptFile {
   readonly notes: readonly string[];
 }
 
-/** Asks for a file and has the browser keep it. Throws the reason. */
+/** Status of an answer: what was asked for is done once a person has confirmed something. */
+const toConfirm = 428;
+
+/** The engine did not make a file; the message says why. */
+export class RefusedError extends Error {
+  constructor(
+    reason: string,
+    /** Whether it makes the file once a person has confirmed what the reason names. */
+    readonly canBeConfirmed: boolean,
+  ) {
+    super(reason);
+  }
+}
+
+/** Asks for a file and has the browser keep it. Throws `RefusedError`. */
 export async function fetchFile(path: string, wanted: object, otherwise: string): Promise<KeptFile> {
   const answer = await fetch(apiAddress(path), { method: "POST", body: JSON.stringify(wanted) });
   if (!answer.ok) {
-    throw new Error(await answer.text());
+    throw new RefusedError(await answer.text(), answer.status === toConfirm);
   }
   const told = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1];
   const name = told ?? otherwise;

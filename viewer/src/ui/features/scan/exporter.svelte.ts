@@ -1,5 +1,5 @@
 /** Has the engine write segments or scan for other programs, and the browser keep the file. */
-import { fetchFile, tellSaved } from "../../state/download";
+import { fetchFile, RefusedError, tellSaved } from "../../state/download";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
@@ -59,8 +59,8 @@ export type Format = (typeof formats)[number];
 
 export class Exporter {
   busy = $state.raw(false);
-  /** Names to share segments by, where they are others than those that they have. */
-  names = $state.raw<Readonly<Record<string, string>>>({});
+  /** Names to share segments by, by their ids, where they are others than those that they have. */
+  names = $state.raw<Readonly<Record<number, string>>>({});
   /** Whether the engine wants a person to look for text in the images first. */
   asksForLook = $state.raw(false);
   /** Whether the person says that they have. */
@@ -79,12 +79,12 @@ export class Exporter {
   }
 
   /** Names of segments as they would be shared. */
-  get sharedNames(): readonly { readonly name: string; readonly shared: string }[] {
-    return this.session.segments.map(({ name }) => ({ name, shared: this.names[name] ?? name }));
+  get sharedNames(): readonly { readonly id: number; readonly name: string; readonly shared: string }[] {
+    return this.session.segments.map(({ id, name }) => ({ id, name, shared: this.names[id] ?? name }));
   }
 
-  rename(name: string, shared: string): void {
-    this.names = { ...this.names, [name]: shared };
+  rename(id: number, shared: string): void {
+    this.names = { ...this.names, [id]: shared };
   }
 
   canMake({ fromDicom }: Format): boolean {
@@ -111,7 +111,7 @@ export class Exporter {
       }
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
-      this.asksForLook ||= reason.includes("text in their pixels");
+      this.asksForLook ||= error instanceof RefusedError && error.canBeConfirmed;
       this.session.notify("error", `Nothing was exported: ${reason}`);
     } finally {
       this.busy = false;
