@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from palpate.cli.case_options import Memory, Timeout, Workers, limits_of
+
 __all__ = ["EXAMPLES", "bids_app"]
 
 EXAMPLES = """\b
@@ -50,24 +52,15 @@ def bids_app(
     suffix: Annotated[
         str | None, typer.Option(help="Kind of image, such as T1w or ct; by default all scans.")
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(help="How many cases run at a time on this machine (Dask).", min=1),
-    ] = None,
-    timeout: Annotated[
-        float | None, typer.Option(help="Longest time of a case in s.", min=0.001)
-    ] = None,
-    memory: Annotated[
-        float | None,
-        typer.Option(help="Most memory of a case for data in GiB (Linux).", min=0.001),
-    ] = None,
+    workers: Workers = None,
+    timeout: Timeout = None,
+    memory: Memory = None,
 ) -> None:
     """Run a recipe over a BIDS data set, as a BIDS App."""
     from palpate.base.errors import OptionError
     from palpate.cli.recipe_over import OverOptions, run_over
     from palpate.cli.report import write_report_of
     from palpate.cohort.bids import cases_of_bids, describe_derivative
-    from palpate.cohort.limits import Limits
     from palpate.cohort.output_folder import CohortFolder
 
     labels = (*(participant_label or ()), *(more_labels or ()))
@@ -91,9 +84,7 @@ def bids_app(
         suffix=suffix,
         output=output_dir,
         workers=workers,
-        limits=Limits(
-            seconds=timeout, memory=None if memory is None else int(memory * 2**30), retry=0
-        ),
+        limits=limits_of(timeout=timeout, memory=memory),
     )
     code = run_over(recipe, options)
     describe_derivative(CohortFolder(output_dir), bids_dir)

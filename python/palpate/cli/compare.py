@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import Segments, Threshold
+from palpate.cli.options import ScanOrScene, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.cli.table_form import AsCsv, AsJson, table_form
 from palpate.io.request import ReadRequest
@@ -29,12 +26,7 @@ surface distance is that of both ways together. Distances run between centres of
 
 @with_requests
 def compare(
-    path: Annotated[
-        Path,
-        typer.Argument(
-            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
-        ),
-    ],
+    path: ScanOrScene,
     *,
     request: CompareRequest,
     segments: Segments = None,

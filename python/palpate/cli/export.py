@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import AnotherPatient, Resample, Segments
+from palpate.cli.options import AnotherPatient, Resample, ScanOrScene, Segments
 from palpate.cli.request_options import with_requests
 from palpate.export.request import ExportRequest
 from palpate.io.request import ReadRequest
@@ -38,13 +38,7 @@ references stay valid. Use --keep-identity for the archive that holds the scan.
 
 @with_requests
 def export(
-    path: Annotated[
-        Path,
-        typer.Argument(
-            help="Scan, as for `palpate open`, or a saved .palpate scene.",
-            metavar="PATH",
-        ),
-    ],
+    path: ScanOrScene,
     *,
     request: ExportRequest,
     segments: Segments = None,

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
+from palpate.cli.options import AnotherPatient, Resample, ScanOrScene, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.cli.table_form import AsCsv, AsJson, table_form
 from palpate.io.request import ReadRequest
@@ -27,12 +24,7 @@ Points are in the patient, LPS in mm. A side is the voxel that lies farthest the
 
 @with_requests
 def landmarks(
-    path: Annotated[
-        Path,
-        typer.Argument(
-            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
-        ),
-    ],
+    path: ScanOrScene,
     *,
     request: LandmarksRequest,
     segments: Segments = None,

@@ -21,6 +21,7 @@ __all__ = [
     "Resample",
     "Scan",
     "ScanOrNone",
+    "ScanOrScene",
     "Segments",
     "Threshold",
     "Transform",
@@ -45,6 +46,10 @@ ScanOrNone = Annotated[
         "for a scan.",
         metavar="[PATH]",
     ),
+]
+ScanOrScene = Annotated[
+    Path,
+    typer.Argument(help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"),
 ]
 Threshold = Annotated[
     str | None,

@@ -11,6 +11,7 @@ from palpate.base.console import Display, quiet_libraries, warn
 from palpate.base.errors import OptionError
 from palpate.base.files_read import files_noted, note_read
 from palpate.base.replacing import agreed_by
+from palpate.cli.case_options import Memory, Timeout, Workers, limits_of
 from palpate.cli.written_files import Force, asked
 
 __all__ = ["EXAMPLES", "run_file"]
@@ -113,21 +114,13 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say which cases would run; write nothing.")
     ] = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(help="How many cases run at a time on this machine (Dask).", min=1),
-    ] = None,
+    workers: Workers = None,
     scheduler: Annotated[
         str | None,
         typer.Option(help="Run them on the Dask cluster with this scheduler.", metavar="ADDRESS"),
     ] = None,
-    timeout: Annotated[
-        float | None, typer.Option(help="Longest time of a case in s.", min=0.001)
-    ] = None,
-    memory: Annotated[
-        float | None,
-        typer.Option(help="Most memory of a case for data in GiB (Linux).", min=0.001),
-    ] = None,
+    timeout: Timeout = None,
+    memory: Memory = None,
     retry: Annotated[
         int, typer.Option(help="How often a case that failed is tried again.", min=0)
     ] = 0,
@@ -141,9 +134,7 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
                 "replaced only where it is made again"
             )
         from palpate.cli.recipe_over import OverOptions, run_over
-        from palpate.cohort.limits import Limits
 
-        room = None if memory is None else int(memory * 2**30)
         options = OverOptions(
             over=over,
             table=table,
@@ -156,7 +147,7 @@ def run_file(  # noqa: PLR0913  # one per option of the command line
             dry_run=dry_run or check,
             workers=workers,
             scheduler=scheduler,
-            limits=Limits(seconds=timeout, memory=room, retry=retry),
+            limits=limits_of(timeout=timeout, memory=memory, retry=retry),
         )
         raise typer.Exit(run_over(recipe, options))
     many = (output, shard, only_failed, dry_run, workers, scheduler, participant_label, suffix)

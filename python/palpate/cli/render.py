@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
 from palpate.base.console import Display, quiet_libraries
-from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
+from palpate.cli.options import AnotherPatient, Resample, ScanOrScene, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
 from palpate.pictures.request import PictureRequest
@@ -30,12 +27,7 @@ needed.
 
 @with_requests
 def render(
-    path: Annotated[
-        Path,
-        typer.Argument(
-            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
-        ),
-    ],
+    path: ScanOrScene,
     *,
     request: PictureRequest,
     segments: Segments = None,

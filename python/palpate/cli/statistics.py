@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from palpate.base.console import Display, quiet_libraries
-from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
+from palpate.cli.options import AnotherPatient, Resample, ScanOrScene, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.cli.table_form import AsCsv, AsJson, table_form
 from palpate.cli.written_files import WRITES
@@ -35,12 +35,7 @@ SUFFIXES = (".csv", ".json")
 
 @with_requests
 def statistics(
-    path: Annotated[
-        Path,
-        typer.Argument(
-            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
-        ),
-    ],
+    path: ScanOrScene,
     *,
     segments: Segments = None,
     threshold: Threshold = None,

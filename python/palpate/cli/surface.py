@@ -9,7 +9,7 @@ import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
 from palpate.base.file_suffixes import IMAGE_SUFFIXES
-from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
+from palpate.cli.options import AnotherPatient, Resample, ScanOrScene, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.cli.written_files import WRITES, keeping_files
 from palpate.io.request import ReadRequest
@@ -31,12 +31,7 @@ surface = typer.Typer(
 @keeping_files
 @with_requests
 def surface_export(
-    path: Annotated[
-        Path,
-        typer.Argument(
-            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
-        ),
-    ],
+    path: ScanOrScene,
     *,
     request: SurfaceRequest,
     json_file: Annotated[

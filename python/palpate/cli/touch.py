@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
 from palpate.base.console import Display, quiet_libraries, warn
-from palpate.cli.options import AnotherPatient, Resample, Segments, Threshold
+from palpate.cli.options import AnotherPatient, Resample, ScanOrScene, Segments, Threshold
 from palpate.cli.request_options import with_requests
 from palpate.io.request import ReadRequest
 from palpate.session.touch_request import TouchRequest
@@ -29,12 +26,7 @@ Stiffness is the slope of force over depth on the way in. The same touch gives t
 
 @with_requests
 def touch(
-    path: Annotated[
-        Path,
-        typer.Argument(
-            help="Scan, as for `palpate open`, or a saved .palpate scene.", metavar="PATH"
-        ),
-    ],
+    path: ScanOrScene,
     *,
     request: TouchRequest,
     segments: Segments = None,

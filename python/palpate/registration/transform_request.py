@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from palpate.base.interpolation import InterpolationChoice
 from palpate.base.request import Request, words
+from palpate.base.segment_file_options import AnotherPatient, Resample
 from palpate.registration.request import INTERPOLATED
 
 __all__ = ["TransformRequest"]
@@ -38,16 +39,8 @@ class TransformRequest(Request, frozen=True, kw_only=True):
             "Scan that the segments of a DICOM SEG or RTSTRUCT belong to.", form="SCAN", reads=True
         ),
     ] = None
-    resample: Annotated[
-        bool,
-        words(
-            "Resample segments of files from another grid to that of the scan (nearest neighbour)."
-        ),
-    ] = False
-    another_patient: Annotated[
-        bool,
-        words("Take DICOM segments of another patient, study or frame of reference as they are."),
-    ] = False
+    resample: Resample = False
+    another_patient: AnotherPatient = False
     interpolation: Annotated[InterpolationChoice, words(INTERPOLATED)] = "automatic"
     series: Annotated[str | int | None, words("DICOM series of the input scan.")] = None
     like_series: Annotated[str | int | None, words("DICOM series of the scan with the grid.")] = (

@@ -14,6 +14,7 @@ import msgspec
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.base.request import Request, words
+from palpate.base.segment_file_options import AnotherPatient, Resample
 from palpate.base.typed_numbers import parse_point, parse_threshold
 from palpate.segmentation.threshold_presets import PRESETS, preset_range
 
@@ -129,16 +130,8 @@ class SegmentRequest(Request, frozen=True, kw_only=True):
     intersect: Annotated[
         Path | None, words("Intersect with the segments of a file.", form="FILE", reads=True)
     ] = None
-    resample: Annotated[
-        bool,
-        words(
-            "Resample segments of files from another grid to that of the scan (nearest neighbour)."
-        ),
-    ] = False
-    another_patient: Annotated[
-        bool,
-        words("Take DICOM segments of another patient, study or frame of reference as they are."),
-    ] = False
+    resample: Resample = False
+    another_patient: AnotherPatient = False
     name: Annotated[str | None, words("Name of the segment.")] = None
 
     def check(self) -> None:

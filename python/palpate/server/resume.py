@@ -33,9 +33,9 @@ __all__ = ["Resuming", "kept_key", "kept_port", "note_port"]
 
 KEY_BYTES = 32
 MOST_WAITING = 16
+"""Pages that are asked for their proof at once."""
 MOST_BYTES = 1 << 12
 """Bytes of a request, which may be anybody's."""
-"""Pages that are asked for their proof at once."""
 MOST_PORTS = 64
 
 

@@ -17,29 +17,23 @@ import numpy as np
 import psutil
 import pytest
 import SimpleITK
-from made_cohort import write_block
+from made_cohort import BLOCK_RECIPE, write_block
 
 LONG = bool(os.environ.get("PALPATE_LONG"))
 WHOLE = 200 if LONG else 8
-RECIPE = """\
+RECIPE = f"""\
 import:
-  path: '{scan}'
-segment:
-  - threshold: 100
-    name: block
-surface:
-  - out: block.stl
-export:
-  - out: labels.nii.gz
+  path: '{{scan}}'
+{BLOCK_RECIPE}\
 compare:
-  - reference: '{reference}'
+  - reference: '{{reference}}'
     out: agreement.csv
 touch:
   - at: superior
     depth: 1
     radius: 2
     material: fat
-    speed: '{speed}'
+    speed: '{{speed}}'
     out: press.csv
 """
 BROKEN = {

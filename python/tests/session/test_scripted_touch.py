@@ -199,3 +199,11 @@ def test_a_horn_that_gives_way_aside_has_no_stiffness_and_that_is_told() -> None
     assert felt.stiffness is None
     assert felt.residual is None
     assert any("does not rise with depth" in told for told in felt.warnings)
+
+
+def test_a_single_voxel_has_axes_too() -> None:
+    values = np.full((8, 8, 8), -1000, np.int16)
+    values[4, 4, 4] = 50
+    volume = palpate.Volume(values, spacing=(1.0, 1.0, 1.0), traits=HU)
+    (place,) = surface_places(volume.threshold(0.0, 100.0, name="one"), "axis 1+")
+    assert np.linalg.norm(place.inward) == pytest.approx(1.0)

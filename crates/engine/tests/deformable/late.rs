@@ -50,7 +50,7 @@ fn the_force_at_a_still_hand_is_constant_however_late_answers_come() {
     let prompt = pressed(&mut lattice_rig(), 5.0, 10);
     let at_rest = *prompt.last().unwrap();
     assert!(at_rest > 0.1, "{at_rest} N");
-    // 20, 8 and 5 answers a second; the last is the floor, where rest takes a second
+    // 100, 20, 8 and 5 answers a second; the last is the floor, where rest takes a second
     for (each, rest) in [(10, 500_usize), (50, 500), (130, 500), (200, 1000)] {
         let mut rig = lattice_rig();
         let forces = pressed(&mut rig, 5.0, each);
@@ -79,7 +79,7 @@ fn the_force_comes_to_the_same_where_answers_are_cut_off_before_tissue_is_at_res
 
 /// Rest is rest to the bit while the model goes on: what it errs by does not go around.
 #[test]
-fn a_hand_at_rest_is_asked_about_no_more_than_once() {
+fn a_hand_at_rest_feels_nothing_of_what_the_model_errs_by() {
     let forces = pressed(&mut lattice_rig(), 3.0, 30);
     let before = forces[1500];
     assert!(

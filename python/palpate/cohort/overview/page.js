@@ -35,7 +35,8 @@ function titled(column) {
 
 function number(value) {
   if (value === undefined || value === null) return "–";
-  return Math.abs(value) >= 1e4 ? Math.round(value).toString() : Number(value.toPrecision(4)).toString();
+  const shown = Math.abs(value) >= 1e4 ? Math.round(value) : Number(value.toPrecision(4));
+  return shown.toString().replace("-", "−");
 }
 
 const segments = [...new Set(done.flatMap((one) => Object.keys(one.segments)))];

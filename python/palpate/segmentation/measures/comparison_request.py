@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from palpate.base.progress import Progress, silent
 from palpate.base.request import Request, words
+from palpate.base.segment_file_options import AnotherPatient, Resample
 
 if TYPE_CHECKING:
     from palpate.labels.grid import Labels
@@ -35,16 +36,8 @@ class CompareRequest(Request, frozen=True, kw_only=True):
     against: Annotated[str | None, words("Name or number of its counterpart in the reference.")] = (
         None
     )
-    resample: Annotated[
-        bool,
-        words(
-            "Resample segments of files from another grid to that of the scan (nearest neighbour)."
-        ),
-    ] = False
-    another_patient: Annotated[
-        bool,
-        words("Take DICOM segments of another patient, study or frame of reference as they are."),
-    ] = False
+    resample: Resample = False
+    another_patient: AnotherPatient = False
     out: Annotated[
         Path | None,
         words("Table to write (.csv, .json).", short="o", writes=(".csv", ".json")),

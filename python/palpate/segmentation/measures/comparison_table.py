@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
-
 from palpate.base.volume_text import volume_text
 from palpate.segmentation.measures.comparison import Comparison, SegmentComparison
-from palpate.segmentation.measures.statistics_table import Row, aligned_lines, rows_csv
+from palpate.segmentation.measures.statistics_table import Row, table_text
 
 __all__ = ["comparison_cells", "comparison_row", "comparison_text"]
 
@@ -32,12 +30,8 @@ def comparison_row(one: SegmentComparison) -> Row:
 def comparison_text(found: Comparison, form: str) -> str:
     """Returns a comparison as the text of a ".csv", a ".json", or a "table" for people."""
     rows = [comparison_row(one) for one in found.segments]
-    if form == ".csv":
-        return rows_csv(rows)
-    if form == ".json":
-        told = {"segments": rows, "warnings": list(found.warnings)}
-        return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
-    return "".join(f"{line}\n" for line in aligned_lines(comparison_cells(found)))
+    told = list(found.warnings)
+    return table_text(form, rows, comparison_cells(found), segments=rows, warnings=told)
 
 
 def comparison_cells(found: Comparison) -> list[list[str]]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from palpate.base.errors import OptionError
 from palpate.base.nearest import perhaps
+from palpate.segmentation.measures.centroid import centroid_of
 from palpate.segmentation.measures.surface_distances import border_voxels
 from palpate.volumes.scene import Scene, choose_segment, require_scene
 from palpate.volumes.segment import Segment
@@ -99,11 +100,10 @@ def points_of(
     found: dict[str, tuple[float, float, float]] = {}
     for name in points:
         if name in SIDES:
-            point = _farthest(in_patient, np.array(SIDES[name]))
+            x, y, z = _farthest(in_patient, np.array(SIDES[name])).tolist()
+            found[name] = (x, y, z)
         else:
-            point = _in_patient(_centroid(mask)[None], segment)[0]
-        x, y, z = point.tolist()
-        found[name] = (x, y, z)
+            found[name] = centroid_of(mask, segment.volume)
     return found
 
 
@@ -114,15 +114,6 @@ def _farthest(points: NDArray[np.float64], way: NDArray[np.float64]) -> NDArray[
     off = np.round(np.linalg.norm(last - last.mean(axis=0), axis=1), 6)
     nearest: NDArray[np.float64] = last[int(off.argmin())]
     return nearest
-
-
-def _centroid(mask: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Returns the mean of the centres of voxels, x, y, z of the grid."""
-    means = []
-    for axis in (2, 1, 0):
-        counts = np.count_nonzero(mask, axis=tuple({0, 1, 2} - {axis}))
-        means.append(float(counts @ (np.arange(len(counts)) + 0.5)) / float(counts.sum()))
-    return np.array(means)
 
 
 def _in_patient(in_grid: NDArray[np.float64], segment: Segment) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -79,7 +78,7 @@ class LandmarksRequest(Request, frozen=True, kw_only=True):
 
 def landmarks_text(found: Sequence[Landmark], form: str) -> str:
     """Returns landmarks as the text of a ".csv", a ".json", or a "table" for people."""
-    from palpate.segmentation.measures.statistics_table import aligned_lines, rows_csv
+    from palpate.segmentation.measures.statistics_table import table_text
 
     rows: list[Row] = [
         {
@@ -89,11 +88,7 @@ def landmarks_text(found: Sequence[Landmark], form: str) -> str:
         }
         for each in found
     ]
-    if form == ".csv":
-        return rows_csv(rows)
-    if form == ".json":
-        return json.dumps({"landmarks": rows}, indent=2, ensure_ascii=False) + "\n"
-    return "".join(f"{line}\n" for line in aligned_lines(landmark_cells(found)))
+    return table_text(form, rows, landmark_cells(found), landmarks=rows)
 
 
 def landmark_cells(found: Sequence[Landmark]) -> list[list[str]]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.progress import Progress, silent
+from palpate.segmentation.measures.centroid import centroid_of
 from palpate.segmentation.measures.diameters import axial_axis, largest_diameters
 from palpate.volumes.scene import Scene, require_scene
 from palpate.volumes.segment import Segment
@@ -112,7 +113,7 @@ def _measured(segment: Segment, volume: Volume, *, name: str) -> SegmentStatisti
         surface_area=Surface(segment).area,
         diameter=diameter,
         axial_diameter=axial_diameter,
-        centroid=_centroid(mask, bounds[0], grid),
+        centroid=centroid_of(mask, grid, low=bounds[0]),
         without_value=without,
         values=values,
         note=_note(segment, values),
@@ -139,19 +140,6 @@ def _note(segment: Segment, values: ValueStatistics | None) -> str:
     if segment.has_own_grid:
         return "own grid: no values"
     return "no values" if values is None else ""
-
-
-def _centroid(
-    mask: NDArray[np.bool_], low: tuple[int, int, int], grid: Volume
-) -> tuple[float, float, float]:
-    """Returns the mean of the centres of voxels, patient, LPS [mm]."""
-    in_grid = []
-    for axis, first in zip((2, 1, 0), low, strict=True):
-        counts = np.count_nonzero(mask, axis=tuple({0, 1, 2} - {axis}))
-        along = np.arange(len(counts)) + first + 0.5
-        in_grid.append(float(counts @ along) / float(counts.sum()))
-    x, y, z, _ = (grid.patient_from_grid @ [*in_grid, 1.0]).tolist()
-    return x, y, z
 
 
 def _values_in(

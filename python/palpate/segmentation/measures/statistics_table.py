@@ -23,6 +23,7 @@ __all__ = [
     "statistics_json",
     "statistics_lines",
     "statistics_row",
+    "table_text",
 ]
 
 Row = dict[str, str | int | float | None]
@@ -80,6 +81,22 @@ def rows_csv(rows: Sequence[Row]) -> str:
     writer.writeheader()
     writer.writerows({name: _in_ten_digits(cell) for name, cell in row.items()} for row in rows)
     return text.getvalue()
+
+
+def table_text(form: str, rows: Sequence[Row], cells: Sequence[Sequence[str]], **told: Any) -> str:  # noqa: ANN401  # whatever JSON can say
+    """Returns a table as the text of a ".csv", a ".json", or a "table" for people.
+
+    Args:
+        form: Which of them.
+        rows: Its numbers, for programs.
+        cells: Headings and rows for people.
+        **told: What a JSON object says: its rows by a name, and what is to be known of them.
+    """
+    if form == ".csv":
+        return rows_csv(rows)
+    if form == ".json":
+        return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
+    return "".join(f"{line}\n" for line in aligned_lines(cells))
 
 
 def _in_ten_digits(cell: str | float | None) -> str | float | None:

@@ -15,6 +15,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.segmentation.mask_shape import box_of
+
 __all__ = ["border_voxels", "surface_distances"]
 
 Mask = NDArray[np.bool_]
@@ -43,23 +45,10 @@ def surface_distances(
 
 def border_voxels(mask: Mask) -> Indices:
     """Returns the indices x, y, z of the border voxels of a mask, shape [count, 3]."""
-    if not mask.any():
-        return np.empty((0, 3), np.int64)
-    low, past = _box(mask)
-    inside = np.pad(mask[tuple(map(slice, low, past))], 1)
-    core = inside.copy()
-    for axis in range(3):
-        for step in (-1, 1):
-            # the rim is empty, so that nothing comes round from the other side
-            core &= np.roll(inside, step, axis=axis)
-    return np.asarray((np.argwhere(inside & ~core) - 1 + low)[:, ::-1], np.int64)
+    from scipy.ndimage import binary_erosion
 
-
-def _box(mask: Mask) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Returns the lowest voxel and one past the highest on each axis."""
-    ends = []
-    for axis in range(3):
-        there = np.flatnonzero(mask.any(axis=tuple({0, 1, 2} - {axis})))
-        ends.append((there[0], there[-1] + 1))
-    low, past = np.array(ends, np.int64).T
-    return low, past
+    box = box_of(mask)
+    inside = mask[box]
+    # beyond the box and the grid is outside
+    border = inside & ~binary_erosion(inside)
+    return np.asarray((np.argwhere(border) + [part.start for part in box])[:, ::-1], np.int64)

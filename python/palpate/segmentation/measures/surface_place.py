@@ -142,10 +142,21 @@ def _principal_axes(segment: Segment) -> NDArray[np.float64]:
 
     Each points to where its largest coordinate is positive: left, posterior or superior.
     """
-    indices = np.argwhere(segment.mask())[:, ::-1] + 0.5
-    matrix = segment.volume.patient_from_grid
-    spread = np.cov((indices @ matrix[:3, :3].T).T)
-    _, axes = np.linalg.eigh(np.atleast_2d(spread))
+    matrix = segment.volume.patient_from_grid[:3, :3]
+    _, axes = np.linalg.eigh(matrix @ _covariance(segment.mask()) @ matrix.T)
     rows = axes.T[::-1]
     signs = [np.sign(row[np.abs(row).argmax()]) for row in rows]
     return np.asarray(rows * np.array(signs)[:, None])
+
+
+def _covariance(mask: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Returns the covariance of the indices x, y, z of voxels, layer by layer [voxels²]."""
+    count, sums, products = 0, np.zeros(3), np.zeros((3, 3))
+    for z, layer in enumerate(mask):
+        y, x = np.nonzero(layer)
+        points = np.column_stack((x, y, np.full(len(x), z))).astype(np.float64)
+        count += len(points)
+        sums += points.sum(axis=0)
+        products += points.T @ points
+    mean = sums / count
+    return products / count - np.outer(mean, mean)
