@@ -21,6 +21,10 @@ OPTIONS = (
         "",
     ),
     (r"`pixels_checked=True` once", "the tick at Export once"),
+    (
+        r"`keep_identity=True` for an archive that may know the patient",
+        "a DICOM format that names the patient",
+    ),
     # what is left is no more than a word
     (r"`([a-z_]+)=True`", r"\1"),
     (r"`([a-z_]+)=([^`]*)`", r"\1 \2"),
