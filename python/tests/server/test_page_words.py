@@ -122,9 +122,8 @@ EXACT: list[tuple[str, str]] = [
         "images have text in their pixels. Use the tick at Export once you have looked",
     ),
     (
-        "a is in b; allowed: .seg.nrrd, or `keep_identity=True` for an archive that may know the "
-        "patient",
-        "a is in b. Use .seg.nrrd, or a DICOM format that names the patient",
+        "a is in b; allowed: `keep_identity=True` for an archive that may know the patient",
+        "a is in b. Use a DICOM format that names the patient",
     ),
     # values by what they are like
     (
