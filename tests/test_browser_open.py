@@ -163,7 +163,7 @@ def raw_slices_dropped(page: Browser, folder: Path) -> None:
     assert page.read(f"{chosen}('bare-open').disabled")
     page.do("fill", testid="bare-rows", text="300")
     page.do("press", key="Tab")
-    page.shows("bare-told", "text.includes('131072 bytes; 256 x 300 int16 asks 153600')")
+    page.shows("bare-told", "text.includes('131072 bytes; 256 × 300 int16 asks 153600')")
     page.do("screenshot", path=str(OUTPUT / "open-raw-refused.png"))
     for field, text in (("rows", "256"), ("voxel-x", "1"), ("voxel-y", "1"), ("voxel-z", "2")):
         page.do("fill", testid=f"bare-{field}", text=text)

@@ -185,6 +185,35 @@ def test_the_read_out_tells_the_value_and_the_place_of_the_file(opened: Opened) 
 
 
 @pytest.mark.data
+def test_two_fingers_zoom_and_move_a_slice_and_one_moves_the_crosshair(opened: Opened) -> None:
+    page = opened.page
+    page.do("clickAt", testid="slice-axial", x=0.5, y=0.5)
+    cross, before = page.read("window.palpate.crosshair"), opened.plane("axial")
+    apart = {"from": [[-30, 0], [30, 0]], "to": [[-60, 0], [60, 0]]}
+    page.do("fingers", testid="slice-axial", **apart)
+    page.wait(
+        f"window.palpate.slices.find(s => s.name === 'axial').plane.pixel < {0.6 * before['pixel']}"
+    )
+    zoomed = opened.plane("axial")
+    assert zoomed["pixel"] == pytest.approx(before["pixel"] / 2, rel=0.02)
+    # about the place between them
+    np.testing.assert_allclose(zoomed["centre"], before["centre"], atol=0.5)
+
+    together = {"from": [[-30, 0], [30, 0]], "to": [[-10, 10], [50, 10]]}
+    page.do("fingers", testid="slice-axial", **together)
+    moved = np.subtract(opened.plane("axial")["centre"], zoomed["centre"])
+    right, up = np.array(zoomed["right"]), np.array(zoomed["up"])
+    expected = zoomed["pixel"] * (-20 * right + 10 * up)
+    np.testing.assert_allclose(moved, expected, atol=2 * zoomed["pixel"])
+    # the first finger came down alone, and set nothing
+    assert page.read("window.palpate.crosshair") == pytest.approx(cross, abs=1e-3)
+
+    page.do("fingers", testid="slice-axial", **{"from": [[40, 0]]})
+    page.wait(f"Math.hypot(...window.palpate.crosshair.map((c, i) => c - {cross}[i])) > 5")
+    page.do("click", testid="fit-slices")
+
+
+@pytest.mark.data
 def test_wheel_drag_and_crosshair_lead_through_the_scan(opened: Opened) -> None:
     page = opened.page
     # to the middle of a slice first

@@ -15,7 +15,8 @@
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button too, "held": true: still
  *   {"do": "release"}                                         the left button
- *   {"do": "fingers", "from": [[x, y], …], "to": [[x, y], …]}  on a touch screen, of the picture's middle; "hold": true
+ *   {"do": "fingers", "from": [[x, y], …], "to": [[x, y], …]}  on a touch screen, of the picture's middle or of that of
+ *                                                             an element by "testid"; "hold": true
  *   {"do": "pen", "x": …, "y": …, "force": 0..1}              presses a pen there and holds it; of the picture's middle
  *   {"do": "penUp"}, {"do": "fingersUp"}
  *   {"do": "mouse", "down": true}                             the left button where the mouse is; false lets it go
@@ -103,8 +104,9 @@ async function withElement(element, act) {
   return answer;
 }
 const withTestId = (testid, act) => withElement(byTestId(testid), act);
-const middleOfPicture = async () => {
-  const { x, y, width, height } = await picture().boundingBox();
+const middleOfPicture = () => middleOf(picture());
+const middleOf = async (element) => {
+  const { x, y, width, height } = await element.boundingBox();
   return [x + width / 2, y + height / 2];
 };
 // what has no action of its own: fingers, pens, keyboards of other layouts, dropped files
@@ -269,8 +271,8 @@ const actions = {
     }
     return {};
   },
-  async fingers({ from, to = from, steps = 10, hold = false }) {
-    const [middleX, middleY] = await middleOfPicture();
+  async fingers({ testid, from, to = from, steps = 10, hold = false }) {
+    const [middleX, middleY] = await (testid === undefined ? middleOfPicture() : middleOf(byTestId(testid)));
     const touch = (type, share) =>
       devtools.send("Input.dispatchTouchEvent", {
         type,

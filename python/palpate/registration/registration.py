@@ -183,10 +183,10 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
             correlation asks that values of one follow those of the other linearly, mean squares
             that they are the same. Automatic: correlation of two scans by CT, else mutual
             information.
-        start: First guess: as the files place both scans; the middles of their grids; the
-            middles of what is bright; landmarks; or a matrix from points of the fixed scan to
-            the moving one, shape [4, 4] [mm], of which a rigid search takes the turn and the
-            shift. By default landmarks where they are given, else the middles of the grids, or a
+        start: First guess: as the files place both scans; the centres of their grids; the
+            centres of mass of what is bright; landmarks; or a matrix from points of the fixed scan
+            to the moving one, shape [4, 4] [mm], of which a rigid search takes the turn and the
+            shift. By default landmarks where they are given, else the centres of the grids, or a
             turned start where the scans are clearly more alike than where those lead.
         landmarks: Points of the fixed scan and the same places in the moving one, three or more
             that are not on one line, shape [count, 3] each [mm].

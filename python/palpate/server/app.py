@@ -23,6 +23,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from palpate.base.errors import OptionError
+from palpate.base.freed_memory import give_freed_memory_back
 from palpate.server.library.library import Library
 from palpate.server.patience import PatientProtocol
 from palpate.server.resume import Resuming, kept_port
@@ -179,6 +180,7 @@ def serve(
     Raises:
         OptionError: Another program took the port meanwhile.
     """
+    give_freed_memory_back()
     try:
         listener.listen()
     except OSError as error:

@@ -35,6 +35,9 @@ OPTIONS = (
 DROPPED = re.escape(str(SYSTEM_FOLDER)) + rf"[\\/]({OF_A_COMMAND}\w{{8}}[\\/])?palpate-\w{{8}}[\\/]"
 """Where files wait that were dropped into the page: a person knows them by their own names."""
 
+TIMES = r"(?<=\d) x (?=\d)"
+"""Between the sizes of a grid, for terminals of any letters."""
+
 ADVICE = (
     # "to try again", "to unlock it"
     (r"to (?=[a-z])", ""),
@@ -64,6 +67,7 @@ def page_words(sentence: str) -> str:
     "radius 30 mm given; allowed: 0 to 20 mm" becomes "radius 30 mm cannot be used. Use 0 to 20 mm".
     """
     sentence = re.sub(DROPPED, "", sentence)
+    sentence = re.sub(TIMES, " × ", sentence)
     for named, instead in OPTIONS:
         sentence = re.sub(named, instead, sentence)
     sentence = re.sub(ASIDE, lambda found: f"({_what_happened(found[1])})", sentence)

@@ -71,7 +71,7 @@ def second_routes(scene: Scene, show: Show, add: Add) -> list[Route]:
             name = request.query_params.get("name", "")
             add(await run_in_threadpool(_carried, scene, name, body))
         except (PalpateError, OSError) as error:
-            return PlainTextResponse(str(error), status_code=400)
+            return PlainTextResponse(page_words(str(error)), status_code=400)
         return Response(status_code=204)
 
     async def remove(_: Request) -> Response:

@@ -21,6 +21,7 @@ from palpate.base.damaged_file import damage_as
 from palpate.base.errors import VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.reader_process import looking_at
+from palpate.io.dicom.dates import written_date
 from palpate.io.dicom.detector import detector_place
 from palpate.io.dicom.dose import RTDOSE, DoseTags, dose_tags_of
 from palpate.io.dicom.enhanced_pet import ENHANCED_PET, enhanced_pet_tags_of, pet_mapping
@@ -325,7 +326,7 @@ def _header(
         plain=plain,
         instance=str(dataset.get("SOPInstanceUID") or ""),
         patient=_joined(dataset, "PatientName", "PatientID"),
-        study_told=_joined(dataset, "StudyDate", "StudyDescription"),
+        study_told=_study_told(dataset),
         study=tuple(str(dataset.get(name) or "") for name in STUDY),
         frame=str(dataset.get("FrameOfReferenceUID") or ""),
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
@@ -486,6 +487,12 @@ def _mapped(mapping: Dataset) -> str:
 def _joined(dataset: Dataset, *names: str) -> str:
     """Returns what of several elements is there, as one text."""
     return " ".join(filter(None, (str(dataset.get(name) or "").strip() for name in names)))
+
+
+def _study_told(dataset: Dataset) -> str:
+    """Returns when a study was made, and what it is called."""
+    told = (written_date(_joined(dataset, "StudyDate")), _joined(dataset, "StudyDescription"))
+    return " ".join(filter(None, told))
 
 
 def _padding(dataset: Dataset) -> tuple[int, int] | None:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from palpate.base.errors import DicomWebError, SeriesChoiceError
 from palpate.base.progress import Progress, silent
+from palpate.io.dicom.dates import written_date
 from palpate.io.dicom.dose import RTDOSE
 from palpate.io.dicom.header import DERIVED_OBJECTS
 from palpate.io.dicomweb.address import WebAddress
@@ -160,7 +161,7 @@ def _search(client: DICOMwebClient, address: WebAddress) -> list[Found]:
 
 def _series_of(found: Found, address: WebAddress) -> RemoteSeries:
     study = text_of(found, "StudyInstanceUID") or address.study or ""
-    date = text_of(found, "StudyDate")
+    date = written_date(text_of(found, "StudyDate"))
     return RemoteSeries(
         study=uid_of(study),
         uid=uid_of(text_of(found, "SeriesInstanceUID")),

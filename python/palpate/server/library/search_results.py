@@ -42,7 +42,7 @@ __all__ = ["SearchResults"]
 
 MOST_RESULTS = 8
 """Results that are kept."""
-GONE = "that list is gone; allowed: look for scans again"
+GONE = "that list is gone; allowed: search again"
 
 
 class ListedScan(msgspec.Struct, frozen=True):
@@ -209,7 +209,7 @@ class SearchResults:
         """
         found = self._results.get(find)
         if found is None or found.stack is None:
-            raise OptionError("those projections are gone; allowed: look for them again")
+            raise OptionError("those projections are gone; allowed: search again")
         return found.stack, found.upload
 
     def headerless(self, find: int) -> Headerless:
@@ -220,7 +220,7 @@ class SearchResults:
         """
         found = self._results.get(find)
         if found is None or found.headerless is None:
-            raise OptionError("those files are gone; allowed: look for them again")
+            raise OptionError("those files are gone; allowed: search again")
         return found.headerless
 
     def place_of(self, wanted: OpenRequest) -> Place:

@@ -215,7 +215,7 @@ def test_series_are_listed_with_patient_and_study(write_series: Any) -> None:
     first, second = list_series(folder)
     assert (first.headers[0].patient, first.headers[0].study_told) == (
         "Doe^Jo 7",
-        "20260102 trauma",
+        "2026-01-02 trauma",
     )
     assert (second.headers[0].patient, second.slices) == ("", 3)
 

@@ -41,7 +41,7 @@ def test_raw_slices_are_told_tried_opened_and_remembered(
     assert picture_of(answer["png"], tmp_path / "seen.png").shape == (256, 256)
     wrong = client.ask("POST", "library/layout", {**tried, "raw": "256x300,int16,big,0"})
     assert wrong.status_code == 400
-    assert wrong.text.startswith("CThead.1 has 131072 bytes; 256 x 300 int16 asks 153600")
+    assert wrong.text.startswith("CThead.1 has 131072 bytes; 256 × 300 int16 asks 153600")
 
     (refused,) = client.job("open", {**tried, "voxel_size": [1, 1, 0]})
     assert "lengths above 0" in refused["reason"]

@@ -2,6 +2,7 @@
  * Who draws the 3-D view: this browser, or the engine, which is mostly quicker where the browser's graphics are drawn
  * by the CPU. Always one of them alone.
  */
+import { formatValue } from "../base/format";
 import type { Named } from "../appearance/picture_names";
 import type { Drawer } from "./quicker_drawer";
 
@@ -39,5 +40,5 @@ export function engineObstacle({ connected, failure }: EngineReach): string | nu
   if (!connected) {
     return "the engine is not connected";
   }
-  return failure === null ? null : `${failure}; the engine is tried again every ${String(retrySeconds)} s`;
+  return failure === null ? null : `${failure}; the engine is tried again every ${formatValue(retrySeconds, "s")}`;
 }

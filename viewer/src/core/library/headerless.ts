@@ -68,7 +68,7 @@ const mostKept = 12;
 
 /** What files of one scanner have in common: bytes of a file, or pixels of a picture. */
 function kindOf({ files, bytes, size }: HeaderlessFiles): string {
-  return size === null ? `${String(bytes / files)} bytes` : `${String(size[0])} x ${String(size[1])} pixels`;
+  return size === null ? `${String(bytes / files)} bytes` : `${String(size[0])} × ${String(size[1])} pixels`;
 }
 
 /** What is likely of files: what was given for such files before, else what the engine says. */

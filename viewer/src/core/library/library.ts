@@ -1,6 +1,7 @@
 /**
  * What page and engine say about scans that can be opened: lists, progress, files that are dropped.
  */
+import { formatFixed } from "../base/format";
 import type { HeaderlessFiles } from "./headerless";
 import type { Projections } from "./reconstruction";
 import type { Vec3 } from "../geometry/vector";
@@ -170,6 +171,6 @@ export function refusalOf(files: readonly GivenFile[], { most_files, most_bytes 
   if (files.length > most_files) {
     return `${String(files.length)} files were given; at most ${String(most_files)} are taken.`;
   }
-  const giga = (count: number): string => (count / 2 ** 30).toFixed(1);
-  return bytes > most_bytes ? `${giga(bytes)} GiB were given; at most ${giga(most_bytes)} GiB are taken.` : null;
+  const giga = (count: number): string => formatFixed(count / 2 ** 30, 1, "GiB");
+  return bytes > most_bytes ? `${giga(bytes)} were given; at most ${giga(most_bytes)} are taken.` : null;
 }

@@ -57,7 +57,7 @@ export function labelPlace(kind: MarkKind, places: readonly MarkPlace[]): MarkPl
 
 /** Of a label's lines, and about a letter [CSS pixels]. */
 export const labelLine = 15;
-const letterWidth = 8;
+export const letterWidth = 8;
 /** What stands in the corners of a slice: its name, the read-out, what it shows, the scale. Sizes [CSS pixels]. */
 const corners = [
   { left: true, top: true, width: 96, height: 30 },

@@ -78,18 +78,19 @@ export class RunError extends Error {}
 export function parseRun(text: string): ScenarioRun {
   const told = parsed(text);
   if (told["format"] !== format) {
-    throw new RunError(`its format is ${JSON.stringify(told["format"] ?? null).slice(0, 40)}; allowed: "${format}"`);
+    const found = JSON.stringify(told["format"] ?? null).slice(0, 40);
+    throw new RunError(`its format is ${found}, not "${format}". Make it with palpate scenario --json`);
   }
   const samples = record(told["samples"], "samples");
   const time = column(samples, "time");
   const rows = time.length;
   if (rows < 2 || time.some((t, i) => i > 0 && t <= (time[i - 1] ?? 0))) {
-    throw new RunError("its times do not rise; allowed: two or more samples of rising time");
+    throw new RunError("its times do not rise from sample to sample, or it has only one");
   }
   const of = (name: string): Float64Array => {
     const numbers = column(samples, name);
     if (numbers.length !== rows) {
-      throw new RunError(`column ${name} has ${String(numbers.length)} samples; allowed: ${String(rows)}, as time has`);
+      throw new RunError(`column ${name} has ${String(numbers.length)} samples, and time has ${String(rows)}`);
     }
     return numbers;
   };
@@ -199,7 +200,7 @@ function parsed(text: string): Record<string, unknown> {
     if (error instanceof RunError) {
       throw error;
     }
-    throw new RunError("it is no JSON; allowed: a file that palpate scenario --json has written");
+    throw new RunError("it is no JSON. Make it with palpate scenario --json");
   }
 }
 

@@ -72,7 +72,7 @@ export const writtenConstants: readonly WrittenConstant[] = [
     label: "Friction",
     title:
       "How much of the pressing force holds a tool back sideways, four fifths of it where the tool slides; more " +
-      "than 200 % counts as that. A segment's own friction, under Segments, goes before it",
+      "than 200\u202f% counts as that. A segment's own friction, under Segments, goes before it",
     unit: "%",
     scale: 0.01,
     min: 0,

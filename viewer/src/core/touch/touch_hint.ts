@@ -1,6 +1,7 @@
 /**
  * What a person can do next with mouse and probe: the line over the picture, which stays as long as it holds.
  */
+import { formatFixed } from "../base/format";
 import type { Segment, ToolKind } from "../protocol";
 
 export interface TouchSituation {
@@ -35,7 +36,7 @@ export function touchHint(now: TouchSituation): readonly string[] {
   if (!onSurface) {
     return ["Move the mouse to move the hand", "wheel: in depth", ...tools, end];
   }
-  const pressure = `wheel: pressure ${now.pressure.toFixed(now.pressure < 1 ? 2 : 1)} N`;
+  const pressure = `wheel: pressure ${formatFixed(now.pressure, now.pressure < 1 ? 2 : 1, "N")}`;
   if (!presses) {
     return [`Press on ${touchableName(now.segments)} to touch it`, pressure, ...tools, end];
   }

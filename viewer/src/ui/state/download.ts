@@ -40,8 +40,13 @@ export function tellSaved(session: Pick<Session, "notify">, name: string): void 
   session.notify("info", `Saved as ${name}, with the downloads of this browser.`);
 }
 
-/** Has the browser keep a file. */
-export function keep(content: Blob, name: string): void {
+/** Has the browser keep a file that the page made, and says so. */
+export function saveFile(session: Pick<Session, "notify">, content: Blob, name: string): void {
+  keep(content, name);
+  tellSaved(session, name);
+}
+
+function keep(content: Blob, name: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);
   link.download = name;

@@ -172,7 +172,8 @@ export class Session {
         this.silence = silence;
       },
       stoodStill: (seconds) => {
-        this.notify("warning", `Palpate stood still for ${seconds} s. What you asked of it meanwhile was not done.`);
+        const what = "What you asked of it meanwhile was not done.";
+        this.notify("warning", `Palpate stood still for ${seconds}\u202fs. ${what}`);
       },
     });
   }

@@ -20,7 +20,7 @@ test("the engine draws where it is there and its pictures come", () => {
 
 test.each<[string, Partial<EngineReach>]>([
   ["the engine is not connected", { connected: false }],
-  ["not enough memory; the engine is tried again every 30 s", { failure: "not enough memory" }],
+  ["not enough memory; the engine is tried again every 30\u202fs", { failure: "not enough memory" }],
 ])("the browser draws where %s", (obstacle, part) => {
   expect(engineObstacle({ ...there, ...part })).toBe(obstacle);
 });

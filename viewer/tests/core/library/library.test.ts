@@ -60,7 +60,7 @@ test("memory is that of 16-bit values", () => {
 test("too many files, too many bytes and none are refused before they are brought", () => {
   const file = (bytes: number) => ({ name: "a", file: new Blob([new Uint8Array(bytes)]) });
   expect(refusalOf([file(5), file(5)], about)).toBeNull();
-  expect(refusalOf([file(5), file(6)], about)).toContain("at most 0.0 GiB");
+  expect(refusalOf([file(5), file(6)], about)).toContain("at most 0.0\u202fGiB");
   expect(refusalOf([file(1), file(1), file(1)], about)).toContain("3 files were given; at most 2");
   expect(refusalOf([], about)).toContain("no file");
 });

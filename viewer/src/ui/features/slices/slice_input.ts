@@ -6,9 +6,10 @@
  * sets window and level, middle or Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with
  * Ctrl. Shift + move, or any move where touch mode leads it so, leads the hand in the plane; with the left button held
  * too its tool works on the way. With Shift a double click brings the probe there, without it gives the slice the whole
- * picture, or takes it back.
+ * picture, or takes it back. One finger does what the left button does, two zoom and move the picture.
  * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
  */
+import { FingerPair, type PairMove } from "../../../core/view/finger_pair";
 import type { Rect } from "../../../core/view/picture_layout";
 import { pointOnSlice, type SliceName, type SlicePlane } from "../../../core/slices/slice_plane";
 import { addScaled, type Vec3 } from "../../../core/geometry/vector";
@@ -19,7 +20,7 @@ import type { GrowControl } from "../segments/grow_control.svelte";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
-type Drag = "tool" | "crosshair" | "window" | "pan" | "paint" | "area" | "grow";
+type Drag = "tool" | "crosshair" | "window" | "pan" | "paint" | "area" | "grow" | "fingers";
 
 /** Pixels of the wheel that move the hand by a pixel of the slice. */
 const pixelsPerDepth = 20;
@@ -84,6 +85,9 @@ export class SliceInput {
   private cornered = false;
   /** The last click has set a point or a corner of a mark: a second one makes no double click of it. */
   private marked = false;
+  private readonly fingers = new FingerPair();
+  /** Where the crosshair was before the last press. */
+  private crossed: Vec3 | null = null;
   private readonly slices: SliceControl;
   private readonly brush: BrushControl;
   private readonly hand: HandControl;
@@ -166,6 +170,16 @@ export class SliceInput {
     this.cornered = false;
     this.pane.focus({ preventScroll: true });
     this.pane.setPointerCapture(event.pointerId);
+    if (event.pointerType === "touch") {
+      const { x, y } = this.placeOf(event);
+      this.fingers.put(event.pointerId, [x, y]);
+    }
+    if (this.fingers.count > 1) {
+      this.takeBack();
+      this.drag = "fingers";
+      return;
+    }
+    this.crossed = this.slices.crosshair;
     if (event.button === 2) {
       this.drag = "window";
     } else if (event.button === 1 || event.ctrlKey) {
@@ -204,7 +218,33 @@ export class SliceInput {
         : null;
   }
 
+  /** Takes back what one finger began, where a second one comes. */
+  private takeBack(): void {
+    if (this.drag === "crosshair" && this.crossed !== null) {
+      this.slices.goTo(this.crossed);
+    } else if (this.drag === "paint") {
+      this.brush.cancel();
+    } else if (this.drag === "grow") {
+      this.clicks.growing.leave();
+    } else if (this.drag === "tool") {
+      this.tool.release();
+    }
+    this.pressed = null;
+  }
+
+  /** Two fingers zoom about the place between them, and move the picture. */
+  private follow({ x, y, spread, middle }: PairMove): void {
+    this.slices.pan(this.name, x, y);
+    this.slices.zoom(this.name, 1 / spread, ...middle);
+  }
+
   private move(event: PointerEvent): void {
+    const place = this.placeOf(event);
+    const pair = this.fingers.move(event.pointerId, [place.x, place.y]);
+    if (this.drag === "fingers") {
+      if (pair !== null) this.follow(pair);
+      return;
+    }
     if (isForControl(event)) {
       this.rest();
       return;
@@ -212,7 +252,7 @@ export class SliceInput {
     const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
     const [x, y] = [event.clientX - lastX, event.clientY - lastY];
     this.last = [event.clientX, event.clientY];
-    this.pointed(this.placeOf(event));
+    this.pointed(place);
     if (
       this.pressed !== null &&
       Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach
@@ -272,7 +312,9 @@ export class SliceInput {
     } else if (this.drag === "tool") {
       this.tool.release();
     }
-    this.drag = null;
+    this.fingers.lift(event.pointerId);
+    // a finger that is left alone begins nothing anew
+    this.drag = this.drag === "fingers" && this.fingers.count > 0 ? "fingers" : null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
       this.pane.releasePointerCapture(event.pointerId);
     }

@@ -2,7 +2,7 @@
  * What each stroke of the drill has done, for the report.
  */
 import { StrokeMeter, strokesTable, type StrokeReport } from "../../../core/tools/stroke_report";
-import { keep } from "../../state/download";
+import { saveFile } from "../../state/download";
 import type { Session } from "../../state/session.svelte";
 
 export class DrillStrokes {
@@ -32,8 +32,9 @@ export class DrillStrokes {
     return strokesTable(this.all);
   }
 
-  /** Has the browser keep the table. */
+  /** Has the browser keep the table, and says so. */
   save(): void {
-    keep(new Blob([this.table], { type: "text/csv" }), `${this.session.scan?.name ?? "scan"}-drilling.csv`);
+    const name = `${this.session.scan?.name ?? "scan"}-drilling.csv`;
+    saveFile(this.session, new Blob([this.table], { type: "text/csv" }), name);
   }
 }

@@ -5,7 +5,7 @@ import type { Camera, Viewport } from "../../../core/geometry/camera";
 import { evenSize, fitsIntoCanvas, imageSize } from "../../../core/view/image_size";
 import { turntable } from "../../../core/view/turntable";
 import type { SnapshotWish } from "../../../gl/picture/snapshot";
-import { keep, tellSaved } from "../../state/download";
+import { saveFile } from "../../state/download";
 import { AnimationRecorder, animationType } from "./animation";
 import { overlayOf } from "./overlay_text";
 import { recall, remember } from "../../state/remembered";
@@ -123,8 +123,7 @@ export class ImageControl {
   private keep(content: Blob, ending: "png" | "webm"): void {
     const { session } = this.source;
     const name = `${(session.scan?.name ?? "").replace(/[^\w.-]+/g, "_") || "palpate"}.${ending}`;
-    keep(content, name);
-    tellSaved(session, name);
+    saveFile(session, content, name);
   }
 
   private report(share: number): void {
