@@ -36,9 +36,11 @@ QUICK_WHEEL_READY := dist/quick/.wheel
 ifdef PALPATE_LONG
 TESTED_ENGINE_READY := $(ENGINE_READY)
 TESTED_WHEEL_READY := $(WHEEL_READY)
+IN_A_BROWSER := browser
 else
 TESTED_ENGINE_READY := $(QUICK_ENGINE_READY)
 TESTED_WHEEL_READY := $(QUICK_WHEEL_READY)
+IN_A_BROWSER := browser and not long
 endif
 
 # first line of a recipe: its name; the rest is one script, timed (scripts/stage.sh)
@@ -209,7 +211,7 @@ prerequisites: | chromium firefox data
 endif
 
 # anew, so that the engine and the wheel are those of this form
-test-long: ## the same with the long form of statistical tests, on the engine and the wheel that users get
+test-long: ## the same with the long form of statistical tests, and with long comparisons of pictures, on the engine and the wheel that users get
 	@$(MAKE) --no-print-directory test PALPATE_LONG=1
 
 # a missing browser and missing scans are told before all other tests
@@ -246,7 +248,7 @@ test-wheel: $(TESTED_WHEEL_READY) ## the wheel in an empty environment: install,
 test-browser: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## a real scan in a real browser: picture, contact, force
 	$(call step,browser: tests)
 	export PALPATE_CHROMIUM="$$(scripts/chromium.sh)"
-	$(BIN)/pytest -q -m browser
+	$(BIN)/pytest -q -m "$(IN_A_BROWSER)"
 
 # --- figures ----------------------------------------------------------------------------
 

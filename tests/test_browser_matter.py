@@ -99,6 +99,7 @@ def standing(moved: tuple[float, float, float], page: Browser) -> protocol.Displ
 NOTHING = protocol.Displaced((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0, 0, 0), b"")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shown_as", ["volume", "surface"])
 def test_matter_a_third_of_a_voxel_beside_its_voxels_is_seen_there(
     page: Browser, shown_as: str

@@ -292,6 +292,7 @@ def test_the_picture_of_one_eye_can_stand_above_that_of_the_other(opened: Opened
 
 
 @pytest.mark.data
+@pytest.mark.long
 def test_a_finer_quality_takes_more_steps_and_comes_nearer_to_a_still_image(opened: Opened) -> None:
     page = opened.page
     page.do("open", url=page.read("location.href"), **SIZE)

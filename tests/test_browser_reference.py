@@ -15,7 +15,7 @@ from opened_scan import Opened
 from reference_head import GREY, LOOK, MODES, small_head
 from reference_renderer import Reference, View, ground_at, on_screen, unit
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.long]
 
 OUTPUT = ROOT / "tests" / "output"
 SIZE = {"width": 1000, "height": 460}
