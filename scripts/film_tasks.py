@@ -211,7 +211,7 @@ def drill(person: Person) -> None:
 
 
 def measure(person: Person) -> None:
-    """Measures the liver in a slice, and copies the table of marks."""
+    """Measures the liver in a slice, and saves the table of marks."""
     page = person.page
     person.clicks("[data-testid=layout-four]")
     page.finish()
@@ -224,7 +224,9 @@ def measure(person: Person) -> None:
         person.acted()
     page.wait("window.palpate.marks.length === 1")
     person.clicks("[data-testid=group-marks]")
-    person.clicks("[data-testid=marks-copy]")
+    person.clicks("[data-testid=marks-save]")
+    page.wait("document.querySelector('.notice')?.textContent.includes('marks.csv') === true")
+    time.sleep(2 * LOOK)
 
 
 def needle(person: Person) -> None:
