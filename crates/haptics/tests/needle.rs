@@ -174,7 +174,10 @@ fn edited(edit: Option<([i32; 2], u8)>) -> (NeedleForces, usize) {
     bench.edit = edit;
     // on by as much as bends the bristle
     let felt = bench.go(AT.with_z(44.0), 4.0);
-    (felt.last().unwrap().parts, bench.events().len() - before)
+    (
+        felt.last().expect("some ticks").parts,
+        bench.events().len() - before,
+    )
 }
 
 #[test]
