@@ -21,7 +21,7 @@ from palpate.bench.results import (
 )
 from palpate.pictures.appearance import Appearance, SecondAppearance
 from palpate.pictures.camera import Camera
-from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun
+from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun, RearrangingRun
 from palpate.session.deformation_state import DeformationState, ModelOffer, ModelParts
 from palpate.session.frame_state import FrameState, LatenessState
 from palpate.session.picture_change import PictureChange, VoxelChange
@@ -830,6 +830,16 @@ def drive_drill(
     energy: float | None,
 ) -> DrillRun:
     """Drives a drill of a radius [mm] into bone."""
+
+def drive_rearranging_ball(
+    volume: Volume,
+    bone: Segment,
+    drive: _Drive,
+    radius: float,
+    softening: float,
+    is_hu: bool,
+) -> RearrangingRun:
+    """Presses a ball into bone of particles that rearrange, and takes it out."""
 
 def press(
     volume: Volume,

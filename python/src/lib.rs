@@ -62,7 +62,9 @@ mod _core {
     #[pymodule_export]
     use super::render::{PyPicture, PyRenderer, PySecondScan};
     #[pymodule_export]
-    use super::scenario::{drive_drill, drive_needle, needle_tissues, press};
+    use super::scenario::{
+        drive_drill, drive_needle, drive_rearranging_ball, needle_tissues, press,
+    };
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]

@@ -226,6 +226,7 @@ pub fn model_options(options: OptionsTuple) -> Result<ModelOptions, CoreError> {
         layers,
         calibration: calibration.transpose()?,
         motion: motion.transpose()?,
+        rearranges: false,
     })
 }
 

@@ -3,10 +3,12 @@
 //! What comes back has one value a tick in each column, as `palpate.scenario_run` names them.
 
 use numpy::{PyArray1, ToPyArray};
+use palpate_engine::scenario::contacts::ContactEvent;
 use palpate_engine::scenario::drilling::{DrillDrive, drive_drill as drill};
 use palpate_engine::scenario::drive::{Drive, Sample};
 use palpate_engine::scenario::needle::{NeedleLayer, drive_needle as needle};
 use palpate_engine::scenario::palpation::{PressedLayer, press as press_one};
+use palpate_engine::scenario::rearranging::{RearrangingDrive, drive_rearranging, thesis_bone};
 use palpate_haptics::needle::NeedleForces;
 use palpate_volume::tissue::Tissue;
 use pyo3::prelude::*;
@@ -93,17 +95,55 @@ pub fn drive_drill<'py>(
         bone.segment.clone(),
     );
     let run = parallel(py, || drill(&grid, values, bone, &given)).map_err(CoreError::from)?;
-    let events = run.events.iter();
-    let events: Vec<Contact> = events
-        .map(|event| (event.is_contact, event.time, event.travel, event.force))
-        .collect();
     let more = dictionary!(py,
         "volume": column(py, run.volume.iter().copied()),
         "load": column(py, run.load.iter().copied()),
-        "events": events,
+        "events": contacts(&run.events),
         "violations": run.violations,
+        "bone": PySegment { segment: run.bone },
     );
     with(samples_dict(py, &run.samples)?, more)
+}
+
+/// Presses a ball into bone of particles, so many times weaker than the thesis', and takes it out.
+#[pyfunction]
+pub fn drive_rearranging_ball<'py>(
+    py: Python<'py>,
+    volume: PyRef<'py, PyVolume>,
+    bone: PyRef<'py, PySegment>,
+    drive: GivenDrive,
+    radius: f64,
+    softening: f64,
+    is_hu: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let given = RearrangingDrive {
+        drive: drive_of(drive),
+        radius,
+        law: thesis_bone(softening, is_hu).map_err(CoreError::from)?,
+    };
+    let (grid, values, bone) = (
+        volume.grid,
+        volume.intensities.clone(),
+        bone.segment.clone(),
+    );
+    let run =
+        parallel(py, || drive_rearranging(&grid, values, bone, &given)).map_err(CoreError::from)?;
+    let more = dictionary!(py,
+        "volume": column(py, run.volume.iter().copied()),
+        "piled": column(py, run.piled.iter().copied()),
+        "events": contacts(&run.events),
+        "answers": run.answers[0],
+        "slips": run.answers[1],
+        "violations": run.violations,
+        "bone": PySegment { segment: run.bone },
+    );
+    with(samples_dict(py, &run.samples)?, more)
+}
+
+fn contacts(events: &[ContactEvent]) -> Vec<Contact> {
+    let each = events.iter();
+    each.map(|event| (event.is_contact, event.time, event.travel, event.force))
+        .collect()
 }
 
 /// Presses a ball into layers by a model; those without a material are hard.

@@ -27,7 +27,7 @@ ADDED = {
     "state recent.json": ("[].frame",),
     "scene keys": ("labels", "save_id", "tears_by"),
     "scene members": ("steps.msgpack",),
-    "scenario": ("figures.lump_aside", "lump"),
+    "scenario": ("figures.hole_depth", "figures.hole_rim", "figures.lump_aside", "hole", "lump"),
 }
 """Names of newer versions, which readers of 0.1 pass over."""
 

@@ -25,6 +25,7 @@ mod local_state;
 pub mod neighbours;
 pub mod pair_force;
 pub mod pair_laws;
+mod rearranged;
 mod slips;
 pub mod space;
 pub mod state;

@@ -60,6 +60,7 @@ const PARTICLES: Offers = Offers {
     layers: Some(MOST_LAYERS),
     calibration: true,
     motion: true,
+    rearranges: true,
 };
 
 /// All models; a new one is one entry here.
@@ -94,6 +95,7 @@ pub const MODELS: &[Registered] = &[
             layers: None,
             calibration: false,
             motion: false,
+            rearranges: false,
         },
         make: |options| Box::new(LatticeModel::new(LatticeSettings::from(options))),
     },
@@ -132,6 +134,7 @@ pub const MODELS: &[Registered] = &[
             layers: None,
             calibration: true,
             motion: false,
+            rearranges: false,
         },
         make: |options| Box::new(GlobalModel::global_lj(GlobalSettings::from(options))),
     },
@@ -185,6 +188,7 @@ impl From<&ModelOptions> for LocalSettings {
             layers: options.layers.unwrap_or(usual.layers),
             calibration: options.calibration.unwrap_or(usual.calibration),
             motion: options.motion.unwrap_or(usual.motion),
+            rearranges: options.rearranges,
             ..usual
         }
     }

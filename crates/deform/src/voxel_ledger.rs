@@ -149,6 +149,13 @@ impl Ledger {
         }
     }
 
+    /// From now on all voxels count as they are, as any other edit does.
+    pub fn settle(&mut self) {
+        self.plastic.clear();
+        self.changed.clear();
+        self.unsettled.clear();
+    }
+
     /// One of the voxels that the last edit changes, and what to; none where there was no edit.
     pub fn last_written(&self) -> Option<(IVec3, VoxelState)> {
         self.last

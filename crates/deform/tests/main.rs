@@ -23,6 +23,7 @@ mod particle_lattices;
 mod particle_lists;
 mod particle_models;
 mod particle_motion;
+mod particle_rearranged;
 mod particle_settings;
 mod particle_tools;
 mod potential;

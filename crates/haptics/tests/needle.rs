@@ -25,6 +25,8 @@ const COUPLING: Coupling = Coupling {
 /// Layers below z = 10, and whether those that were punctured are open.
 struct Body {
     open: bool,
+    /// What an edit has put instead, from a plane z to another one [voxels]; nothing where it is 0.
+    edit: Option<([i32; 2], u8)>,
 }
 
 impl TissueMap for Body {
@@ -32,11 +34,15 @@ impl TissueMap for Body {
         let above = LAYERS
             .iter()
             .take_while(|(from, _)| *from <= f64::from(voxel.z));
-        match above.last() {
-            None => Met::Nothing,
-            Some((_, id)) => tissues
-                .place_of(*id)
-                .map_or(Met::Wall(*id), |place| Met::Tissue(Layered::of(place))),
+        let edited = self
+            .edit
+            .filter(|([from, to], _)| (*from..*to).contains(&voxel.z));
+        let id = edited.map_or_else(|| above.last().map_or(0, |(_, id)| *id), |(_, id)| id);
+        match id {
+            0 => Met::Nothing,
+            id => tissues
+                .place_of(id)
+                .map_or(Met::Wall(id), |place| Met::Tissue(Layered::of(place))),
         }
     }
 
@@ -52,6 +58,7 @@ struct Bench {
     tissues: Tissues,
     last: DVec3,
     now: f64,
+    edit: Option<([i32; 2], u8)>,
 }
 
 /// One tick: the spring's force [N] and what holds the needle.
@@ -83,6 +90,7 @@ impl Bench {
             tissues,
             last: DVec3::ZERO,
             now: 0.0,
+            edit: None,
         }
     }
 
@@ -90,6 +98,7 @@ impl Bench {
         self.now += 1e-3;
         let map = Body {
             open: self.needle.punctured() != Default::default(),
+            edit: self.edit,
         };
         let scan = NeedleScan {
             grid: &self.grid,
@@ -156,6 +165,71 @@ impl Bench {
         let events = self.needle.events().since(0);
         events.map(|event| (event.kind, event.segment)).collect()
     }
+}
+
+/// Forces that hold a needle 42 mm deep half a second after an edit, and the events since.
+fn edited(edit: Option<([i32; 2], u8)>) -> (NeedleForces, usize) {
+    let mut bench = inserted(42.0);
+    let before = bench.events().len();
+    bench.edit = edit;
+    // on by as much as bends the bristle
+    let felt = bench.go(AT.with_z(44.0), 4.0);
+    (
+        felt.last().expect("some ticks").parts,
+        bench.events().len() - before,
+    )
+}
+
+#[test]
+fn what_is_cut_away_behind_the_tip_holds_the_shaft_no_more() {
+    let (whole, _) = edited(None);
+    let (cut, events) = edited(Some(([14, 30], 0)));
+    // the fat beside the shaft is gone, skin and liver still hold it; nothing has happened to the tip
+    let fat = 16.0 * Tissue::FAT.friction;
+    assert!(
+        (whole.friction - cut.friction - fat).abs() < 0.1 * fat,
+        "{} {}",
+        whole.friction,
+        cut.friction
+    );
+    assert!((whole.cutting - cut.cutting).abs() < 1e-9);
+    assert_eq!(events, 0);
+}
+
+#[test]
+fn what_is_put_behind_the_tip_holds_the_shaft() {
+    let (whole, _) = edited(None);
+    let (filled, events) = edited(Some(([14, 30], SKIN)));
+    let more = 16.0 * (Tissue::SKIN.friction - Tissue::FAT.friction);
+    assert!(
+        (filled.friction - whole.friction - more).abs() < 0.1 * more,
+        "{} {}",
+        whole.friction,
+        filled.friction
+    );
+    assert_eq!(events, 0);
+    // bone around the shaft neither stops the tip nor rubs
+    let (bone, events) = edited(Some(([14, 30], BONE)));
+    assert!(bone.friction < whole.friction && bone.wall == 0.0 && events == 0);
+}
+
+#[test]
+fn what_is_cut_away_at_the_tip_leaves_it_free_and_bone_before_it_stops_it() {
+    let (free, _) = edited(Some(([30, 60], 0)));
+    assert_eq!(free.cutting, 0.0);
+    let mut bench = inserted(42.0);
+    let insertion = *bench.needle.insertion().unwrap();
+    let (entry, tip) = (insertion.line.entry.z, insertion.shaft.tip);
+    let plane = (entry + tip).ceil() as i32 + 1;
+    bench.edit = Some(([plane, plane + 1], BONE));
+    bench.go(AT.with_z(42.0 + 0.5), 1.0);
+    bench.go(AT.with_z(50.0), 10.0);
+    let now = bench.needle.insertion().unwrap().shaft.tip;
+    assert!(
+        entry + now <= f64::from(plane) + 1e-6,
+        "{entry} {now} {plane}"
+    );
+    assert!(bench.needle.forces().wall > 0.0);
 }
 
 const AT: DVec3 = DVec3::new(40.2, 40.3, 0.0);

@@ -87,19 +87,54 @@ def drilling(
     bone: BoneFrom = None,
     depth: Depth = 4.0,
     radius: Annotated[float, typer.Option(help="Radius of the burr in mm.")] = 2.0,
-    speed: Speed = 0.1,
+    speed: Annotated[
+        float | None,
+        typer.Option(help="Speed of the tool in mm/s.", show_default="0.1, of particles 1"),
+    ] = None,
     force_limit: ForceLimit = 10.0,
+    particles: Annotated[
+        bool,
+        typer.Option(
+            "--particles",
+            help="Push bone aside as particles that rearrange and stay so, and remove none.",
+        ),
+    ] = False,
+    softening: Annotated[
+        float | None,
+        typer.Option(
+            help="How many times weaker than bone the particles are.", show_default="5000"
+        ),
+    ] = None,
     json: Json = None,
     plot: Plot = None,
 ) -> None:
-    """Drill into bone."""
-    from palpate.scenarios.scenarios import run_drilling
+    """Drill into bone, or push it aside."""
+    from palpate.base.errors import OptionError
+    from palpate.scenarios.scenarios import run_drilling, run_drilling_particles
 
     _check_files((json, plot))
+    if softening is not None and not particles:
+        raise OptionError("--softening given without --particles; allowed: both")
     with quiet_libraries(), Display() as display:
         body = _body((path, None, 0, bone), display)
         display("drilling", None)
-        run = run_drilling(body, depth=depth, radius=radius, speed=speed, force_limit=force_limit)
+        if particles:
+            run = run_drilling_particles(
+                body,
+                depth=depth,
+                radius=radius,
+                speed=1.0 if speed is None else speed,
+                force_limit=force_limit,
+                softening=5000.0 if softening is None else softening,
+            )
+        else:
+            run = run_drilling(
+                body,
+                depth=depth,
+                radius=radius,
+                speed=0.1 if speed is None else speed,
+                force_limit=force_limit,
+            )
     _tell(run, (json, plot))
 
 
@@ -276,6 +311,13 @@ def _tell(run: ScenarioRun, files: Files) -> None:
         + ("" if wall is None else f"bone at {wall:.2f} mm, ")
         + f"spikes {figures['spikes']}, violations {run.violations}"
     )
+    if run.hole is not None:
+        gone = run.samples["volume"][-1]
+        come = run.samples["piled"][-1] if "piled" in run.samples else 0.0
+        typer.echo(
+            f"hole {run.hole.depth:.1f} mm deep, rim {run.hole.rim:.1f} mm high; {gone:.0f} mm³ of "
+            f"bone gone from its place, {come:.0f} mm³ elsewhere"
+        )
     if run.lump is not None:
         x, y, z = run.lump.place
         aside = run.lump.aside

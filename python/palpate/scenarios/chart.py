@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.base.whole_file import whole_file
+from palpate.scenarios.hole import BONE, COME, EMPTY, GONE, Hole
 from palpate.scenarios.run import UNITS, Lump, ScenarioRun
 
 if TYPE_CHECKING:
@@ -28,8 +29,13 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
     """Plots the force of a run, and below it what caused it."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=not run.presses)
+    figure = Figure(figsize=(9.0, 7.0 if run.hole is None else 10.0), layout="constrained")
+    if run.hole is None:
+        upper, lower = figure.subplots(2, 1, sharex=not run.presses)
+    else:
+        upper, lower, below = figure.subplots(3, 1)
+        lower.sharex(upper)
+        _draw_hole(below, run.hole)
     if run.lump is not None:
         _draw_map(upper, run, run.lump)
         _draw_depths(lower, run)
@@ -72,13 +78,43 @@ def _draw_force(panel: Axes, run: ScenarioRun) -> None:
 def _draw_parts(panel: Axes, run: ScenarioRun) -> None:
     over = run.samples[run.over]
     if "volume" in run.samples:
-        panel.plot(over, run.samples["volume"], color=PHASES["in"], label="bone that is gone")
+        panel.plot(over, run.samples["volume"], color=PHASES["in"], label="gone from its place")
+        if "piled" in run.samples:
+            panel.plot(over, run.samples["piled"], color=PHASES["out"], label="come elsewhere")
         panel.set_ylabel("volume [mm³]")
         return
     going_in = np.array(run.phase) == "in"
     for name, colour in PARTS.items():
         panel.plot(over[going_in], run.samples[name][going_in], color=colour, label=name, lw=1.2)
     panel.set_ylabel("parts on the way in [N]")
+
+
+def _draw_hole(panel: Axes, hole: Hole) -> None:
+    """Draws the section through the hole; the tool comes from above."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    shown = {EMPTY: "white", BONE: "#BBBBBB", GONE: "#9ecae9", COME: PHASES["out"]}
+    kinds = list(shown)
+    drawn = [[kinds.index(sign) for sign in row] for row in hole.section]
+    width, height = len(hole.section[0]) * hole.spacing[0], len(drawn) * hole.spacing[1]
+    panel.imshow(
+        drawn,
+        cmap=ListedColormap(list(shown.values())),
+        vmin=-0.5,
+        vmax=3.5,
+        extent=(0.0, width, height, 0.0),
+        interpolation="nearest",
+    )
+    panel.set_xlabel("across the path [mm]")
+    panel.set_ylabel("along the path [mm]")
+    names = {BONE: "bone", GONE: "gone from here", COME: "come here"}
+    panel.legend(
+        handles=[Patch(color=shown[sign], label=name) for sign, name in names.items()],
+        frameon=False,
+        loc="center left",
+        bbox_to_anchor=(1.02, 0.5),
+    )
 
 
 def _draw_presses(panel: Axes, run: ScenarioRun) -> None:

@@ -10,7 +10,9 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DrillRun", "EngineRun", "NeedleRun", "PressRun"]
+from palpate import _core
+
+__all__ = ["DrillRun", "EngineRun", "NeedleRun", "PressRun", "RearrangingRun"]
 
 Column = NDArray[np.float64]
 
@@ -45,15 +47,33 @@ class NeedleRun(EngineRun):
     """Travel at which the path meets a rigid obstacle [mm]."""
 
 
-class DrillRun(EngineRun):
-    """A drill that was driven into bone."""
+class IntoBone(EngineRun):
+    """A tool that was driven into bone."""
 
     volume: Column
-    """Removed volume [mm³]."""
-    load: Column
-    """[mW]."""
+    """Volume of the places of bone that are empty by then [mm³]."""
     events: list[tuple[bool, float, float, float]]
     """Whether contact began or ended, time [s], travel [mm] and force [N]."""
+    bone: _core.Segment
+    """The bone afterwards."""
+
+
+class DrillRun(IntoBone):
+    """A drill that removed bone."""
+
+    load: Column
+    """[mW]."""
+
+
+class RearrangingRun(IntoBone):
+    """A ball that pushed particles of bone aside."""
+
+    piled: Column
+    """Volume of empty places that are bone by then [mm³]."""
+    answers: int
+    """Answers of the model."""
+    slips: int
+    """Answers in which particles slipped."""
 
 
 class PressRun(EngineRun):

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from palpate.base.errors import OptionError
 from palpate.base.whole_file import whole_file
 from palpate.scenarios.engine_run import EngineRun
+from palpate.scenarios.hole import Hole, hole_told
 
 __all__ = [
     "UNITS",
@@ -56,6 +57,7 @@ UNITS: Mapping[str, str] = {
     "wall": "N",
     "lateral": "N",
     "volume": "mm³",
+    "piled": "mm³",
     "load": "mW",
     "press": "",
 }
@@ -149,7 +151,8 @@ class ScenarioRun:
     at the tool, 0 where there is none.
 
     Of a needle its forces: ``stiffness``, ``cutting``, ``friction``, ``wall``, ``lateral``. Of a
-    drill ``volume``, which it removed, and ``load``, its power. Of a palpation ``press``, the
+    tool in bone ``volume``, places of bone that are empty by then; of a drill ``load``, its power;
+    of particles ``piled``, empty places that are bone by then. Of a palpation ``press``, the
     number of the press from 0.
     """
     events: tuple[ScenarioEvent, ...]
@@ -157,6 +160,8 @@ class ScenarioRun:
     """Of a palpation, one for each place."""
     lump: Lump | None = None
     """Of a palpation of a square, where it feels stiffest."""
+    hole: Hole | None = None
+    """Of a tool in bone, what it leaves."""
     wall_at: float | None = None
     """Travel at which the path meets a rigid obstacle [mm]; None where it does not."""
     violations: int
@@ -213,6 +218,8 @@ class ScenarioRun:
             "deepest_probe": float(self.probe.max()),
             "wall": self.wall_at,
             "lump_aside": None if self.lump is None else self.lump.aside,
+            "hole_depth": None if self.hole is None else self.hole.depth,
+            "hole_rim": None if self.hole is None else self.hole.rim,
             "spikes": self.spikes(),
             "violations": self.violations,
         }
@@ -239,6 +246,7 @@ def write_run(run: ScenarioRun, path: Path) -> None:
     content["events"] = [asdict(event) for event in run.events]
     content["presses"] = [asdict(press) for press in run.presses]
     content["lump"] = None if run.lump is None else asdict(run.lump)
+    content["hole"] = None if run.hole is None else asdict(run.hole)
     content = {"format": FORMAT, "figures": run.figures(), **content}
     with whole_file(path) as unfinished:
         unfinished.write_text(json.dumps(content) + "\n", encoding="utf-8")
@@ -283,6 +291,7 @@ def read_run(path: Path) -> ScenarioRun:
                     for press in content["presses"]
                 ),
                 "lump": _lump(content.get("lump")),
+                "hole": hole_told(content.get("hole")),
             }
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:

@@ -1,8 +1,8 @@
 """The scenarios of ``palpate scenario``, on the built-in phantom or on a scan (thesis 5.28.3).
 
-``drilling`` drills into bone, ``needle-skull`` passes the tissue over a bone, ``needle-liver`` the
-liver in front of bone, and ``palpation`` presses soft tissue along a line over bone, or the liver
-at the places of a square.
+``drilling`` drills into bone, or pushes it aside as particles, ``needle-skull`` passes the tissue
+over a bone, ``needle-liver`` the liver in front of bone, and ``palpation`` presses soft tissue
+along a line over bone, or the liver at the places of a square.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.base.errors import EmptySegmentError, OptionError
-from palpate.scenarios.drilling import drive_drill
+from palpate.scenarios.drilling import drive_drill, drive_rearranging_ball
 from palpate.scenarios.drive import Drive
 from palpate.scenarios.lines import before_body, line_into, line_through
 from palpate.scenarios.needle import drive_needle
@@ -28,6 +28,7 @@ from palpate.volumes.downsample import merged
 from palpate.volumes.phantom import phantom
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
+from palpate.volumes.split import split_around
 from palpate.volumes.volume import Volume
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "body_of_phantom",
     "body_of_scan",
     "run_drilling",
+    "run_drilling_particles",
     "run_needle",
     "run_palpation",
     "run_palpation_map",
@@ -62,6 +64,9 @@ RAW_SHIFT = 1024.0
 
 DRILL_STIFFNESS = 4.0
 """Stiffness of the spring between drive and drill, like a firm hand [N/mm]."""
+
+AROUND_PARTICLES = 24.0
+"""Bone around a path that takes part where particles are pushed aside [mm]."""
 
 ENERGY_ANYWHERE = 1300.0
 """Work of a drill where values are not HU: that of cortical bone [mJ/mm³]."""
@@ -192,21 +197,8 @@ def run_drilling(
     Raises:
         OptionError: There is no bone seen from the front, or an option is not allowed.
     """
-    _check_lengths(depth=depth, radius=radius)
     volume = body.volume
-    # a ball is held off by up to a voxel
-    margin = radius + 1.25 * max(volume.spacing)
-    start, target = line_into(volume, body.bone, depth=depth, margin=margin)
-    # the burr's face is to come that deep, not its centre
-    inward = (target - start) / np.linalg.norm(target - start)
-    drive = Drive(
-        start=start,
-        target=target - radius * inward,
-        speed=speed,
-        force_limit=force_limit,
-        rest_secs=0.5,
-        stiffness=DRILL_STIFFNESS,
-    )
+    drive = _into_bone(body, (depth, radius), (speed, force_limit))
     is_hu = volume.unit == "HU"
     return drive_drill(
         volume,
@@ -215,6 +207,76 @@ def run_drilling(
         radius=radius,
         air=None if is_hu else volume.range[0],
         energy=None if is_hu else ENERGY_ANYWHERE,
+    )
+
+
+def run_drilling_particles(
+    body: Body,
+    *,
+    depth: float = 4.0,
+    radius: float = 2.0,
+    speed: float = 1.0,
+    force_limit: float = 10.0,
+    softening: float = 5000.0,
+) -> ScenarioRun:
+    """Presses a ball into bone of particles, which rearrange and stay so; nothing is removed.
+
+    Args:
+        body: The body.
+        depth: Depth of the drive [mm]; the spring makes the ball lag behind it.
+        radius: Radius of the ball [mm].
+        speed: Speed of the drive [mm/s].
+        force_limit: Force at which the drive stops [N].
+        softening: Factor by which the particles are weaker than bone.
+
+    Voxels longer than half of the radius are split.
+
+    Raises:
+        OptionError: There is no bone seen from the front, or an option is not allowed.
+    """
+    drive = _into_bone(body, (depth, radius), (speed, force_limit), clear=2.5)
+    volume, bone = split_around(
+        body.volume,
+        body.bone,
+        np.asarray(drive.start, float),
+        reach=AROUND_PARTICLES + depth,
+        # a ball no larger than a voxel is a particle among particles
+        size=radius / 2.0,
+    )
+    return drive_rearranging_ball(
+        volume,
+        volume.segment(bone, name="bone"),
+        drive,
+        radius=radius,
+        softening=softening,
+    )
+
+
+def _into_bone(
+    body: Body, tool: tuple[float, float], push: tuple[float, float], *, clear: float = 1.25
+) -> Drive:
+    """Returns a drive of a ball into the flattest bone.
+
+    Args:
+        body: The body.
+        tool: How deep the ball's face comes, and its radius [mm].
+        push: Speed [mm/s] and force limit [N].
+        clear: From its face to the bone at the start [voxels].
+    """
+    (depth, radius), (speed, force_limit) = tool, push
+    _check_lengths(depth=depth, radius=radius)
+    # a ball is held off by up to a voxel
+    margin = radius + clear * max(body.volume.spacing)
+    start, target = line_into(body.volume, body.bone, depth=depth, margin=margin)
+    # the ball's face is to come that deep, not its centre
+    inward = (target - start) / np.linalg.norm(target - start)
+    return Drive(
+        start=start,
+        target=target - radius * inward,
+        speed=speed,
+        force_limit=force_limit,
+        rest_secs=0.5,
+        stiffness=DRILL_STIFFNESS,
     )
 
 

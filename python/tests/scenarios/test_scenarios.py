@@ -12,6 +12,7 @@ import pytest
 from palpate.base.errors import OptionError
 from palpate.cli.commands import run
 from palpate.io.reading import read
+from palpate.scenarios.hole import hole_of
 from palpate.scenarios.lines import line_into
 from palpate.scenarios.palpation import palpate_line
 from palpate.scenarios.press_lines import SIDES, PressLine, line_over, square_on
@@ -26,6 +27,7 @@ from palpate.scenarios.run import (
 )
 from palpate.scenarios.scenarios import Body, body_of_scan, run_palpation, run_palpation_map
 from palpate.volumes.downsample import merged
+from palpate.volumes.split import split_around
 from palpate.volumes.volume import Volume
 
 
@@ -71,6 +73,67 @@ def test_a_drill_goes_in_with_a_steady_force_and_leaves_a_hole(tmp_path: Path) -
     behind = driven.travel - driven.tip
     assert behind.max() < driven.force.max() / 4.0 + 0.1
     assert driven.radius == 2.0
+
+
+def test_bone_of_particles_is_pushed_aside_to_the_rim_of_the_hole(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pressed = told(
+        "drilling", tmp_path, "--particles", "--depth", "3", "--speed", "3", "--softening", "20000"
+    )
+    assert pressed.scenario == "drilling-particles"
+    gone, come = (pressed.samples[name] for name in ("volume", "piled"))
+    # afterwards all of it stands somewhere else
+    assert gone[-1] == come[-1] > 10.0
+    assert pressed.hole is not None
+    assert pressed.hole.depth >= 2.0
+    assert pressed.hole.rim >= 1.0
+    signs = "".join(pressed.hole.section)
+    assert {"-", "+", "#"} <= set(signs)
+    assert f"{gone[-1]:.0f} mm³ elsewhere" in capsys.readouterr().out
+
+
+def test_a_hole_is_as_deep_and_its_rim_as_high_as_voxels_show() -> None:
+    before = np.zeros((9, 20, 9), dtype=bool)
+    before[:, 10:] = True
+    after = before.copy()
+    after[4, 10:13, 3:6] = False
+    after[4, 8:10, 2] = after[4, 9, 6] = True
+    hole = hole_of(before, after, column=(4, 4), spacing=(1.0, 0.5, 2.0))
+    assert (hole.depth, hole.rim) == (1.5, 1.0)
+    rows = [row for row in hole.section if "-" in row or "+" in row]
+    assert rows == ["  +      ", "  +   +  ", "###---###", "###---###", "###---###"]
+
+
+def test_what_is_split_stands_where_it_was() -> None:
+    values = np.arange(6 * 5 * 4, dtype=np.int16).reshape(6, 5, 4)
+    volume = Volume(values, spacing=(1.0, 2.0, 3.0), origin=(5.0, -3.0, 2.0))
+    mask = values % 3 == 0
+    point = (volume.patient_from_grid @ np.array([2.0, 3.0, 3.0, 1.0]))[:3]
+    small, part = split_around(volume, mask, point, reach=3.0, size=1.0)
+    assert small.spacing == (1.0, 1.0, 1.0)
+    assert part.shape == small.shape
+    # each new voxel holds what was at its centre
+    for z, y, x in ((0, 0, 0), (4, 5, 3), (5, 2, 1)):
+        place = small.patient_from_grid @ np.array([x + 0.5, y + 0.5, z + 0.5, 1.0])
+        i, j, k = np.floor((np.linalg.inv(volume.patient_from_grid) @ place)[:3]).astype(int)
+        assert small.array[z, y, x] == values[k, j, i]
+        assert part[z, y, x] == mask[k, j, i]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        ["--softening", "10"],
+        ["--particles", "--softening", "0.5"],
+        ["--particles", "--radius", "0"],
+    ],
+)
+def test_what_no_particles_can_do_is_refused(
+    given: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["scenario", "drilling", *given]) == 2
+    assert "allowed:" in capsys.readouterr().err
 
 
 @pytest.mark.data

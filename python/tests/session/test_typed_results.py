@@ -21,7 +21,7 @@ from palpate.bench.results import (
     StressResult,
 )
 from palpate.scenarios.drive import Drive
-from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun
+from palpate.scenarios.engine_run import DrillRun, NeedleRun, PressRun, RearrangingRun
 from palpate.session.deformation_state import DeformationState, ModelOffer, ModelParts
 from palpate.session.frame_state import FrameState, LatenessState
 from palpate.session.model_options import ModelOptions, Prony
@@ -217,6 +217,8 @@ def test_scenarios_return_what_is_declared(scan: palpate.Volume) -> None:
     tissue = _core.needle_tissues()[0][1]
     assert differences(_core.drive_needle(inner, [(segment, tissue)], drive), NeedleRun) == []
     assert differences(_core.drive_drill(inner, segment, drive, 2.0, None, 1.0), DrillRun) == []
+    pushed = _core.drive_rearranging_ball(inner, segment, drive, 2.0, 5000.0, is_hu=True)
+    assert differences(pushed, RearrangingRun) == []
     layers: list[tuple[_core.Segment, str | None]] = [(segment, "liver")]
     pressed_in = _core.press(inner, layers, drive, 3.0, 2.0, "lattice")
     assert differences(pressed_in, PressRun) == []

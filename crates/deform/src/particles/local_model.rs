@@ -64,6 +64,9 @@ pub struct LocalSettings {
     /// Parts of the work of a call: the cells near the tool first, those farther away frozen,
     /// then more of them (5.21). One for none.
     pub layers: u32,
+    /// Whether what particles show stays where the tool has left them: they rearrange (5.28.3); else all of it
+    /// comes back.
+    pub rearranges: bool,
     /// What the scan reads where tissue left, in its own unit.
     pub air: f64,
 }
@@ -78,6 +81,7 @@ impl Default for LocalSettings {
             binding: 0.0,
             walls: false,
             layers: 1,
+            rearranges: false,
             air: -1000.0,
         }
     }
@@ -242,8 +246,10 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
         answer.events.extend(unlike);
         answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);
+        state.note_rearranged(&relaxed.felt, answer.report.residual);
         answer.at_rest = Some(state.at_rest());
         answer.report.moved_voxels = state.moved_voxels();
+        answer.report.plastic_voxels = state.plastic_voxels();
         answer.displacement = state.displacement(input.voxels);
         answer
     }
@@ -256,6 +262,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
     fn reset(&mut self) {
         if let Some(state) = &mut self.state {
             state.forget();
+            state.settle_plastic();
         }
     }
 }

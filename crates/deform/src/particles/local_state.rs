@@ -31,7 +31,7 @@ const LARGEST_TOOL: f64 = 12.0;
 pub(super) struct LocalState<L> {
     settings: LocalSettings,
     pub body: ParticleBody<L>,
-    centre: Option<IVec3>,
+    pub centre: Option<IVec3>,
     /// Where the tool's centre was when the box was put there.
     tool_cell: Option<IVec3>,
     ledger: Ledger,
@@ -71,6 +71,36 @@ impl<L: LocalLaw> LocalState<L> {
     /// What moved voxels are without a tool.
     pub fn at_rest(&self) -> AtRest {
         self.ledger.at_rest()
+    }
+
+    /// Whether particles stay where a tool has pushed them.
+    pub fn rearranges(&self) -> bool {
+        self.settings.rearranges
+    }
+
+    /// Notes that all voxels that were changed stay as they are without a tool.
+    pub fn note_all_stays(&mut self) {
+        self.ledger.note_plastic(&self.ledger.bounds());
+    }
+
+    /// All voxels count as they are from now on.
+    pub fn settle_all(&mut self) {
+        self.ledger.settle();
+    }
+
+    /// Voxels that stay without a tool count as they are from now on.
+    pub fn settle_plastic(&mut self) {
+        self.ledger.settle_plastic();
+    }
+
+    /// Voxels that stay displaced without a tool.
+    pub fn plastic_voxels(&self) -> u32 {
+        self.ledger.plastic_len() as u32
+    }
+
+    /// Cells along an edge of the box whose particles may move.
+    pub fn inner_cells(&self) -> i32 {
+        self.settings.box_cells - 2 * self.settings.border_cells
     }
 
     /// Voxels that are not as at rest.
@@ -156,20 +186,23 @@ impl<L: LocalLaw> LocalState<L> {
             return;
         }
         self.tool_cell = Some(cell);
-        let contact = tool.centre + self.toward_matter(input, tool);
-        let centre = self.cell_of(contact);
+        let toward = self.toward_matter(input, tool);
+        let centre = self.cell_of(tool.centre + toward.unwrap_or_default());
+        if self.settings.rearranges && (toward.is_none() || !self.leaves(centre)) {
+            return;
+        }
         if self.centre != Some(centre) {
             self.centre = Some(centre);
             self.fill_box(input);
         }
     }
 
-    /// From the tool's centre to the place on it where tissue is. The thesis puts the box around
+    /// From the tool's centre to the place on it where tissue is; none where none is near. The thesis puts the box around
     /// the tool's centre (5.10), where half of it is air and a large tool reaches its border.
     ///
     /// For a ball on a plane the middle of the tissue within R of its centre lies 3/8 R away, and
     /// the place on its surface r; in the midst of tissue both are zero.
-    fn toward_matter(&mut self, input: &ModelInput<'_>, tool: &ParticleTool) -> DVec3 {
+    fn toward_matter(&self, input: &ModelInput<'_>, tool: &ParticleTool) -> Option<DVec3> {
         let (grid, cell) = (self.body.grid, self.body.scale.cell);
         let radius = tool.half_axes.max_element().min(LARGEST_TOOL * cell);
         let reach = radius + 2.0 * cell;
@@ -192,7 +225,7 @@ impl<L: LocalLaw> LocalState<L> {
             }
         }
         let toward = sum / f64::from(count.max(1)) * (8.0 / 3.0 * radius / reach);
-        toward.clamp_length_max(radius)
+        (count > 0).then(|| toward.clamp_length_max(radius))
     }
 
     /// Particles for all cells of the box whose tissue takes part, and none elsewhere.
@@ -253,12 +286,11 @@ impl<L: LocalLaw> LocalState<L> {
 
     /// Whether a particle may move. One that stands still stands at home.
     fn mobility(&mut self, index: usize, input: &ModelInput<'_>) -> DVec3 {
+        let (border, inner) = (self.settings.border_cells, self.inner_cells());
         let particles = &mut self.body.system.particles;
         let (home, origin) = (particles.homes[index], particles.origins[index]);
         let solid = solid_of(input.voxels, input.materials, origin.voxel, &origin.matter);
         let rigid = solid.is_none_or(|(_, treatment)| treatment == Treatment::Rigid);
-        let border = self.settings.border_cells;
-        let inner = self.settings.box_cells - 2 * border;
         let at_border = self.centre.is_none_or(|centre| {
             let first = centre - self.settings.box_cells / 2 + border;
             let offset = (home / self.body.scale.cell).floor().as_ivec3() - first;
@@ -359,12 +391,12 @@ impl<L: LocalLaw> LocalState<L> {
             capacity: self.body.grid.voxel_volume() / self.body.scale.volume(),
             air: air.round() as i16,
         };
-        rule.edit(
-            voxels,
-            &self.body.system.particles,
-            &region,
-            &mut self.ledger,
-        )
+        let particles = &self.body.system.particles;
+        let by = match self.settings.rearranges {
+            true => WriteBack::edit_rearranged,
+            false => WriteBack::edit,
+        };
+        by(&rule, voxels, particles, &region, &mut self.ledger)
     }
 
     /// The mean displacement of each cell's particles, less what the voxels show of it; none

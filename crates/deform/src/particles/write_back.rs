@@ -33,9 +33,9 @@ pub(super) struct WriteBack {
 
 /// What stands in a voxel.
 #[derive(Clone, Copy, Debug)]
-struct Standing {
-    count: u32,
-    at_rest: u32,
+pub(super) struct Standing {
+    pub count: u32,
+    pub at_rest: u32,
     stored: i64,
     from_elsewhere: bool,
     /// Sum of their displacements [voxels].
@@ -55,12 +55,12 @@ impl Standing {
         segments: SegmentSet::EMPTY,
     };
 
-    fn is_as_at_rest(&self) -> bool {
+    pub fn is_as_at_rest(&self) -> bool {
         self.count == self.at_rest && !self.from_elsewhere
     }
 
     /// How far what a voxel shows has come [voxels]; none where it shows no matter.
-    fn shown(&self, matter: &VoxelState) -> Option<DVec3> {
+    pub fn shown(&self, matter: &VoxelState) -> Option<DVec3> {
         let mean = self.come / f64::from(self.count.max(1));
         (!matter.segments.is_empty()).then_some(mean)
     }
@@ -100,12 +100,7 @@ impl WriteBack {
         if !solid_at_rest && !rest.segments.is_empty() {
             return *rest;
         }
-        let full = if solid_at_rest {
-            f64::from(standing.at_rest)
-        } else {
-            self.capacity
-        };
-        let share = f64::from(standing.count) / full;
+        let share = f64::from(standing.count) / self.full(standing);
         let solid = if share >= FILL_FROM {
             true
         } else if share < CLEAR_BELOW {
@@ -113,6 +108,20 @@ impl WriteBack {
         } else {
             !now.segments.is_empty()
         };
+        self.of(solid, standing, rest)
+    }
+
+    /// Particles of a voxel that is full.
+    pub fn full(&self, standing: &Standing) -> f64 {
+        match standing.at_rest {
+            0 => self.capacity,
+            at_rest => f64::from(at_rest),
+        }
+    }
+
+    /// What a voxel is with what stands in it, where that makes it solid or not.
+    pub fn of(&self, solid: bool, standing: &Standing, rest: &VoxelState) -> VoxelState {
+        let solid_at_rest = standing.at_rest > 0;
         match (solid, solid_at_rest) {
             (true, true) if !standing.from_elsewhere => *rest,
             (true, _) => VoxelState {
@@ -133,7 +142,7 @@ impl WriteBack {
 }
 
 /// What stands in each voxel of the region, x fastest.
-fn gather(voxels: &Voxels, particles: &Particles, region: &VoxelBox) -> Vec<Standing> {
+pub(super) fn gather(voxels: &Voxels, particles: &Particles, region: &VoxelBox) -> Vec<Standing> {
     let spacing = voxels.grid().spacing();
     let size = region.size().as_ivec3();
     let mut standing = vec![Standing::NOTHING; region.voxel_count() as usize];

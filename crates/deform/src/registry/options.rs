@@ -28,6 +28,8 @@ pub struct ModelOptions {
     pub calibration: Option<Calibration>,
     /// Method by which particles come to rest.
     pub motion: Option<Motion>,
+    /// Whether particles stay where a tool has pushed them (5.28.3); else all of them come back.
+    pub rearranges: bool,
 }
 
 /// Options that a model offers.
@@ -49,6 +51,8 @@ pub struct Offers {
     pub calibration: bool,
     /// Whether motions can be chosen.
     pub motion: bool,
+    /// Whether its particles can stay where a tool has pushed them.
+    pub rearranges: bool,
 }
 
 /// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
@@ -143,6 +147,7 @@ impl Offers {
                 self.calibration,
             ),
             ("motion", options.motion.is_some(), self.motion),
+            ("rearrangement", options.rearranges, self.rearranges),
         ];
         match chosen.iter().find(|(_, is, may)| *is && !*may) {
             Some((option, ..)) => Err(not_offered(name, option)),

@@ -6,13 +6,11 @@ use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 
+use super::contacts::{ContactEvent, contacts};
 use super::drive::{Drive, Phase, Sample};
-use super::rig::{Rig, TICKS_PER_PASS};
+use super::rig::Rig;
 use crate::error::SessionError;
 use crate::scene::Properties;
-
-/// A contact that is gone for so long is over [ticks]; voxels that go part it for less.
-const APART_TICKS: u64 = 100;
 
 /// A drill and how it is driven.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,21 +23,8 @@ pub struct DrillDrive {
     pub drill: DrillSettings,
 }
 
-/// What happened to the drill.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrillEvent {
-    /// Whether it came to the bone, or came free.
-    pub is_contact: bool,
-    /// When [s].
-    pub time: f64,
-    /// How far the drive was [mm].
-    pub travel: f64,
-    /// With which force [N].
-    pub force: f64,
-}
-
 /// What came of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct DrillRun {
     /// Every tick; the tool is the burr's centre, held by the bone.
     pub samples: Vec<Sample>,
@@ -47,10 +32,12 @@ pub struct DrillRun {
     pub volume: Vec<f64>,
     /// The power on it [N·mm/s].
     pub load: Vec<f64>,
-    /// What happened.
-    pub events: Vec<DrillEvent>,
+    /// Contacts that began and ended.
+    pub events: Vec<ContactEvent>,
     /// Ticks in which the probe was in a solid voxel: none, unless the engine is wrong.
     pub violations: u64,
+    /// The bone afterwards.
+    pub bone: Segment,
 }
 
 /// Drives a drill into bone, segment 1. It turns on the way in and at rest.
@@ -67,6 +54,7 @@ pub fn drive_drill(
     drive.check()?;
     let mut rig = Rig::new(grid, intensities, drive, given.radius)?;
     let properties = Properties::of_threshold(true, None);
+    let before = bone.clone();
     let bone = rig.simulation.add_segment(bone, properties, false)?;
     rig.simulation.set_tool(Some(ToolSettings {
         drill: given.drill,
@@ -80,6 +68,7 @@ pub fn drive_drill(
         load: Vec::new(),
         events: Vec::new(),
         violations: 0,
+        bone: before,
     };
     let mut ended = Ok(());
     drive.run(|phase, travel| {
@@ -95,36 +84,10 @@ pub fn drive_drill(
         sample.force < drive.force_limit
     });
     ended?;
-    run.events = events(&run.samples);
+    run.events = contacts(&run.samples);
     run.violations = rig.violations();
-    Ok(run)
-}
-
-/// Contacts that began and ended, by their force, which can begin later than voxels hold the burr; one
-/// that is gone for some passes of the simulation goes on.
-fn events(samples: &[Sample]) -> Vec<DrillEvent> {
-    let apart = APART_TICKS.max(TICKS_PER_PASS) as usize;
-    let mut events = Vec::new();
-    let mut last_contact = None;
-    for (place, sample) in samples.iter().enumerate() {
-        let is_contact = sample.force > 0.0;
-        let event = |is_contact, sample: &Sample| DrillEvent {
-            is_contact,
-            time: sample.time,
-            travel: sample.travel,
-            force: sample.force,
-        };
-        match (is_contact, last_contact) {
-            (true, None) => events.push(event(true, sample)),
-            (false, Some(last)) if place - last >= apart => {
-                events.push(event(false, &samples[last]));
-                last_contact = None;
-            }
-            _ => {}
-        }
-        if is_contact {
-            last_contact = Some(place);
-        }
+    if let Some(now) = rig.simulation.voxels().segment(bone) {
+        run.bone = now.clone();
     }
-    events
+    Ok(run)
 }

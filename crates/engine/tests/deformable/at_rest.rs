@@ -164,3 +164,44 @@ fn what_has_yielded_stays_in_files_and_is_one_step_of_undo() {
         assert!(state(rig.simulation.voxels()) == yielded);
     }
 }
+
+/// Particles of the thesis that stay where a ball has pushed them (5.28.3).
+#[test]
+fn what_was_rearranged_stays_in_files_and_is_one_step_of_undo() {
+    let mut rig = lattice_rig();
+    let rearranges = ModelOptions {
+        edge: Some(17),
+        rearranges: true,
+        ..ModelOptions::default()
+    };
+    rig.simulation
+        .set_deformation(Some("fcc-lj"), &rearranges, false)
+        .unwrap();
+    let at_rest = state(rig.simulation.voxels());
+    let all = soft_voxels(&rig);
+    let (journal, file) = (
+        Place::new("rearranged-journal"),
+        Place::new("rearranged-file"),
+    );
+    rig.simulation.begin_journal(&journal.0, HASH).unwrap();
+    press(&mut rig);
+    go(&mut rig, 20.0, 30.0, 600);
+    go(&mut rig, 30.0, 30.0, 500);
+    let report = rig.simulation.deformation().report;
+    assert!(
+        report.plastic_voxels > 0 && !report.comes_back(),
+        "{report:?}"
+    );
+    let rearranged = state(rig.simulation.voxels());
+    assert!(rearranged != at_rest);
+    assert_eq!(soft_voxels(&rig), all);
+    rig.simulation.keep_state(&file.0, HASH).unwrap();
+    assert!(rig.simulation.undo().unwrap());
+    assert!(state(rig.simulation.voxels()) == at_rest);
+    assert!(rig.simulation.redo().unwrap());
+    drop(rig);
+    for place in [journal, file] {
+        let rig = recovered(&place);
+        assert!(state(rig.simulation.voxels()) == rearranged);
+    }
+}

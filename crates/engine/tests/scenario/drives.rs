@@ -7,8 +7,10 @@ use palpate_deform::material::preset;
 use palpate_engine::scenario::drilling::{DrillDrive, DrillRun, drive_drill};
 use palpate_engine::scenario::drive::{Drive, Phase, Sample};
 use palpate_engine::scenario::palpation::{Press, PressedLayer, press};
+use palpate_engine::scenario::rearranging::{RearrangingDrive, drive_rearranging, thesis_bone};
 use palpate_tools::drill::DrillSettings;
 use palpate_tools::specific_energy::SpecificEnergy;
+use palpate_volume::voxel_box::VoxelBox;
 
 const SIZE: UVec3 = UVec3::splat(32);
 /// Upper face of what is touched [mm].
@@ -242,4 +244,60 @@ fn bone_under_thin_soft_matter_pushes_back_whatever_a_model_says() {
             assert_eq!(run.violations, 0);
         }
     }
+}
+
+#[test]
+fn bone_of_particles_is_pushed_aside_and_none_of_it_is_lost() {
+    let block = box_segment(SIZE, IVec3::ZERO, IVec3::new(32, 32, TOP as i32));
+    let given = RearrangingDrive {
+        drive: Drive {
+            rest_secs: 0.1,
+            ..from_above(5.0 - BURR, 3.0)
+        },
+        radius: BURR,
+        law: thesis_bone(20_000.0, false).unwrap(),
+    };
+    let run = drive_rearranging(&grid(SIZE), intensities(SIZE), block.clone(), &given).unwrap();
+    assert_eq!(run.violations, 0);
+    // a hole under the ball, and what was in it around it, higher than any bone before
+    let hole = IVec3::new(16, 16, TOP as i32 - 1);
+    assert!(!run.bone.contains(hole) && !run.bone.contains(hole - IVec3::Z));
+    let bounds = VoxelBox::of_dimensions(SIZE);
+    let rim = bounds
+        .voxels()
+        .filter(|voxel| run.bone.contains(*voxel) && voxel.z >= TOP as i32);
+    let rim: Vec<IVec3> = rim.collect();
+    let far = |voxel: &IVec3| (voxel.truncate() - 16).abs().max_element() > 8;
+    assert!(rim.len() > 10 && !rim.iter().any(far), "{rim:?}");
+    assert_eq!(run.bone.count(), block.count());
+    // while it is pressed some is squeezed; afterwards all of it stands somewhere
+    let squeezed = run
+        .volume
+        .iter()
+        .zip(&run.piled)
+        .map(|(gone, come)| gone - come);
+    assert!(squeezed.fold(0.0, f64::max) < 30.0);
+    assert_eq!(run.volume.last(), run.piled.last());
+    // as in figure 5.27 the force rises and then changes by little, by rows that slip
+    let [answers, slips] = run.answers;
+    assert!(slips > 10 && slips < answers, "{slips} of {answers}");
+    let going_in = run
+        .samples
+        .iter()
+        .filter(|sample| sample.phase == Phase::In);
+    let late: Vec<f64> = going_in
+        .filter(|s| s.travel > 4.0)
+        .map(|s| s.force)
+        .collect();
+    let (least, most) = (
+        late.iter().copied().fold(f64::MAX, f64::min),
+        late.iter().copied().fold(0.0, f64::max),
+    );
+    assert!(
+        least > 0.3 * most && most < given.drive.force_limit,
+        "{least} to {most} N"
+    );
+    // it comes out without a force, and the tool is where the drive is
+    let last = run.samples.last().unwrap();
+    assert!(last.force == 0.0 && last.tip.abs() < 1e-9, "{last:?}");
 }

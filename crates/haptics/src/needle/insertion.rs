@@ -93,6 +93,10 @@ impl Insertion {
         let tissues = world.tissues;
         self.track
             .look(&self.line, device.max(self.shaft.tip), world);
+        let at = (self.shaft.tip, input.time);
+        if self.track.look_again(&self.line, at, world) {
+            self.place = self.track.place_at(self.cut);
+        }
 
         let meets = self.meets(tissues);
         self.shaft.press(device, k, &meets);

@@ -1,5 +1,5 @@
 //! What lies on the line of a needle: its layers as far as the tip has been, found voxel by
-//! voxel, each once.
+//! voxel, and looked at again part by part, so that edits count behind the tip too.
 //!
 //! Depths in mm from the entry along the line; walks in the grid.
 
@@ -15,6 +15,14 @@ use super::tissues::{Layered, Met, NeedleScan, TissueMap, Tissues, World};
 const MAX_LAYERS: usize = 32;
 /// Voxels looked up in a tick, at most: so far ahead a tip can come in one.
 const MAX_VOXELS: u32 = 24;
+/// Length of what is looked at again in a tick [smallest spacings].
+const AGAIN: f64 = 2.0;
+/// Voxels of it, at most: some three for each spacing, and those at both ends.
+const MAX_AGAIN: u32 = 12;
+/// A way through a voxel that is shorter is none: it grazes a corner [mm].
+const GRAZED: f64 = 1e-6;
+/// Ticks in a second by which that part is chosen.
+const PARTS_HZ: f64 = 1000.0;
 /// Beyond the face of a wall by so much, its voxel is asked for again [mm].
 const INTO_WALL: f64 = 1e-6;
 
@@ -140,6 +148,90 @@ impl Track {
         }
     }
 
+    /// Looks again at a part of what is known, another one each tick, and follows what was edited there;
+    /// whether anything was. `tip`: where the needle's tip is [mm]; what is hard stops it beyond only.
+    pub fn look_again(
+        &mut self,
+        line: &Line,
+        (tip, time): (f64, f64),
+        world: &World<'_, impl TissueMap>,
+    ) -> bool {
+        let grid = world.scan.grid;
+        let length = AGAIN * grid.smallest_spacing();
+        let parts = (self.seen / length).ceil();
+        // written so that NaN is refused
+        if !(parts >= 1.0 && time >= 0.0) {
+            return false;
+        }
+        let from = (time * PARTS_HZ).round() % parts * length;
+        let to = (from + length).min(self.seen);
+        let walk = Walk::new(line.in_grid(grid, from), line.in_grid(grid, to));
+        let Some(mut walk) = walk else {
+            return false;
+        };
+        let mut found = Self::default();
+        let mut changed = false;
+        for _ in 0..MAX_AGAIN {
+            let [begin, end] = [walk.fraction(), walk.exit_fraction().min(1.0)]
+                .map(|part| from + (to - from) * part);
+            if end - begin > GRAZED {
+                let met = world.scan.map.at(walk.voxel(), world.tissues);
+                changed |= self.met_at(0.5 * (begin + end)) != met;
+                found.note(begin, met);
+                found.seen = end;
+            }
+            if !walk.advance() {
+                break;
+            }
+        }
+        if changed {
+            self.put(&found, from, tip);
+        }
+        changed
+    }
+
+    /// Puts what was found from a depth on in the place of what was known there.
+    fn put(&mut self, found: &Self, from: f64, tip: f64) {
+        let before = *self;
+        self.count = 0;
+        let ahead = before.known().iter().filter(|layer| layer.from < from);
+        let behind = before
+            .known()
+            .iter()
+            .filter(|layer| layer.from > found.seen);
+        let goes_on = Layer {
+            from: found.seen,
+            met: before.met_at(found.seen),
+        };
+        let all = ahead.chain(found.known()).chain([&goes_on]).chain(behind);
+        for layer in all {
+            let is_wall = layer.from >= tip && matches!(layer.met, Met::Wall(_));
+            if is_wall {
+                // from here on it is looked at anew
+                self.seen = layer.from;
+                self.wall = None;
+                return;
+            }
+            self.note(layer.from, layer.met);
+        }
+    }
+
+    /// The layers that are known.
+    fn known(&self) -> &[Layer] {
+        &self.layers[..usize::from(self.count)]
+    }
+
+    /// The layer in which a depth lies; the first one before all of them.
+    #[must_use]
+    pub fn place_at(&self, depth: f64) -> u8 {
+        let before = self.known().iter().take_while(|layer| layer.from <= depth);
+        u8::try_from(before.count().saturating_sub(1)).unwrap_or(u8::MAX)
+    }
+
+    fn met_at(&self, depth: f64) -> Met {
+        self.met(self.place_at(depth))
+    }
+
     /// Sum over the shaft from the entry to a depth of a figure per length of its tissues.
     #[must_use]
     pub fn along(&self, depth: f64, tissues: &Tissues, figure: impl Fn(&Tissue) -> f64) -> f64 {
@@ -160,16 +252,14 @@ impl Track {
     /// Whether the line comes through a tissue before a depth.
     #[must_use]
     pub fn meets(&self, tissue: u8, depth: f64) -> bool {
-        let known = self.layers[..usize::from(self.count)].iter();
-        let mut before = known.take_while(|layer| layer.from <= depth);
+        let mut before = self.known().iter().take_while(|layer| layer.from <= depth);
         before.any(|layer| matches!(layer.met, Met::Tissue(met) if met.has(tissue)))
     }
 
     /// The first tissue on the line, as far as it is known.
     #[must_use]
     pub fn first(&self) -> Option<Layered> {
-        let known = self.layers[..usize::from(self.count)].iter();
-        let mut tissues = known.filter_map(|layer| match layer.met {
+        let mut tissues = self.known().iter().filter_map(|layer| match layer.met {
             Met::Tissue(met) => Some(met),
             Met::Nothing | Met::Wall(_) => None,
         });
