@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -75,6 +77,33 @@ def test_no_seed_is_in_what_is_shared(seeded: Path, seeds: set[str], tmp_path: P
     assert [
         word for word in ("Alvarez", "ALVAREZ", "山田", "太郎", "778899") if word in texts
     ] == []
+
+
+def dumped(program: str, path: Path) -> bytes:
+    """Returns all that another program tells of a file, in capitals."""
+    options = {"dcdump": (), "gdcmdump": ("--print",)}[program]
+    command = [Path(sys.executable).parent / program, *options, path]
+    ended = subprocess.run(command, capture_output=True, check=False)
+    told = (ended.stdout + ended.stderr).upper()
+    assert b"(0010,0010)" in told.replace(b"0X", b""), told[-500:]
+    return told
+
+
+@pytest.mark.parametrize("program", ["dcdump", "gdcmdump"])
+def test_other_programs_find_no_seed_in_what_is_shared(
+    program: str, seeded: Path, seeds: set[str], tmp_path: Path
+) -> None:
+    shared(seeded, tmp_path / "shared", NAMES)
+    looked_for = {spelling.upper() for seed in seeds for spelling in spellings(seed)}
+    # the program shows what there is
+    before = b"".join(dumped(program, path) for path in seeded.iterdir())
+    assert sum(each in before for each in looked_for) > 1200
+    made = list((tmp_path / "shared").rglob("*.dcm"))
+    assert len(made) == 4
+    for path in made:
+        told = dumped(program, path)
+        assert [each for each in looked_for if each in told] == [], path
+        assert [one for one in (b"ALVAREZ", b"778899", "山田".encode()) if one in told] == [], path
 
 
 def test_names_of_segments_are_cleaned(seeded: Path, tmp_path: Path) -> None:
