@@ -81,8 +81,8 @@ def test_no_seed_is_in_what_is_shared(seeded: Path, seeds: set[str], tmp_path: P
 
 def dumped(program: str, path: Path) -> bytes:
     """Returns all that another program tells of a file, in capitals."""
-    options = {"dcdump": (), "gdcmdump": ("--print",)}[program]
-    command = [Path(sys.executable).parent / program, *options, path]
+    options = ["--print"] if program == "gdcmdump" else []
+    command = [str(Path(sys.executable).parent / program), *options, str(path)]
     ended = subprocess.run(command, capture_output=True, check=False)
     told = (ended.stdout + ended.stderr).upper()
     assert b"(0010,0010)" in told.replace(b"0X", b""), told[-500:]
