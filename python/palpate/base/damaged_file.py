@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import struct
 import zipfile
 import zlib
@@ -11,7 +12,7 @@ from contextlib import contextmanager
 
 from palpate.base.errors import PalpateError
 
-__all__ = ["BROKEN", "damage_as"]
+__all__ = ["BROKEN", "damage_as", "is_wrong_place"]
 
 BROKEN = (
     *(ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, RuntimeError),
@@ -46,3 +47,8 @@ def damage_as(
         lines = str(error).strip().splitlines() or [type(error).__name__]
         why = " ".join(lines[-1].split())[:MOST_LETTERS].rstrip(".")
         raise kind(f"{what} ({why}); allowed: {allowed}") from None
+
+
+def is_wrong_place(error: OSError) -> bool:
+    """Says whether a system refused to go to a place that a damaged archive names."""
+    return error.errno == errno.EINVAL

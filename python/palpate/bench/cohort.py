@@ -2,18 +2,21 @@
 
 Cases without steps go through the scheduler, as those of ``palpate run --workers 2`` do: what is
 left is the cost of handing them out. Small phantoms then run one after the other, each in a process
-of its own, and again in one process; the difference is what the processes cost.
+of its own, and again in one process; the difference is what the processes cost. Cases that fill a
+core run on one worker and on two, in turn; of the pairs the median counts, so that what else the
+machine does falls on both.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 from time import monotonic
 
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
-from palpate.bench.goals.cohort import COHORT_ROWS, EMPTY_CASES, SMALL_CASES
+from palpate.bench.goals.cohort import COHORT_ROWS, EMPTY_CASES, FULL_CASES, SMALL_CASES
 from palpate.bench.report import Row, rows_in
 from palpate.cohort.case import Case
 from palpate.cohort.case_figures import measured_segments, write_thumbnail
@@ -33,6 +36,8 @@ __all__ = ["empty_case", "measure"]
 
 WORKERS = 2
 PHANTOMS = 10
+FULL, PAIRS = 6, 3
+"""Cases of a run that fill a core, and pairs of runs."""
 RECIPE = """\
 import:
   path: ct.nii.gz
@@ -42,6 +47,21 @@ segment:
     name: bone
 export:
   - out: bone.seg.nrrd
+"""
+FULL_RECIPE = """\
+import:
+  path: ct.nii.gz
+  unit: HU
+segment:
+  - threshold: 250
+    name: bone
+    smooth: 3
+  - threshold: -300
+    name: skin
+    keep-largest: true
+surface:
+  - segment: skin
+    out: skin.stl
 """
 
 
@@ -67,11 +87,15 @@ def measure(count: int, progress: Progress = silent) -> list[Row]:
         seconds = _empty_cases(place, count)
         progress(f"{PHANTOMS} small phantoms", None)
         steps, all_of_it = _small_cases(place)
+        # whoever asks for few cases wants to see that it runs
+        pairs = PAIRS if count >= PHANTOMS * PAIRS else 1
+        speedup = _speedup(place / "full", pairs, progress)
     return rows_in(
         COHORT_ROWS,
         {
             EMPTY_CASES: {"case": seconds / count},
             SMALL_CASES: {"steps": steps, "overhead": all_of_it - steps},
+            FULL_CASES: {"speedup": speedup},
         },
     )
 
@@ -124,6 +148,48 @@ def _small_cases(place: Path) -> tuple[float, float]:
     all_of_it = monotonic() - begun
     _require(outcome, PHANTOMS)
     return steps / PHANTOMS, all_of_it / PHANTOMS
+
+
+def _speedup(place: Path, pairs: int, progress: Progress) -> float:
+    """Returns by how much two workers are faster than one, each with a thread; the median."""
+    values = simpleitk().GetImageFromArray(phantom((200, 140, 270)).volume.array)
+    for number in range(FULL):
+        scan = place / "data" / f"p{number}" / "ct.nii.gz"
+        scan.parent.mkdir(parents=True)
+        simpleitk().WriteImage(values, str(scan))
+    (place / "recipe.yaml").write_text(FULL_RECIPE, "utf-8")
+    found = []
+    for pair in range(pairs):
+        seconds = {}
+        # which of both comes first changes
+        for workers in (1, 2) if pair % 2 else (2, 1):
+            progress(f"cases that fill a core, {workers} of 2 workers", pair / pairs)
+            seconds[workers] = _full_cases(place, place / f"out-{pair}-{workers}", workers)
+        found.append(seconds[1] / seconds[2])
+    return median(found)
+
+
+def _full_cases(place: Path, out: Path, workers: int) -> float:
+    """Returns the time of the cases that fill a core [s]; the start of workers does not count."""
+    from palpate.cohort.cluster import cluster_client
+    from palpate.cohort.dask_run import run_on_cluster
+
+    cases = cases_over(str(place / "data" / "*" / "ct.nii.gz"))
+    with cluster_client(workers=workers, scheduler=None) as client:
+        begun = monotonic()
+        outcome = run_on_cluster(
+            place / "recipe.yaml",
+            cases,
+            CohortFolder(out),
+            client=client,
+            limits=Limits(threads=1),
+            told=_silent,
+            warned=_unheard,
+            stop=lambda: False,
+        )
+        seconds = monotonic() - begun
+    _require(outcome, FULL)
+    return seconds
 
 
 def _in_this_process(path: Path, case: Case, part: Path) -> None:

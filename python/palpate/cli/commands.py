@@ -66,6 +66,8 @@ from palpate.cli.report import report
 from palpate.cli.scenario import scenario
 from palpate.cli.segment import EXAMPLES, segment
 from palpate.cli.series import series
+from palpate.cli.share import EXAMPLES as SHARE_EXAMPLES
+from palpate.cli.share import share
 from palpate.cli.statistics import EXAMPLES as STATISTICS_EXAMPLES
 from palpate.cli.statistics import statistics
 from palpate.cli.surface import surface
@@ -215,6 +217,7 @@ app.command("statistics", epilog=STATISTICS_EXAMPLES)(keeping_files(statistics))
 app.command("compare", epilog=COMPARE_EXAMPLES)(keeping_files(compare))
 app.command("landmarks", epilog=LANDMARKS_EXAMPLES)(keeping_files(landmarks))
 app.command("touch", epilog=TOUCH_EXAMPLES)(keeping_files(touch))
+app.command("share", epilog=SHARE_EXAMPLES)(keeping_files(share))
 app.command("recover", epilog=RECOVER_EXAMPLES)(recover)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 app.command("bids", epilog=BIDS_EXAMPLES)(bids_app)

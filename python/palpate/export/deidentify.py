@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pydicom.dataelem import DataElement
     from pydicom.dataset import Dataset
 
-__all__ = ["Deidentifier", "StillIdentifiedError", "UncheckedPixelsError"]
+__all__ = ["Deidentifier", "StillIdentifiedError", "UncheckedPixelsError", "check_shown"]
 
 PROFILE = "dicomfields_2026c"
 METHODS = (
@@ -119,7 +119,7 @@ class Deidentifier:
             UncheckedPixelsError: There may be text in the pixels, and nobody has looked.
         """
         if not pixels_checked:
-            _check_shown(sources)
+            check_shown(sources)
         self._uids: dict[str, str] = {}
         self._pseudonym = f"anonymous-{uuid4().hex[:8]}"
         self._words = IdentityWords(sources)
@@ -300,7 +300,7 @@ def _each(element: DataElement, change: Callable[[object], object]) -> DataEleme
     return _with(element, change(held) if held else held)
 
 
-def _check_shown(sources: Sequence[Dataset]) -> None:
+def check_shown(sources: Sequence[Dataset]) -> None:
     """Refuses images that have text in their pixels, or may have, where nobody has looked.
 
     Raises:

@@ -79,7 +79,7 @@ class Autosave:
 def note_scene(scan: SavedScan, path: Path, *, passing: bool = False) -> None:
     """Notes the scan of the scene at a path; of a ``passing`` one only the name."""
     place = None if passing else str(path.resolve())
-    newest = NotedScene(path.name, place, scan)
+    newest = NotedScene(path.name, place, _with_place(scan))
     others = [one for one in _noted() if (one.name, one.path) != (newest.name, newest.path)]
     keep(_file(), [newest, *others][:MOST])
 
@@ -95,7 +95,7 @@ def autosave_of(path: Path) -> Autosave | None:
         with suppress(OSError, ValueError):
             journal = journal_place(bytes.fromhex(scan.hash))
             when = datetime.fromtimestamp(journal.stat().st_mtime).astimezone()
-            return Autosave(path, scan, when)
+            return Autosave(path, _with_place(scan), when)
     return None
 
 
@@ -119,6 +119,12 @@ def _scans_noted(path: Path) -> list[SavedScan]:
     noted, place = _noted(), str(path.resolve())
     here = [one.scan for one in noted if one.path == place]
     return here or [one.scan for one in noted if _plain(one.name) == _plain(path.name)]
+
+
+def _with_place(scan: SavedScan) -> SavedScan:
+    """Returns a reference with the place of the scan where only a note has it, and not the file."""
+    known = (one.scan for one in _noted() if one.scan.hash == scan.hash and one.scan.path)
+    return scan if scan.path is not None else next(known, scan)
 
 
 def _plain(name: str) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from palpate.base.damaged_file import is_wrong_place
 from palpate.base.errors import SceneFormatError
 
 __all__ = ["check_size", "check_whole", "member", "opened"]
@@ -24,7 +25,9 @@ def opened(path: Path) -> zipfile.ZipFile:
     """
     try:
         return zipfile.ZipFile(path)
-    except zipfile.BadZipFile as error:
+    except (zipfile.BadZipFile, OSError) as error:
+        if isinstance(error, OSError) and not is_wrong_place(error):
+            raise
         raise SceneFormatError(
             f"{path} is no scene file, or a damaged one ({error}); allowed: a file that "
             "Palpate saved"
@@ -70,3 +73,7 @@ def _damage_told(path: Path, name: str) -> Iterator[None]:
         raise SceneFormatError(f"{path}: {name} is missing; the file is damaged") from None
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise SceneFormatError(f"{path}: {name} is damaged: {error}") from None
+    except OSError as error:
+        if is_wrong_place(error):
+            raise SceneFormatError(f"{path}: {name} is damaged: {error}") from None
+        raise

@@ -166,7 +166,7 @@ def save_scene(
         save_id: What the journal of the session knows the file by.
 
     Returns:
-        The reference to the scan in the file.
+        The reference to the scan, with its place on this machine also where the file has none.
 
     Raises:
         OSError: The file cannot be written.
@@ -202,7 +202,7 @@ def save_scene(
                 _write_values(archive, SCAN, volume)
             if second is not None and second_copied:
                 _write_values(archive, SECOND, second.volume)
-    return about.scan
+    return saved_scan(volume, path, copied=False) if copied else about.scan
 
 
 def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:

@@ -1,7 +1,8 @@
 """Scans of scene files: linked, by their path, or copied, as their stored values.
 
 A link holds the path of the scan, absolute and relative to the scene file, the options with which
-it was read, and a hash of it.
+it was read, and a hash of it. A copied scan has no path and no options: whoever has the file needs
+neither, and they may name a patient, or the person whose folder it was.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ class SavedScan(msgspec.Struct, frozen=True):
 
 def saved_scan(volume: Volume, path: Path, *, copied: bool) -> SavedScan:
     """Returns a file's reference to a scan, ``copied`` where the file contains its values."""
-    source = volume.source
+    source = None if copied else volume.source
     return SavedScan(
         name=volume.name,
         hash=scan_hash(volume).hex(),

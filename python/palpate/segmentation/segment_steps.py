@@ -6,7 +6,7 @@ the shape, or is what was done by hand. All steps in order, applied to the sourc
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Annotated, TypeAlias
 
 import msgspec
@@ -82,6 +82,20 @@ class SegmentSteps(msgspec.Struct, frozen=True):
         """Returns the list without what was done by hand at its end."""
         by_hand = bool(self.steps) and isinstance(self.steps[-1], HandEdit)
         return SegmentSteps(self.source, self.steps[:-1]) if by_hand else self
+
+    def with_names(self, name: Callable[[str, str], str]) -> SegmentSteps:
+        """Returns the list with other names of what was united, subtracted or intersected.
+
+        Args:
+            name: Returns a name for the one that is given first; the second is a neutral one.
+        """
+        steps = tuple(
+            msgspec.structs.replace(each, other_name=name(each.other_name, "another segment"))
+            if isinstance(each, ShapeStep) and each.other_name
+            else each
+            for each in self.steps
+        )
+        return SegmentSteps(self.source, steps)
 
 
 def apply_steps(source: Segment, steps: Iterable[Step], *, progress: Progress = silent) -> Segment:

@@ -21,6 +21,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.base.damaged_file import is_wrong_place
 from palpate.base.errors import RecordingFormatError
 from palpate.base.whole_file import whole_file
 from palpate.session.recording_columns import (
@@ -139,6 +140,10 @@ def read_file(path: Path) -> tuple[TickColumns, TapeColumns | None, About]:
         if isinstance(error, RecordingFormatError):
             raise
         raise _refused(path, f"is damaged ({error})") from None
+    except OSError as error:
+        if is_wrong_place(error):
+            raise _refused(path, f"is damaged ({error})") from None
+        raise
 
 
 def _read(path: Path, file: BinaryIO) -> tuple[TickColumns, TapeColumns | None, About]:

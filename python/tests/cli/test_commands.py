@@ -156,8 +156,8 @@ def test_another_rate_is_refused(scan: Path) -> None:
 def test_an_unknown_command_is_refused_with_the_known_ones() -> None:
     assert (
         "allowed: open, demo, info, record, replay, export, import, reconstruct, register, "
-        "transform, render, series, segment, statistics, compare, landmarks, touch, recover, run, "
-        "bids, report, surface, scenario, bench" in fails("frobnicate")
+        "transform, render, series, segment, statistics, compare, landmarks, touch, share, "
+        "recover, run, bids, report, surface, scenario, bench" in fails("frobnicate")
     )
 
 

@@ -123,6 +123,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with Session(scene, options=SessionOptions(real_time=False)) as session:
         for name in ("work.palpate", "mr.palpate"):
             save_scene(place / name, session, copy=True)
+        session.run(0.01).save(place / "session.palpate-session")
     for name in ("mine.seg.nrrd", "truth.seg.nrrd"):
         export_scene(scene, place / name)
     write_carried(place, parts)

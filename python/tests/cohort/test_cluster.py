@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import sysconfig
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import palpate
 import psutil
 import pytest
 import SimpleITK
@@ -117,9 +120,11 @@ def test_ctrl_c_ends_in_order_and_the_same_command_goes_on(folder: Path) -> None
 
 
 @contextmanager
-def dask(*arguments: str, **settings: str) -> Iterator[subprocess.Popen[bytes]]:
+def dask(
+    *arguments: str, program: str = sys.executable, **settings: str
+) -> Iterator[subprocess.Popen[bytes]]:
     process = subprocess.Popen(
-        [sys.executable, *arguments],
+        [program, *arguments],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         env={**os.environ, **settings},
@@ -166,6 +171,54 @@ def test_workers_that_cannot_run_cases_are_told_and_not_used(
     said = capsys.readouterr()
     assert "4 done, 0 failed, 0 kept" in said.out
     assert "is not used: it has no Palpate" in said.err
+    assert len(made(folder / "out")) == 12
+
+
+def other_version(place: Path, version: str) -> Path:
+    """Makes a virtual environment with Palpate of another version; returns its Python.
+
+    What Palpate needs it takes from this one.
+    """
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", place], check=True)
+    (packages,) = place.glob("lib/python3*/site-packages")
+    (packages / "needed.pth").write_text(sysconfig.get_path("purelib"))
+    shutil.copytree(
+        Path(palpate.__file__).parent,
+        packages / "palpate",
+        ignore=shutil.ignore_patterns("viewer", "__pycache__"),
+    )
+    about = packages / f"palpate-{version}.dist-info" / "METADATA"
+    about.parent.mkdir()
+    about.write_text(f"Metadata-Version: 2.1\nName: palpate\nVersion: {version}\n")
+    return place / "bin" / "python"
+
+
+def test_a_worker_of_another_environment_with_another_version_is_not_used(
+    folder: Path, tmp_path_factory: pytest.TempPathFactory, capsys: Any
+) -> None:
+    elsewhere = tmp_path_factory.mktemp("other")
+    python = other_version(elsewhere / "venv", "9.9.9")
+    code = (
+        "import palpate; from palpate.base.package_version import package_version\n"
+        "print(palpate.__file__, package_version())"
+    )
+    told = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert told.split() == [str(next(elsewhere.glob("venv/lib/*/*/palpate/__init__.py"))), "9.9.9"]
+    place = elsewhere / "scheduler.json"
+    worker = ["-m", "distributed.cli.dask_worker", "--scheduler-file", str(place)]
+    with dask("-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard",
+              "--host", "127.0.0.1", "--scheduler-file", str(place)):  # fmt: skip
+        while not place.exists():
+            time.sleep(0.05)
+        address = json.loads(place.read_text())["address"]
+        more = ["--no-nanny", "--no-dashboard"]
+        with dask(*worker, *more, program=str(python)), dask(*worker, *more):
+            with Client(address) as client:
+                client.wait_for_workers(2)
+            assert run([*PALPATE[3:], *OVER, "--scheduler", address]) == 0
+    said = capsys.readouterr()
+    assert f"is not used: it has Palpate 9.9.9, not {package_version()}" in said.err
+    assert "4 done, 0 failed, 0 kept" in said.out
     assert len(made(folder / "out")) == 12
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from base64 import b64encode
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,82 +14,20 @@ import pytest
 from palpate.cli.commands import run
 from palpate.export.clean_pixels import HiddenBytesError, cleaned_codestreams, cleaned_values
 from palpate.export.code_strings import is_term
-from palpate.export.deidentify import TECHNICAL, StillIdentifiedError
+from palpate.export.deidentify import StillIdentifiedError
 from palpate.export.export import export_scene
 from palpate.export.identity_words import IdentityWords
 from palpate.io.reading import read
 from palpate.volumes.scene import Scene
 from pydicom import dcmread
-from pydicom.datadict import DicomDictionary  # type: ignore[attr-defined]
 from pydicom.dataset import Dataset, FileDataset
 from pydicom.pixels import pixel_array  # type: ignore[attr-defined]
-from pydicom.tag import Tag
+from seeds import TEXTS, seeded_series, spellings
 
 # seeds break rules on values
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 
 WriteSeries = Callable[..., Path]
-
-READ = (
-    "PatientSex", "SpecificCharacterSet", "Modality", "PhotometricInterpretation", "SOPClassUID",
-    "SOPInstanceUID", "SeriesInstanceUID", "BurnedInAnnotation", "PixelPresentation", "RescaleType",
-    "LossyImageCompression", "TransferSyntaxUID", "VolumetricProperties", "PresentationLUTShape",
-)  # fmt: skip
-"""What is needed to read the scan: no seeds there."""
-TEXTS = ("AE", "CS", "LO", "LT", "PN", "SH", "ST", "UC", "UR", "UT")
-NAME = "Álvarez-Ñusta^Li Bo=山田^太郎"
-ENCODINGS = ("utf-8", "latin-1", "utf-16-le", "utf-16-be", "iso2022_jp", "gb18030", "euc_kr")
-
-
-def seed_of(tag: int) -> str:
-    return f"SEED{tag:08X}"
-
-
-def fill(dataset: Dataset, seeds: set[str], *, depth: int) -> None:
-    """Puts a seed into each text, UID, day and sequence that the dictionary knows."""
-    for number, (kind, _, _, retired, keyword) in DicomDictionary.items():
-        tag = Tag(number)
-        if not keyword or keyword in READ or tag.group in (0x0000, 0x0002, 0xFFFE, 0x7FE0):
-            continue
-        if (
-            retired
-            or "FunctionalGroup" in keyword
-            or "CenterPoint" in keyword
-            or tag.group in (0x0004, 0x0028)
-            or tag in dataset
-        ):
-            continue
-        seed, value = _seeded(number, kind, keyword)
-        if kind == "SQ" and depth and tag.group in (0x0008, 0x0010, 0x0018, 0x0040, 0x3006):
-            item = Dataset()
-            _some(item, seed)
-            if keyword == "RequestAttributesSequence":
-                fill(item, seeds, depth=depth - 1)
-            value = [item]
-        if value is not None:
-            dataset.add_new(number, kind, value)
-            seeds.add(seed)
-
-
-def _seeded(number: int, kind: str, keyword: str) -> tuple[str, object]:
-    """Returns what is looked for, and the value that it stands in."""
-    seed = seed_of(number)
-    if kind in TEXTS:
-        # what tells of methods is kept, without what names somebody
-        return seed, f"ALVAREZ {number % 997}" if keyword in TECHNICAL else seed
-    if kind in {"OB", "UN"}:
-        return seed, seed.encode()
-    if kind in {"DA", "DT"}:
-        return "19730623", "19730623"
-    uid = f"1.2.826.77.{number}"
-    return (uid, uid) if kind == "UI" else (seed, None)
-
-
-def _some(item: Dataset, seed: str) -> None:
-    item.PatientComments = item.CodeMeaning = seed
-    item.CodingSchemeDesignator = "99SEED"
-    item.ReferringPhysicianName = f"{seed}^{seed}"
-    item.private_block(0x0011, seed, create=True).add_new(1, "LT", seed)
 
 
 @pytest.fixture
@@ -98,26 +37,7 @@ def seeds() -> set[str]:
 
 @pytest.fixture
 def seeded(write_series: WriteSeries, seeds: set[str]) -> Path:
-    def each(number: int, dataset: FileDataset) -> None:
-        dataset.SpecificCharacterSet = "ISO_IR 192"
-        dataset.PatientName = NAME
-        dataset.OtherPatientNames = ["Müller^Jürgen"]
-        dataset.PatientID = "MRN/778899-X"
-        dataset.StudyDate = "20041008"
-        dataset.ImageType = ["ORIGINAL", "PRIMARY", "AXIAL", "SEEDTYPE"]
-        dataset.FrameOfReferenceUID, dataset.StudyInstanceUID = "1.2.826.5", "1.2.826.6"
-        dataset.InstanceNumber = number
-        dataset.BitsStored, dataset.HighBit = 12, 11
-        values = np.frombuffer(dataset.PixelData, "<u2") | np.uint16(0xA000)
-        dataset.PixelData = values.tobytes() + b"SEEDPIXEL!"
-        dataset.private_block(0x0009, "SEEDPRIVATE", create=True).add_new(1, "LO", "SEEDPRIVATE")
-        fill(dataset, seeds, depth=2)
-        dataset.file_meta.SourceApplicationEntityTitle = "SEEDMETA"
-        dataset.file_meta.ImplementationVersionName = "SEEDMETA"
-        dataset.preamble = b"SEEDMETA" * 16
-
-    seeds |= {"SEEDTYPE", "SEEDPIXEL", "SEEDPRIVATE", "SEEDMETA"}
-    return write_series("seeded", each=each, positions=[(0.0, 0.0, 2.0 * k) for k in range(2)])
+    return seeded_series(write_series, seeds)
 
 
 NAMES = (
@@ -136,20 +56,6 @@ def shared(folder: Path, out: Path, names: tuple[str, ...] = ("part",)) -> Scene
     scene = Scene(volume, [volume.threshold(low - 1023.0, name=n) for low, n in enumerate(names)])
     export_scene(scene, out)
     return scene
-
-
-def spellings(seed: str) -> set[bytes]:
-    """Returns the bytes that a string may be in a file."""
-    plain = set()
-    for encoding in ENCODINGS:
-        try:
-            plain.add(seed.encode(encoding))
-        except UnicodeEncodeError:
-            continue
-    inner = seed.encode()
-    # in base64 a string has three forms, by where it begins; their ends depend on what is beside
-    coded = {b64encode(b"\0" * pad + inner)[4 if pad else 0 : -4] for pad in range(3)}
-    return {each for each in plain | coded if len(each) >= 6}
 
 
 def test_no_seed_is_in_what_is_shared(seeded: Path, seeds: set[str], tmp_path: Path) -> None:
@@ -171,6 +77,33 @@ def test_no_seed_is_in_what_is_shared(seeded: Path, seeds: set[str], tmp_path: P
     assert [
         word for word in ("Alvarez", "ALVAREZ", "山田", "太郎", "778899") if word in texts
     ] == []
+
+
+def dumped(program: str, path: Path) -> bytes:
+    """Returns all that another program tells of a file, in capitals."""
+    options = ["--print"] if program == "gdcmdump" else []
+    command = [str(Path(sys.executable).parent / program), *options, str(path)]
+    ended = subprocess.run(command, capture_output=True, check=False)
+    told = (ended.stdout + ended.stderr).upper()
+    assert b"(0010,0010)" in told.replace(b"0X", b""), told[-500:]
+    return told
+
+
+@pytest.mark.parametrize("program", ["dcdump", "gdcmdump"])
+def test_other_programs_find_no_seed_in_what_is_shared(
+    program: str, seeded: Path, seeds: set[str], tmp_path: Path
+) -> None:
+    shared(seeded, tmp_path / "shared", NAMES)
+    looked_for = {spelling.upper() for seed in seeds for spelling in spellings(seed)}
+    # the program shows what there is
+    before = b"".join(dumped(program, path) for path in seeded.iterdir())
+    assert sum(each in before for each in looked_for) > 1200
+    made = list((tmp_path / "shared").rglob("*.dcm"))
+    assert len(made) == 4
+    for path in made:
+        told = dumped(program, path)
+        assert [each for each in looked_for if each in told] == [], path
+        assert [one for one in (b"ALVAREZ", b"778899", "山田".encode()) if one in told] == [], path
 
 
 def test_names_of_segments_are_cleaned(seeded: Path, tmp_path: Path) -> None:
