@@ -28,6 +28,10 @@ export async function withPseudo(options) {
     load: async () => {
       const { items, pluralRules } = await kept.load();
       for (const { translations } of items) {
+        for (const [locale, forms] of translations) {
+          // an empty one is none, and shown in English
+          translations.set(locale, forms.every((form) => form === "") ? [] : forms);
+        }
         translations.set(pseudo, translations.get("en").map(inPseudo));
       }
       return { items, pluralRules };
