@@ -19,7 +19,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 RUST_SOURCES := Cargo.toml Cargo.lock rust-toolchain.toml python/Cargo.toml python/pyproject.toml \
 	$(wildcard crates/*/Cargo.toml) $(shell find crates/*/src python/src -name '*.rs')
 VIEWER_SOURCES := python/palpate/pictures/looks.json \
-	$(shell find viewer -type f -not -path '*/node_modules/*' -not -path '*/e2e/*')
+	$(shell find viewer -type f -not -path '*/node_modules/*' -not -path '*/e2e/*' -not -path '*/.wuchale/*')
 PACKAGE_SOURCES := python/palpate/pictures/looks.json \
 	$(shell find python/palpate -type f -name '*.py*' -not -path '*/__pycache__/*')
 

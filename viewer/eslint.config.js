@@ -75,7 +75,7 @@ function without(files, message, packages) {
 }
 
 export default ts.config(
-  { ignores: ["node_modules/", "bench/dist/", "src/core/protocol.ts"] },
+  { ignores: ["node_modules/", "bench/dist/", "src/core/protocol.ts", "src/texts/.wuchale/", "src/texts/data.js"] },
   js.configs.recommended,
   ...ts.configs.strict,
   ...svelte.configs.recommended,

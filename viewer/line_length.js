@@ -6,9 +6,11 @@ import fs from "node:fs";
 import path from "node:path";
 
 const most = 120;
-const folders = ["bench", "e2e", "src", "tests"];
+const folders = ["bench", "e2e", "src", "tests", "texts"];
 const kinds = new Set([".css", ".frag", ".glsl", ".html", ".js", ".mjs", ".mts", ".svelte", ".ts", ".vert"]);
-const generated = new Set([path.join("src", "core", "protocol.ts"), path.join("bench", "dist")]);
+const generated = new Set(
+  [["src", "core", "protocol.ts"], ["src", "texts", ".wuchale"], ["bench", "dist"]].map((parts) => path.join(...parts)),
+);
 
 function filesBelow(folder) {
   return fs.readdirSync(folder, { withFileTypes: true }).flatMap((entry) => {

@@ -3,12 +3,14 @@
  */
 import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { defineConfig } from "vitest/config";
+import { wuchale } from "wuchale/vite";
 
 // the engine to develop against: `palpate open PATH --port 8000`, then `npm run dev`
 const engine = process.env["PALPATE_ENGINE"] ?? "http://127.0.0.1:8000";
 
 export default defineConfig({
-  plugins: [svelte()],
+  // tests take the texts as the code has them
+  plugins: process.env["VITEST"] === undefined ? [wuchale(), svelte()] : [svelte()],
   build: {
     outDir: "../python/palpate/viewer",
     emptyOutDir: true,

@@ -53,6 +53,7 @@ export const stereoNames: Readonly<Record<StereoMode, Named>> = {
 
 function qualityTitle(what: string, quality: Quality): string {
   const { stepsPerVoxel, passes } = restingPictures[quality];
+  // @texts
   const steps = `${String(stepsPerVoxel)} ${stepsPerVoxel === 1 ? "step" : "steps"} of a ray per voxel`;
   return `${what}: ${steps}, ${passes === 1 ? "one picture" : `${String(passes)} pictures averaged`}`;
 }

@@ -30,9 +30,16 @@ export function formatPercent(share: number, digits = 0): string {
   return formatFixed(100 * share, digits, "%");
 }
 
-/** "1 seed", "2 seeds" */
-export function plural(count: number, one: string, several = `${one}s`): string {
-  return `${formatCount(count)} ${count === 1 ? one : several}`;
+/**
+ * "1 seed", "2 seeds": a number with one of the forms of its word, in English one and several. In another language the
+ * build gives its forms, and which of them a number takes.
+ */
+export function plural(count: number, forms: readonly string[], formOf = englishForm): string {
+  return `${formatCount(count)} ${forms[formOf(count)] ?? forms[0] ?? ""}`;
+}
+
+function englishForm(count: number): number {
+  return count === 1 ? 0 : 1;
 }
 
 /** "−12.3 4.0 806.0" */

@@ -70,6 +70,7 @@ export class QuickerDrawer {
       return this.drawer === "engine" ? "this browser has no graphics card" : "it was quicker";
     }
     const other = browserTime === null ? "this browser has no graphics card" : `this browser ${told(browserTime)}`;
+    // @texts
     const who = this.drawer === "engine" ? "it" : "the engine";
     return `${who} takes ${told(engine)} for a picture while the view turns, ${other}`;
   }

@@ -14,6 +14,7 @@ export const directions: Readonly<Record<Letter, Vec3>> = {
   I: [0, 0, -1],
 };
 
+// @texts
 export const names: Readonly<Record<Letter, string>> = {
   L: "left",
   R: "right",

@@ -5,7 +5,7 @@ import type { Scan } from "../protocol";
 
 /**
  * Upper ends of what CT tells apart [HU]; bone begins where the scan's own does. Kalender, "Computed Tomography"
- * (2011).
+ * (2011). @texts
  */
 const tissues = [
   { below: -900, name: "air" },
@@ -14,7 +14,7 @@ const tissues = [
   { below: 20, name: "fluid" },
 ] as const;
 
-/** "fat" or "bone" of a CT in HU; of other scans only whether it is dark or bright. */
+/** "fat" or "bone" of a CT in HU; of other scans only whether it is dark or bright. @texts */
 export function tissueName(
   value: number,
   { unit, soft_tissue, bone }: Pick<Scan, "unit" | "soft_tissue" | "bone">,

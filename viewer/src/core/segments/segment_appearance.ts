@@ -8,7 +8,7 @@ export type SegmentAppearance = Omit<SegmentProperties, "type" | "id">;
 /** Parts of segments' appearance by the segments' ids. */
 export type AppearanceParts = Readonly<Record<number, Partial<SegmentAppearance>>>;
 
-/** The parts of a segment's appearance, as steps of undo name them. */
+/** The parts of a segment's appearance, as steps of undo name them. @texts */
 const names: Readonly<Record<keyof SegmentAppearance, string>> = {
   name: "name",
   colour: "colour",

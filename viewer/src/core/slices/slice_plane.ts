@@ -13,8 +13,16 @@ import { add, addScaled, cross, dot, normalize, scale, subtract, type Vec3 } fro
 export const sliceNames = ["axial", "coronal", "sagittal", "oblique"] as const;
 export type SliceName = (typeof sliceNames)[number];
 
-/** Axes of the scan along which slices lie where the sides of the body are not known. */
-const along: Readonly<Record<SliceName, string>> = {
+// @texts
+const alongBody: Readonly<Record<SliceName, string>> = {
+  axial: "axial",
+  coronal: "coronal",
+  sagittal: "sagittal",
+  oblique: "oblique",
+};
+
+/** Axes of the scan along which slices lie where the sides of the body are not known. @texts */
+const alongScan: Readonly<Record<SliceName, string>> = {
   axial: "x–y",
   coronal: "x–z",
   sagittal: "y–z",
@@ -23,7 +31,7 @@ const along: Readonly<Record<SliceName, string>> = {
 
 /** What a slice is called: by the planes of the body where its sides are known. */
 export function sliceTitle(name: SliceName, known: boolean): string {
-  return known ? name : along[name];
+  return (known ? alongBody : alongScan)[name];
 }
 
 /** Unit axes of a slice's picture: to the right, up, and toward the person. */

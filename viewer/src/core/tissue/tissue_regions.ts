@@ -53,6 +53,7 @@ export function describeRegions(regions: readonly MatterRegion[], nameOf: (id: S
 }
 
 function word(treatment: Treatment): string {
+  // @texts
   return { deformable: "gives way", rigid: "hard", empty: "as if empty" }[treatment];
 }
 

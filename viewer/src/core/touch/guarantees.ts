@@ -61,8 +61,9 @@ export function whyNoForce(safety: Safety): string | null {
 export function lightOf(safety: Safety, model: Settings["model"], isOld = false): Light {
   const counts = countsOf(safety);
   if (safety.violations > 0) {
+    // @texts
     const times = safety.violations === 1 ? "once" : `${formatCount(safety.violations)} times`;
-    const short = plural(safety.violations, "failed check");
+    const short = plural(safety.violations, ["failed check", "failed checks"]);
     const cause = model === "exact" ? "This is a fault of Palpate: please record and report it." : printedModel;
     return {
       colour: "red",
@@ -116,6 +117,7 @@ export function pendingLines(segments: readonly Segment[], pending: number): rea
   if (others <= 0) {
     return named;
   }
-  const more = named.length > 0 ? "more " : "";
-  return [...named, plural(others, `${more}change`)];
+  return named.length > 0
+    ? [...named, plural(others, ["more change", "more changes"])]
+    : [plural(others, ["change", "changes"])];
 }

@@ -18,6 +18,7 @@ export interface TouchSituation {
 }
 
 /** What a tool does, as X has it do. */
+// @texts
 const works: Readonly<Record<Exclude<ToolKind, "none" | "needle">, string>> = {
   eraser: "erases",
   adder: "adds",

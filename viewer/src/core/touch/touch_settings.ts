@@ -88,7 +88,7 @@ export interface ModelChoice {
 const printed = "As printed in the thesis, to compare with: it promises nothing.";
 
 export const modelChoices: readonly ModelChoice[] = [
-  { model: "exact", name: "exact", warning: null },
+  { model: "exact", name: /* @text */ "exact", warning: null },
   {
     model: "thesis-improved",
     name: "thesis, improved (4.8)",

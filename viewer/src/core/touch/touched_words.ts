@@ -104,6 +104,7 @@ function materialOf(segment: Segment | null, { matter }: TouchedState): string |
   const { material } = segment;
   // without a model all is hard, whatever it is made of
   if (material === null || matter.model === null) {
+    // @texts
     return "hard";
   }
   return material.preset === null ? "own material" : presetName(material.preset).toLowerCase();

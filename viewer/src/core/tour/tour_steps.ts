@@ -36,10 +36,10 @@ export const tourSteps: Readonly<Record<StepName, TourStep>> = {
     title: "Touch it",
     places: [
       {
-        at: "header [aria-label='Touch mode'][aria-pressed=true]",
+        at: "[data-testid=touch-mode][aria-pressed=true]",
         says: "Now press with the left button on the picture, and drag: the amber arrow is the force.",
       },
-      { at: "header [aria-label='Touch mode']", says: "Press this button, or the key T: the mouse then touches." },
+      { at: "[data-testid=touch-mode]", says: "Press this button, or the key T: the mouse then touches." },
     ],
   },
   threshold: {
@@ -50,29 +50,29 @@ export const tourSteps: Readonly<Record<StepName, TourStep>> = {
         says: "All voxels with values in this range are felt. Drag one of its two handles.",
       },
       {
-        at: ".left [aria-label='Add a segment by threshold']",
+        at: "[data-testid=add-threshold]",
         says: "Press this button, or open a segment in the list: its range of values is what is felt.",
       },
       { at: "[data-testid=group-segments]", says: "Choose this group: it says what can be felt." },
-      { at: "header [aria-label='Scan and segments']", says: "Open this panel: it says what can be felt." },
+      { at: "[data-testid=panel-left]", says: "Open this panel: it says what can be felt." },
     ],
   },
   drill: {
     title: "Drill",
     places: [
       {
-        at: "[data-testid=tool-card][aria-label=Drill]",
+        at: "[data-testid=tool-card][data-tool=drill]",
         says: "In touch mode (T), hold Shift and press with the left button on what you see. It is drilled away.",
       },
       { at: "[data-testid=tool-drill]", says: "Take the drill." },
-      { at: "header [aria-label='Touch panel']", says: "Open this panel, or press D: the tools are in it." },
+      { at: "[data-testid=panel-right]", says: "Open this panel, or press D: the tools are in it." },
     ],
   },
   undo: {
     title: "Take it back",
     places: [
       {
-        at: "header [aria-label=Undo]",
+        at: "[data-testid=undo]",
         says: "Press this button, or Ctrl+Z: every change can be taken back. The help (?) shows this tour again.",
       },
     ],

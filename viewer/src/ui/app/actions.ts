@@ -27,6 +27,16 @@ import type { UndoControl } from "./undo_control";
 
 export type Group = "Look" | "Slices" | "Touch" | "Tools" | "Marks" | "Work";
 
+/** What the groups are called. @texts */
+export const groupNames: Readonly<Record<Group, string>> = {
+  Look: "Look",
+  Slices: "Slices",
+  Touch: "Touch",
+  Tools: "Tools",
+  Marks: "Marks",
+  Work: "Work",
+};
+
 export interface Action {
   readonly group: Group;
   /** What it does, as a person would say it. */

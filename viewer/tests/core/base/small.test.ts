@@ -140,10 +140,10 @@ test("a sentence of the engine begins large and ends with a point, but for a fil
 });
 
 test("one of a thing is told in the singular", () => {
-  expect([0, 1, 2, 1234].map((count) => plural(count, "seed"))).toEqual([
+  expect([0, 1, 2, 1234].map((count) => plural(count, ["seed", "seeds"]))).toEqual([
     "0 seeds", "1 seed", "2 seeds", "1\u2009234 seeds",
   ]);
-  expect([1, 2].map((count) => plural(count, "change waits", "changes wait"))).toEqual([
+  expect([1, 2].map((count) => plural(count, ["change waits", "changes wait"]))).toEqual([
     "1 change waits", "2 changes wait",
   ]);
 });

@@ -75,7 +75,7 @@ interface ChosenAppearance {
   readonly unfelt: UnfeltChoice;
 }
 
-/** What of the optics is changed, as a step of undo says it. */
+/** What of the optics is changed, as a step of undo says it. @texts */
 const opticsNames: Readonly<Record<keyof OpticsChoice, string>> = {
   blend: "mode",
   densities: "density",

@@ -212,7 +212,7 @@ export class Library {
         throw new Error(refused);
       }
       const size = given.reduce((sum, { file }) => sum + file.size, 0);
-      const counted = plural(given.length, "file");
+      const counted = plural(given.length, ["file", "files"]);
       const what = `Copying ${counted}, ${formatBytes(size)}`;
       this.work = { what, share: 0 };
       const upload = await bring(given, { signal }, (bytes) => {

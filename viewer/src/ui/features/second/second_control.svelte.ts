@@ -52,7 +52,7 @@ export interface SecondChoice {
   readonly isolines: Isolines;
 }
 
-/** What of it is changed, as a step of undo says it. */
+/** What of it is changed, as a step of undo says it. @texts */
 const partNames: Readonly<Record<keyof SecondChoice, string>> = {
   inView: "shown in the view",
   inSlices: "shown in slices",

@@ -60,7 +60,7 @@ type Drawing = Pick<SliceAppearance, "slab" | "slabMode" | "fill" | "outline">;
 
 const firstDrawing: Drawing = { slab: 0, slabMode: "mean", fill: 0.15, outline: 0.9 };
 
-/** What of it is changed, as a step of undo says it. */
+/** What of it is changed, as a step of undo says it. @texts */
 const drawingNames: Readonly<Record<keyof Drawing, string>> = {
   slab: "slab of slices",
   slabMode: "what slabs show",

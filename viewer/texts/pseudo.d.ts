@@ -1,0 +1,3 @@
+/** See pseudo.js. */
+export const pseudo: string;
+export function inPseudo(text: string): string;
