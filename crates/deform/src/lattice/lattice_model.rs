@@ -1,7 +1,6 @@
 //! The bonded lattice as a model: a box of nodes that follows the first tool.
 
 use std::cell::Cell;
-use std::time::Instant;
 
 use glam::IVec3;
 use palpate_volume::voxel_box::VoxelBox;
@@ -17,11 +16,11 @@ use super::settings::LatticeSettings;
 use super::tool_contact::LatticeTool;
 use super::write_back::WriteBack;
 use crate::model::{
-    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
-    ToolState,
+    DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact, ToolState,
 };
 use crate::observed_voxels::ObservedVoxels;
 use crate::voxel_ledger::{Ledger, Wanted};
+use crate::work_time::WorkTime;
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
@@ -221,7 +220,7 @@ impl LatticeModel {
     fn relax(
         &mut self,
         input: &ModelInput<'_>,
-        budget: Budget,
+        time: &WorkTime,
         tools: &[LatticeTool],
         answer: &mut ModelAnswer,
     ) {
@@ -242,7 +241,7 @@ impl LatticeModel {
                 iterations: left,
                 reference,
             };
-            let is_late = || budget.is_late();
+            let is_late = || time.is_over(RELAXED);
             let report = self
                 .relaxer
                 .relax(&mut matter.lattice, tools, &settings, &is_late);
@@ -275,7 +274,7 @@ impl LatticeModel {
     fn report_contacts(
         &mut self,
         input: &ModelInput<'_>,
-        budget: Budget,
+        time: &WorkTime,
         answer: &mut ModelAnswer,
     ) {
         let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
@@ -297,7 +296,7 @@ impl LatticeModel {
                 continue;
             }
             let most = (input.budget.iterations / STIFFNESS_SHARE).max(4);
-            let is_late = || budget.is_late();
+            let is_late = || time.is_over(STIFFNESS_FOUND);
             let stiffness =
                 self.relaxer
                     .stiffness(&mut matter.lattice, &tools, which, most, &is_late);
@@ -337,17 +336,17 @@ impl LatticeModel {
 
 impl DeformationModel for LatticeModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
-        let began = Instant::now();
-        let budget = |share: f64| input.budget.until(began, share);
+        let time = WorkTime::begin(&input.budget);
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
         answer.report.effort.sampled = self.follow(input, &usable);
         self.report_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
-            self.relax(input, budget(RELAXED), &tools, &mut answer);
+            self.relax(input, &time, &tools, &mut answer);
         }
-        self.follow_plastic(input, budget(EASED), &answer.report);
+        let is_late = || time.is_over(EASED);
+        self.follow_plastic(input, &is_late, &answer.report);
         if self
             .matter
             .as_ref()
@@ -358,7 +357,7 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        self.report_contacts(input, budget(STIFFNESS_FOUND), &mut answer);
+        self.report_contacts(input, &time, &mut answer);
         let effort = &mut answer.report.effort;
         effort.evaluations = std::mem::take(&mut self.relaxer.evaluations)
             + std::mem::take(&mut self.unloaded.evaluations);
