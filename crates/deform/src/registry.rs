@@ -60,6 +60,7 @@ const PARTICLES: Offers = Offers {
     layers: Some(MOST_LAYERS),
     calibration: true,
     motion: true,
+    whole_segment: false,
 };
 
 /// All models; a new one is one entry here.
@@ -94,6 +95,7 @@ pub const MODELS: &[Registered] = &[
             layers: None,
             calibration: false,
             motion: false,
+            whole_segment: true,
         },
         make: |options| Box::new(LatticeModel::new(LatticeSettings::from(options))),
     },
@@ -132,6 +134,7 @@ pub const MODELS: &[Registered] = &[
             layers: None,
             calibration: true,
             motion: false,
+            whole_segment: false,
         },
         make: |options| Box::new(GlobalModel::global_lj(GlobalSettings::from(options))),
     },
@@ -169,6 +172,7 @@ impl From<&ModelOptions> for LatticeSettings {
                 yield_strain: options.yield_strain,
                 prony: options.prony,
             },
+            whole: options.whole_segment,
             ..usual
         }
     }

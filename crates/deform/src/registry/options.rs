@@ -28,6 +28,8 @@ pub struct ModelOptions {
     pub calibration: Option<Calibration>,
     /// Method by which particles come to rest.
     pub motion: Option<Motion>,
+    /// Whether the body behind the box gives as the whole segment does (5.29).
+    pub whole_segment: bool,
 }
 
 /// Options that a model offers.
@@ -49,6 +51,8 @@ pub struct Offers {
     pub calibration: bool,
     /// Whether motions can be chosen.
     pub motion: bool,
+    /// Whether the whole segment can be behind the box.
+    pub whole_segment: bool,
 }
 
 /// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
@@ -143,6 +147,11 @@ impl Offers {
                 self.calibration,
             ),
             ("motion", options.motion.is_some(), self.motion),
+            (
+                "the whole segment",
+                options.whole_segment,
+                self.whole_segment,
+            ),
         ];
         match chosen.iter().find(|(_, is, may)| *is && !*may) {
             Some((option, ..)) => Err(not_offered(name, option)),
