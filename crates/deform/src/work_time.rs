@@ -93,11 +93,11 @@ mod tests {
 
     #[test]
     fn a_thread_that_waits_for_a_core_still_has_its_time() {
-        let waited = 3 * GIVEN;
+        let waited = (STRETCH - 1) * GIVEN;
         assert!(!is_over(GIVEN, waited, Some(GIVEN / 2)));
         assert!(is_over(GIVEN, waited, Some(GIVEN)));
         // but nobody waits for it without end
-        assert!(is_over(GIVEN, 4 * GIVEN, Some(GIVEN / 2)));
+        assert!(is_over(GIVEN, STRETCH * GIVEN, Some(GIVEN / 2)));
         // where only the wall is known, it counts
         assert!(is_over(GIVEN, GIVEN, None));
         assert!(!is_over(GIVEN, GIVEN / 2, None));
