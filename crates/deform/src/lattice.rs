@@ -41,6 +41,7 @@ mod vectors;
 mod volume_forces;
 mod whole_body;
 mod whole_contacts;
+mod whole_lattice;
 mod whole_sites;
 mod write_back;
 

@@ -16,17 +16,15 @@
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::grid::Grid;
 
-use super::border::{Border, Ground};
-use super::coarse::Coarse;
+use super::border::Ground;
 use super::moving_box::MovingBox;
-use super::nodes::{Lattice, NodeMaterial};
+use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_near, node_place};
 use super::vectors::{Field, vector_at, zero_field};
 use super::whole_contacts::{Contact, Facing};
-use super::whole_sites::{MatterAt, Site, touched_area};
+use super::whole_lattice::{coarse_lattice, lay_in_fat, settle};
 
 /// Nodes of the box around a segment, about, without its margin.
 const NODES: f64 = 4096.0;
@@ -40,9 +38,6 @@ const NEAR: f64 = 0.6;
 const SPREAD: f64 = 1.25;
 /// Nodes of the endless body on each side of the load.
 const REFERENCE: i32 = 4;
-/// Fat around a segment that nothing else holds: modulus of the preset [N/mm²] over a thickness [mm],
-/// which is assumed.
-const BED: f64 = 2e-3 / 20.0;
 /// Displacements are computed so many times smaller, where all is linear.
 const SHRUNK: f64 = 1e-5;
 /// Unbalanced force left, as a share of the load.
@@ -381,98 +376,6 @@ impl WholeBody {
     }
 }
 
-/// Tissue by coarse nodes, tied to what is rigid.
-fn coarse_lattice(
-    first: IVec3,
-    size: UVec3,
-    spacing: f64,
-    grid: &Grid,
-    matter: MatterAt<'_>,
-) -> Lattice {
-    let made_of = |node: IVec3| {
-        let solid = Site::of(first + node, spacing, matter).solid;
-        solid.map_or(NodeMaterial::Empty, NodeMaterial::Deformable)
-    };
-    let load = (size.as_dvec3() - 1.0) * (0.5 * spacing);
-    let mut lattice = Lattice::new(size, spacing, Border::Endless { load }, made_of);
-    let rigid: Vec<bool> = (0..lattice.layout().len())
-        .map(|index| lattice.layout().node_at(index))
-        .map(|node| node.is_some_and(|n| Site::of(first + n.as_ivec3(), spacing, matter).has_rigid))
-        .collect();
-    let has_node = |node: IVec3| {
-        let index = lattice.layout().index_of(node - first);
-        index.is_some_and(|index| lattice.node_stiffness[index] > 0.0)
-    };
-    let mut ties = Vec::new();
-    for index in lattice.matter_nodes() {
-        let (Some(node), Some(solid)) = (
-            lattice.layout().node_at(index),
-            lattice.matter(index).solid(),
-        ) else {
-            continue;
-        };
-        let node = node.as_ivec3();
-        let is_near = around(node).any(|node| {
-            lattice
-                .layout()
-                .index_of(node)
-                .is_some_and(|index| rigid[index])
-        });
-        if !is_near {
-            continue;
-        }
-        let area = touched_area(
-            (first + node, spacing),
-            grid.smallest_spacing(),
-            &has_node,
-            matter,
-        );
-        if area > 0.0 {
-            ties.push(spring(index, 2.0 * solid.young * area / spacing));
-        }
-    }
-    lattice.ground.extend(ties);
-    lattice
-}
-
-/// Ties the whole surface to fat around it.
-fn lay_in_fat(body: &mut Lattice) {
-    let layout = *body.layout();
-    let is_tissue = |node: IVec3| {
-        layout
-            .index_of(node)
-            .is_some_and(|index| body.node_stiffness[index] > 0.0)
-    };
-    let mut springs = Vec::new();
-    for index in body.matter_nodes() {
-        let node = layout.node_at(index).unwrap_or_default().as_ivec3();
-        let beside = IVec3::AXES
-            .into_iter()
-            .flat_map(|axis| [node + axis, node - axis]);
-        let faces = beside.filter(|node| !is_tissue(*node)).count();
-        if faces > 0 {
-            springs.push(spring(index, BED * faces as f64 * body.spacing().powi(2)));
-        }
-    }
-    body.ground.extend(springs);
-}
-
-/// A spring to where a node rests, the same along all axes [N/mm].
-fn spring(node: usize, stiffness: f64) -> Ground {
-    Ground {
-        node: node as u32,
-        stiffness: DMat3::IDENTITY * stiffness,
-        led: DVec3::ZERO,
-    }
-}
-
-/// Works out what follows from the springs of a lattice.
-fn settle(lattice: &mut Lattice) {
-    lattice.settle_structure();
-    let load = (lattice.layout().size().as_dvec3() - 1.0) * (0.5 * lattice.spacing());
-    lattice.coarse = Some(Coarse::new(lattice, load));
-}
-
 /// Compliance of an endless body under this load [mm/N].
 fn endless_compliance(endless: &mut Lattice, load: &[(u32, f64)]) -> DMat3 {
     let unit = SHRUNK * endless.softest_bond() * endless.spacing();
@@ -496,11 +399,6 @@ fn endless_compliance(endless: &mut Lattice, load: &[(u32, f64)]) -> DMat3 {
     });
     let compliance = DMat3::from_cols(columns[0], columns[1], columns[2]);
     (compliance + compliance.transpose()) * 0.5
-}
-
-/// A node and its 26 neighbours.
-pub(super) fn around(node: IVec3) -> impl Iterator<Item = IVec3> {
-    (0..27).map(move |n| node + IVec3::new(n % 3, n / 3 % 3, n / 9) - 1)
 }
 
 /// The matrix n nᵀ.

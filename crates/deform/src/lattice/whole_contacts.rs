@@ -5,7 +5,7 @@
 use glam::{DVec3, IVec3};
 
 use super::nodes::{Lattice, NodeMaterial};
-use super::whole_body::around;
+use super::whole_lattice::around;
 use super::whole_sites::{MatterAt, Site, tissue_in};
 
 /// How far from a node what is rigid is looked for [spacings].
