@@ -46,7 +46,7 @@ FOLDERS: dict[str, Sequence[Sequence[str]]] = {
     "deform": (
         ("at_rest", "material", "potential"),
         ("model", "voxel_ledger"),
-        ("displacement", "observed_voxels"),
+        ("displacement", "observed_voxels", "work_time"),
         ("lattice", "particles"),
         ("pressed_block", "registry"),
     ),

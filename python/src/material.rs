@@ -183,6 +183,7 @@ fn offered<'py>(py: Python<'py>, model: &Registered) -> PyResult<Bound<'py, PyDi
         "layers": offers.layers,
         "calibration": offers.calibration,
         "motion": offers.motion,
+        "whole_segment": offers.whole_segment,
     )
 }
 
@@ -191,7 +192,8 @@ fn range(range: Range) -> (f64, f64) {
 }
 
 /// What of a model is not as usual: edge, binding, walls, share and time [s] of what fades, the
-/// strain from which on matter yields, layers, calibration and motion.
+/// strain from which on matter yields, layers, calibration and motion, and
+/// whether the whole segment is behind the box.
 pub type OptionsTuple = (
     Option<u32>,
     Option<f64>,
@@ -201,6 +203,7 @@ pub type OptionsTuple = (
     Option<u32>,
     Option<String>,
     Option<String>,
+    bool,
 );
 
 /// How the stiffness of particles follows from the material, by name.
@@ -214,7 +217,8 @@ const MOTIONS: [(&str, Motion); 2] = [("scaled-time", Motion::SCALED_TIME), ("fi
 
 /// What is chosen of a model.
 pub fn model_options(options: OptionsTuple) -> Result<ModelOptions, CoreError> {
-    let (edge, binding, walls, prony, yield_strain, layers, calibration, motion) = options;
+    let (edge, binding, walls, prony, yield_strain, layers, calibration, motion, whole_segment) =
+        options;
     let calibration = calibration.map(|name| named("calibration", &CALIBRATIONS, &name));
     let motion = motion.map(|name| named("motion", &MOTIONS, &name));
     Ok(ModelOptions {
@@ -227,6 +231,7 @@ pub fn model_options(options: OptionsTuple) -> Result<ModelOptions, CoreError> {
         calibration: calibration.transpose()?,
         motion: motion.transpose()?,
         rearranges: false,
+        whole_segment,
     })
 }
 
@@ -246,6 +251,7 @@ fn options_dict<'py>(py: Python<'py>, options: &ModelOptions) -> PyResult<Bound<
         "layers": options.layers,
         "calibration": options.calibration.and_then(|each| name_of(&CALIBRATIONS, each)),
         "motion": options.motion.and_then(|each| name_of(&MOTIONS, each)),
+        "whole_segment": options.whole_segment,
     )
 }
 

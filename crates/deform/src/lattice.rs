@@ -39,6 +39,10 @@ mod tangent;
 mod tool_contact;
 mod vectors;
 mod volume_forces;
+mod whole_body;
+mod whole_contacts;
+mod whole_lattice;
+mod whole_sites;
 mod write_back;
 
 pub use border::Border;

@@ -22,3 +22,4 @@ pub mod potential;
 pub mod pressed_block;
 pub mod registry;
 mod voxel_ledger;
+mod work_time;

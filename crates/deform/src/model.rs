@@ -75,7 +75,8 @@ impl ToolState {
 pub struct Budget {
     /// Iterations or sub-steps at most. With this alone the answer is the same to the bit.
     pub iterations: u32,
-    /// Time at which to stop although not at rest; none off-line and in tests.
+    /// Time at which to stop although not at rest; none off-line and in tests. What works on one thread
+    /// may take the time until then as processor time of its own.
     pub deadline: Option<Instant>,
 }
 

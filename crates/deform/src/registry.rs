@@ -61,6 +61,7 @@ const PARTICLES: Offers = Offers {
     calibration: true,
     motion: true,
     rearranges: true,
+    whole_segment: false,
 };
 
 /// All models; a new one is one entry here.
@@ -96,6 +97,7 @@ pub const MODELS: &[Registered] = &[
             calibration: false,
             motion: false,
             rearranges: false,
+            whole_segment: true,
         },
         make: |options| Box::new(LatticeModel::new(LatticeSettings::from(options))),
     },
@@ -135,6 +137,7 @@ pub const MODELS: &[Registered] = &[
             calibration: true,
             motion: false,
             rearranges: false,
+            whole_segment: false,
         },
         make: |options| Box::new(GlobalModel::global_lj(GlobalSettings::from(options))),
     },
@@ -172,6 +175,7 @@ impl From<&ModelOptions> for LatticeSettings {
                 yield_strain: options.yield_strain,
                 prony: options.prony,
             },
+            whole: options.whole_segment,
             ..usual
         }
     }

@@ -3,7 +3,7 @@
 use crate::support::{ball, block, half_space, press, solid};
 use glam::{DMat3, DVec3, UVec3};
 use palpate_deform::lattice::{
-    Border, Lattice, LatticeModuli, LatticeTool, NodeMaterial, RelaxReport, RelaxSettings, Relaxer,
+    Border, Lattice, LatticeModuli, NodeMaterial, RelaxSettings, Relaxer,
 };
 
 /// Compresses a block of `count`³ nodes between plates without friction by a thousandth, and
@@ -150,28 +150,6 @@ fn the_border_stands_for_the_body_behind_it() {
 }
 
 #[test]
-fn a_border_that_is_led_takes_all_of_the_box_along() {
-    let one = solid(0.3);
-    let far = |place: DVec3| DVec3::new(0.3, -0.1, 0.02 * (place.z - 5.0));
-    for endless in [true, false] {
-        let mut lattice = half_space(11, endless, one, 99, one);
-        lattice.lead_border(|_| DVec3::new(0.3, -0.1, 0.2));
-        let away = ball(11, -5.0, 0.0);
-        let (_, report) = press_with(&mut lattice, away, 1e-9, 2000);
-        assert!(report.residual <= 1e-9, "{report:?}");
-        for node in lattice.matter_nodes() {
-            let miss = lattice.moved(node) - DVec3::new(0.3, -0.1, 0.2);
-            assert!(miss.length() < 1e-5, "{node}: {miss}");
-        }
-        // a stretch is led in as well: lower nodes go down, upper ones are free
-        lattice.lead_border(far);
-        press_with(&mut lattice, away, 1e-9, 2000);
-        let bottom = lattice.layout().index(UVec3::new(5, 5, 0));
-        assert!(lattice.moved(bottom).z < -0.05, "{}", lattice.moved(bottom));
-    }
-}
-
-#[test]
 fn poisson_ratios_out_of_range_are_taken_to_the_nearest_one() {
     assert_eq!(LatticeModuli::of(&solid(0.49), 1.0).poisson, 0.45);
     assert_eq!(LatticeModuli::of(&solid(0.1), 1.0).poisson, 0.25);
@@ -181,21 +159,4 @@ fn poisson_ratios_out_of_range_are_taken_to_the_nearest_one() {
         (quarter.bond - 0.8).abs() < 1e-12 && quarter.volume < 1e-12,
         "{quarter:?}"
     );
-}
-
-/// Relaxes with forces measured against 1 N.
-fn press_with(
-    lattice: &mut Lattice,
-    tool: LatticeTool,
-    tolerance: f64,
-    iterations: u32,
-) -> (DVec3, RelaxReport) {
-    let settings = RelaxSettings {
-        tolerance,
-        iterations,
-        reference: 1.0,
-    };
-    let mut relaxer = Relaxer::default();
-    let report = relaxer.relax(lattice, &[tool], &settings, &|| false);
-    (relaxer.felt()[0].force, report)
 }

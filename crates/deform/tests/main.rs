@@ -12,6 +12,7 @@ mod lattice_layers;
 mod lattice_model;
 mod lattice_relax;
 mod lattice_voxels;
+mod lattice_whole;
 mod lattice_yield;
 #[path = "../../../tests/support/length.rs"]
 mod length;

@@ -141,6 +141,7 @@ class DeformationModel(msgspec.Struct, frozen=True):
     layers: int | None
     calibration: bool
     motion: bool
+    whole_segment: bool
 
 
 class Prony(msgspec.Struct, frozen=True):
@@ -155,7 +156,8 @@ class ModelOptions(msgspec.Struct, frozen=True):
 
     ``edge`` counts nodes or cells along its box, ``binding`` is relative to a link's stiffness
     (thesis 5.12), ``walls`` keep particles out of empty voxels (5.13), beyond ``yield_strain``
-    deformation is plastic, ``layers`` divide the work of an answer (5.21).
+    deformation is plastic, ``layers`` divide the work of an answer (5.21). With
+    ``whole_segment`` the body behind the box gives as the whole segment does (5.29).
     """
 
     edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
@@ -166,6 +168,7 @@ class ModelOptions(msgspec.Struct, frozen=True):
     layers: Annotated[int, msgspec.Meta(ge=1, le=100)] | None
     calibration: Calibration | None
     motion: Motion | None
+    whole_segment: bool
 
 
 class MatterState(msgspec.Struct, frozen=True):

@@ -51,6 +51,7 @@ class OptionsState(TypedDict):
     layers: int | None
     calibration: Calibration | None
     motion: Motion | None
+    whole_segment: bool
 
 
 class DeformationReport(TypedDict):
@@ -116,3 +117,4 @@ class ModelOffer(TypedDict):
     layers: int | None
     calibration: bool
     motion: bool
+    whole_segment: bool

@@ -59,6 +59,8 @@ class ModelOptions(NamedTuple):
     """Layers, from the tool outward, in which an answer is computed (thesis 5.21)."""
     calibration: Calibration | None = None
     motion: Motion | None = None
+    whole_segment: bool = False
+    """Whether the body behind the box gives as the whole segment does (thesis 5.29)."""
 
     @classmethod
     def of_state(cls, state: OptionsState) -> ModelOptions:
@@ -73,6 +75,7 @@ class ModelOptions(NamedTuple):
             layers=state["layers"],
             calibration=state["calibration"],
             motion=state["motion"],
+            whole_segment=state["whole_segment"],
         )
 
 
@@ -139,6 +142,8 @@ class Model:
     """Whether there is a choice of ``calibration``."""
     motion: bool
     """Whether there is a choice of ``motion``."""
+    whole_segment: bool
+    """Whether the whole segment can be behind its box."""
 
 
 def offered_models() -> list[Model]:
@@ -156,6 +161,7 @@ def offered_models() -> list[Model]:
             layers=each["layers"],
             calibration=each["calibration"],
             motion=each["motion"],
+            whole_segment=each["whole_segment"],
         )
         for each in _core.deformation_models()
     ]

@@ -376,6 +376,11 @@ def test_a_model_takes_the_boxes_that_it_offers() -> None:
         ("fcc-lj", ModelOptions(binding=-0.5), "binding of -0.5 given for fcc-lj; allowed: 0 to 2"),
         ("global-lj", ModelOptions(walls=True), "walls given for global-lj; allowed: none"),
         (
+            "fcc-lj",
+            ModelOptions(whole_segment=True),
+            "the whole segment given for fcc-lj; allowed: none",
+        ),
+        (
             "global-lj",
             ModelOptions(prony=Prony(0.5, 1.0)),
             "a force that fades given for global-lj",

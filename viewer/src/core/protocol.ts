@@ -384,6 +384,7 @@ export interface DeformationModel {
   readonly layers: number | null;
   readonly calibration: boolean;
   readonly motion: boolean;
+  readonly whole_segment: boolean;
 }
 
 /**
@@ -464,7 +465,8 @@ export interface Prony {
  *
  * `edge` counts nodes or cells along its box, `binding` is relative to a link's stiffness
  * (thesis 5.12), `walls` keep particles out of empty voxels (5.13), beyond `yield_strain`
- * deformation is plastic, `layers` divide the work of an answer (5.21).
+ * deformation is plastic, `layers` divide the work of an answer (5.21). With
+ * `whole_segment` the body behind the box gives as the whole segment does (5.29).
  */
 export interface ModelOptions {
   readonly edge: number | null;
@@ -475,6 +477,7 @@ export interface ModelOptions {
   readonly layers: number | null;
   readonly calibration: Calibration | null;
   readonly motion: Motion | null;
+  readonly whole_segment: boolean;
 }
 
 /**
@@ -2103,6 +2106,7 @@ const isDeformationModel = record({
   layers: nullable(whole()),
   calibration: flag,
   motion: flag,
+  whole_segment: flag,
 });
 
 const isHello = record({
@@ -2164,6 +2168,7 @@ const isModelOptions = record({
   layers: nullable(whole({ ge: 1, le: 100 })),
   calibration: nullable(isCalibration),
   motion: nullable(isMotion),
+  whole_segment: flag,
 });
 
 const isMatterState = record({

@@ -37,22 +37,104 @@ pub(super) struct Ground {
     pub led: DVec3,
 }
 
+/// How many times stiffer than its springs a border is, at most, where the body behind is stiffer than
+/// an endless one.
+const MOST_STIFFNESS: f64 = 4.0;
+
+/// What the body behind the border does as one: all springs end at it, and it moves by
+/// `free + compliance · force` under the force that they give on.
+///
+/// The displacement is eliminated (static condensation: Guyan, AIAA Journal 3, 1965), so that nodes
+/// and body come to rest together; an exchange of force and displacement between two models, one
+/// after the other, would not where the body gives more than the nodes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    /// Symmetric [mm/N]; negative where the body is stiffer than an endless one.
+    compliance: DMat3,
+    /// Displacement without a force [mm].
+    free: DVec3,
+    /// (compliance⁻¹ + springs)⁻¹ [mm/N].
+    by_pull: DMat3,
+    /// Where it stands under no pull of the springs [mm].
+    unpulled: DVec3,
+}
+
+impl Frame {
+    /// The body behind the border stays where it is.
+    pub const HELD: Self = Self {
+        compliance: DMat3::ZERO,
+        free: DVec3::ZERO,
+        by_pull: DMat3::ZERO,
+        unpulled: DVec3::ZERO,
+    };
+
+    fn new(ground: &[Ground], compliance: DMat3, free: DVec3) -> Self {
+        let springs: DMat3 = ground.iter().map(|ground| ground.stiffness).sum();
+        let stiffest = rows(springs, f64::abs);
+        let allowed = not_stiffer(compliance, (MOST_STIFFNESS.recip() - 1.0) / stiffest);
+        let eased = (DMat3::IDENTITY + allowed * springs).inverse();
+        let by_pull = eased * allowed;
+        let frame = Self {
+            compliance,
+            free,
+            by_pull: (by_pull + by_pull.transpose()) * 0.5,
+            unpulled: eased * free,
+        };
+        let is_known = frame.by_pull.is_finite() && frame.unpulled.is_finite();
+        if is_known { frame } else { Self::HELD }
+    }
+
+    fn is_held(&self) -> bool {
+        self.by_pull == DMat3::ZERO && self.unpulled == DVec3::ZERO
+    }
+
+    /// Under this pull of springs that end where nothing has moved [N].
+    fn moved(&self, pull: DVec3) -> DVec3 {
+        self.by_pull * pull + self.unpulled
+    }
+}
+
+/// The largest sum of a row, with `size` of each entry.
+fn rows(matrix: DMat3, size: impl Fn(f64) -> f64) -> f64 {
+    let row = |row: usize| (0..3).map(|n| size(matrix.col(n)[row])).sum::<f64>();
+    row(0).max(row(1)).max(row(2))
+}
+
+/// A compliance none of whose eigenvalues is below `least` (Gershgorin).
+fn not_stiffer(compliance: DMat3, least: f64) -> DMat3 {
+    let lowest = |n: usize| {
+        let column = compliance.col(n);
+        column[n] + column[n].abs() - column.abs().element_sum()
+    };
+    let lowest = lowest(0).min(lowest(1)).min(lowest(2));
+    compliance + DMat3::IDENTITY * (least - lowest).max(0.0)
+}
+
 impl Lattice {
-    /// Moves the body behind the border, as a coarser model of all of it says: `displacement`
-    /// [mm] is asked for places [mm] in the lattice's frame. Held border nodes go there, others
-    /// are drawn there by their springs.
-    pub fn lead_border(&mut self, displacement: impl Fn(DVec3) -> DVec3) {
-        for index in 0..self.layout.len() {
-            if self.border == Border::Held && self.cut[index] != 0 {
-                let moved = displacement(self.rest_place(index));
-                self.set_moved(index, moved);
-            }
+    /// Whether tissue goes on behind the border.
+    pub(super) fn goes_on(&self) -> bool {
+        !self.ground.is_empty()
+    }
+
+    /// Has the body behind the border give as one, besides as its springs do. See [`Frame`].
+    pub(super) fn set_frame(&mut self, compliance: DMat3, free: DVec3) {
+        self.frame = Frame::new(&self.ground, compliance, free);
+    }
+
+    /// The frame anew, where the springs are others.
+    pub(super) fn settle_frame(&mut self) {
+        self.set_frame(self.frame.compliance, self.frame.free);
+    }
+
+    /// How far the body behind the border stands where the nodes have moved so far [mm].
+    pub(super) fn border_moved(&self, moved: &Field) -> DVec3 {
+        let pull = |ground: &Ground| {
+            ground.stiffness * (vector_at(moved, ground.node as usize) - ground.led)
+        };
+        match self.frame.is_held() {
+            true => DVec3::ZERO,
+            false => self.frame.moved(self.ground.iter().map(pull).sum()),
         }
-        let mut ground = std::mem::take(&mut self.ground);
-        for ground in &mut ground {
-            ground.led = displacement(self.rest_place(ground.node as usize));
-        }
-        self.ground = ground;
     }
 
     /// Has the body behind the border rest where its nodes do: `lasting` [mm from where they were at

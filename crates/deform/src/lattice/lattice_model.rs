@@ -1,9 +1,8 @@
 //! The bonded lattice as a model: a box of nodes that follows the first tool.
 
 use std::cell::Cell;
-use std::time::Instant;
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::damage::Damage;
@@ -15,13 +14,15 @@ use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_near};
 use super::settings::LatticeSettings;
 use super::tool_contact::LatticeTool;
+use super::whole_body::{WholeBody, Work};
 use super::write_back::WriteBack;
 use crate::model::{
-    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
+    DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport, ToolContact,
     ToolState,
 };
 use crate::observed_voxels::ObservedVoxels;
 use crate::voxel_ledger::{Ledger, Wanted};
+use crate::work_time::WorkTime;
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
@@ -41,12 +42,16 @@ const STIFFNESS_SHARE: u32 = 4;
 const RELAXED: f64 = 0.65;
 const EASED: f64 = 0.75;
 const STIFFNESS_FOUND: f64 = 0.88;
+/// Evaluations of the whole segment's forces in one answer: least and most, less those of the box.
+const WHOLE_WORK: [u32; 2] = [8, 40];
 
 /// The bonded lattice as a model.
 #[derive(Debug, Default)]
 pub struct LatticeModel {
     pub(super) settings: LatticeSettings,
     pub(super) matter: Option<MovingBox>,
+    /// The segment behind the box; none where nothing goes on behind it, or where it is not asked for.
+    whole: Option<WholeBody>,
     pub(super) relaxer: Relaxer,
     /// Finds where tissue stays that has yielded.
     pub(super) unloaded: Relaxer,
@@ -130,6 +135,54 @@ impl LatticeModel {
         asked
     }
 
+    /// Has the border of the box give as the whole segment does.
+    fn follow_whole(&mut self, input: &ModelInput<'_>, time: &WorkTime, answer: &ModelReport) {
+        let known = self.whole.take();
+        if !self.settings.whole {
+            return;
+        }
+        let Some(mut matter) = self.matter.take() else {
+            return;
+        };
+        let rest = self.rest_voxels(input, 0);
+        let tool = input.tools.iter().find(|tool| tool.is_usable());
+        let place = tool.and_then(|tool| matter.tissue_near(&matter.tool(tool)));
+        let place = place.filter(|_| matter.lattice.goes_on());
+        let mut whole = match place {
+            Some(place) => WholeBody::of(known, &rest, &matter, place),
+            None => known,
+        };
+        whole.iter_mut().for_each(WholeBody::let_go);
+        if let Some((whole, place)) = whole.as_mut().zip(place) {
+            let felt = self.relaxer.felt().iter().map(|felt| felt.force);
+            let [least, most] = WHOLE_WORK;
+            let work = Work {
+                iterations: most.saturating_sub(answer.iterations).max(least),
+                is_late: &|| time.is_over(EASED),
+            };
+            whole.follow(&rest, &mut matter, (place, -felt.sum::<DVec3>()), &work);
+        }
+        self.whole = whole;
+        self.matter = Some(matter);
+    }
+
+    /// Nodes of the whole segment behind the box: where they rest and where they stand now, and how far
+    /// they are from one another.
+    #[must_use]
+    pub fn whole_parts(&self) -> ModelParts {
+        let (Some(whole), Some(matter)) = (&self.whole, &self.matter) else {
+            return ModelParts::default();
+        };
+        let patient = |place: DVec3| matter.patient_place(place - matter.corner());
+        let places = whole
+            .nodes()
+            .map(|[rest, moved]| [patient(rest), patient(rest + moved)]);
+        ModelParts {
+            places: places.collect(),
+            apart: whole.spacing(),
+        }
+    }
+
     fn rest_voxels<'a>(&'a self, input: &ModelInput<'a>, asked: u64) -> RestVoxels<'a> {
         RestVoxels {
             voxels: input.voxels,
@@ -163,6 +216,9 @@ impl LatticeModel {
             return 0;
         }
         self.settled = false;
+        if let Some(whole) = &mut self.whole {
+            whole.stale = true;
+        }
         match observed {
             Some(_) => self.ledger.follow_cuts(voxels),
             // after a reset voxels are those of another time, and nobody cut what they showed
@@ -221,7 +277,7 @@ impl LatticeModel {
     fn relax(
         &mut self,
         input: &ModelInput<'_>,
-        budget: Budget,
+        time: &WorkTime,
         tools: &[LatticeTool],
         answer: &mut ModelAnswer,
     ) {
@@ -242,7 +298,7 @@ impl LatticeModel {
                 iterations: left,
                 reference,
             };
-            let is_late = || budget.is_late();
+            let is_late = || time.is_over(RELAXED);
             let report = self
                 .relaxer
                 .relax(&mut matter.lattice, tools, &settings, &is_late);
@@ -275,7 +331,7 @@ impl LatticeModel {
     fn report_contacts(
         &mut self,
         input: &ModelInput<'_>,
-        budget: Budget,
+        time: &WorkTime,
         answer: &mut ModelAnswer,
     ) {
         let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
@@ -297,7 +353,7 @@ impl LatticeModel {
                 continue;
             }
             let most = (input.budget.iterations / STIFFNESS_SHARE).max(4);
-            let is_late = || budget.is_late();
+            let is_late = || time.is_over(STIFFNESS_FOUND);
             let stiffness =
                 self.relaxer
                     .stiffness(&mut matter.lattice, &tools, which, most, &is_late);
@@ -337,17 +393,18 @@ impl LatticeModel {
 
 impl DeformationModel for LatticeModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
-        let began = Instant::now();
-        let budget = |share: f64| input.budget.until(began, share);
+        let time = WorkTime::begin(&input.budget);
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
         answer.report.effort.sampled = self.follow(input, &usable);
         self.report_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
-            self.relax(input, budget(RELAXED), &tools, &mut answer);
+            self.relax(input, &time, &tools, &mut answer);
         }
-        self.follow_plastic(input, budget(EASED), &answer.report);
+        self.follow_whole(input, &time, &answer.report);
+        let is_late = || time.is_over(EASED);
+        self.follow_plastic(input, &is_late, &answer.report);
         if self
             .matter
             .as_ref()
@@ -358,7 +415,7 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        self.report_contacts(input, budget(STIFFNESS_FOUND), &mut answer);
+        self.report_contacts(input, &time, &mut answer);
         let effort = &mut answer.report.effort;
         effort.evaluations = std::mem::take(&mut self.relaxer.evaluations)
             + std::mem::take(&mut self.unloaded.evaluations);
@@ -381,6 +438,7 @@ impl DeformationModel for LatticeModel {
 
     fn reset(&mut self) {
         self.matter = None;
+        self.whole = None;
         self.damage = Damage::default();
         self.left_behind.clear();
         self.ledger.settle_plastic();

@@ -188,6 +188,32 @@ impl MovingBox {
         }
     }
 
+    /// Half an edge of the box, from its middle to its outermost nodes [mm].
+    pub fn half_width(&self) -> f64 {
+        0.5 * self.lattice.spacing() * f64::from(self.lattice.layout().size().x - 1)
+    }
+
+    /// Where its first node rests, mm along the axes of the grid from its corner.
+    pub fn corner(&self) -> DVec3 {
+        node_place(self.origin, self.lattice.spacing())
+    }
+
+    /// Where the tissue rests that is nearest to a tool, mm along the axes of the grid from its corner.
+    pub fn tissue_near(&self, tool: &LatticeTool) -> Option<DVec3> {
+        let lattice = &self.lattice;
+        let soft = lattice
+            .matter_nodes()
+            .filter(|node| lattice.is_mobile(*node));
+        let far = |node: &usize| lattice.place(*node).distance_squared(tool.centre);
+        let nearest = soft.min_by(|one, other| far(one).total_cmp(&far(other)))?;
+        Some(self.corner() + lattice.rest_place(nearest))
+    }
+
+    /// Its lower and upper corner, mm along the axes of the grid from its corner.
+    pub fn ends(&self) -> [DVec3; 2] {
+        [self.corner(), self.corner() + 2.0 * self.half_width()]
+    }
+
     /// A tool in the lattice's frame.
     pub fn tool(&self, tool: &ToolState) -> LatticeTool {
         let first = node_place(self.origin, self.lattice.spacing());

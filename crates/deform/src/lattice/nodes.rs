@@ -3,7 +3,7 @@
 use glam::{DVec3, IVec3, UVec3};
 
 use super::bond_forces::{Bonds, add_bond_forces, bond_energy};
-use super::border::{Border, Ground};
+use super::border::{Border, Frame, Ground};
 use super::coarse::Coarse;
 use super::layout::{FAMILY_COUNT, Layout};
 use super::vectors::{Field, vector_at, zero_field};
@@ -51,6 +51,10 @@ pub struct Lattice {
     pub(super) cells: Cells,
     pub(super) ground: Vec<Ground>,
     pub(super) border: Border,
+    /// The body behind the border, as one.
+    pub(super) frame: Frame,
+    /// Forces from elsewhere, each on a node [N].
+    pub(super) loads: Vec<(u32, DVec3)>,
     /// For each node, the faces of the box (a bit each) behind which tissue goes on.
     pub(super) cut: Vec<u8>,
     /// Stiffness of bonds as they are put under strain at once over that in the end.
@@ -98,6 +102,8 @@ impl Lattice {
             cells: Cells::none(&layout),
             ground: Vec::new(),
             border,
+            frame: Frame::HELD,
+            loads: Vec::new(),
             cut: vec![0; length],
             stiffening: 1.0,
             coarse: None,
@@ -219,17 +225,23 @@ impl Lattice {
         }
         add_bond_forces(&self.layout, self.spacing, &self.bonds, moved, force);
         add_volume_forces(&self.layout, self.spacing, &self.cells, moved, force);
+        let behind = self.border_moved(moved);
         for ground in &self.ground {
             let node = ground.node as usize;
             let at = vector_at(moved, node);
-            let pull = ground.stiffness * (at - ground.led);
+            let pull = ground.stiffness * (at - ground.led - behind);
             for axis in 0..3 {
                 force[axis][node] -= pull[axis];
             }
         }
+        for &(node, load) in &self.loads {
+            for axis in 0..3 {
+                force[axis][node as usize] += load[axis];
+            }
+        }
     }
 
-    /// Energy of bonds, cells and border [N·mm].
+    /// Energy of bonds, cells and border springs [N·mm], nothing behind them moved.
     #[must_use]
     pub fn energy(&self) -> f64 {
         let ground = |ground: &Ground| {

@@ -11,7 +11,7 @@ use glam::IVec3;
 use super::lattice_model::{AT_REST, LatticeModel};
 use super::moving_box::MovingBox;
 use super::relax::RelaxSettings;
-use crate::model::{Budget, ModelInput, ModelReport, ToolState};
+use crate::model::{ModelInput, ModelReport, ToolState};
 
 /// So many iterations in parts of all are on top, where tissue yields, for how it is without tools.
 const UNLOADING_SHARE: u32 = 4;
@@ -42,7 +42,7 @@ impl LatticeModel {
     pub(super) fn follow_plastic(
         &mut self,
         input: &ModelInput<'_>,
-        budget: Budget,
+        is_late: &dyn Fn() -> bool,
         report: &ModelReport,
     ) {
         let is_unloaded = self.is_unloaded(report);
@@ -60,7 +60,7 @@ impl LatticeModel {
                 iterations: input.budget.iterations / UNLOADING_SHARE,
                 reference: matter.small_force(),
             };
-            matter.find_unloaded(&mut self.unloaded, &settings, &|| budget.is_late());
+            matter.find_unloaded(&mut self.unloaded, &settings, is_late);
         }
     }
 

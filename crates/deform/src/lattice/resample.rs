@@ -8,6 +8,7 @@
 use std::cell::Cell;
 
 use glam::{DVec3, IVec3};
+use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::Voxels;
 
 use super::nodes::NodeMaterial;
@@ -27,14 +28,17 @@ pub(super) struct RestVoxels<'a> {
 impl RestVoxels<'_> {
     /// What a node is made of, counted from the corner of the grid.
     pub fn matter_of_node(&self, spacing: f64, node: IVec3) -> NodeMaterial {
+        self.matter_at(node_place(node, spacing))
+    }
+
+    /// What stands at a place at rest, mm along the axes of the grid from its corner.
+    pub fn matter_at(&self, place: DVec3) -> NodeMaterial {
         self.asked.set(self.asked.get() + 1);
-        let point = node_place(node, spacing) / self.voxels.grid().spacing();
+        let point = place / self.voxels.grid().spacing();
         let Some(voxel) = self.voxels.grid().voxel_at(point) else {
             return NodeMaterial::Empty;
         };
-        // where segments overlap, the last counts
-        let mut segments = self.materials.segments.iter().rev();
-        let Some(matter) = segments.find(|matter| self.belongs(voxel, matter)) else {
+        let Some(matter) = self.material_of(voxel) else {
             return NodeMaterial::Empty;
         };
         let value = match matter.law.needs_hounsfield() {
@@ -47,6 +51,19 @@ impl RestVoxels<'_> {
             Treatment::Rigid => NodeMaterial::Rigid(solid),
             Treatment::Empty => NodeMaterial::Empty,
         }
+    }
+
+    /// The segment whose tissue is at a place at rest, mm along the axes of the grid from its corner.
+    pub fn segment_at(&self, place: DVec3) -> Option<SegmentId> {
+        let grid = self.voxels.grid();
+        let voxel = grid.voxel_at(place / grid.spacing())?;
+        self.material_of(voxel).map(|matter| matter.segment)
+    }
+
+    /// What a voxel is made of; where segments overlap, the last counts.
+    fn material_of(&self, voxel: IVec3) -> Option<&SegmentMaterial> {
+        let mut segments = self.materials.segments.iter().rev();
+        segments.find(|matter| self.belongs(voxel, matter))
     }
 
     fn belongs(&self, voxel: IVec3, matter: &SegmentMaterial) -> bool {

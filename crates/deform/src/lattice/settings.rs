@@ -13,6 +13,9 @@ pub struct LatticeSettings {
     pub tolerance: f64,
     /// Breaking, yielding and relaxation of stress.
     pub inelastic: InelasticSettings,
+    /// Whether the body behind the box gives as the whole segment does (thesis 5.29); else as an endless
+    /// one.
+    pub whole: bool,
     /// What the scan reads where the tool is in tissue, in its own unit.
     pub air: f64,
 }
@@ -24,6 +27,7 @@ impl Default for LatticeSettings {
             spacing: None,
             tolerance: 1e-3,
             inelastic: InelasticSettings::default(),
+            whole: false,
             air: -1000.0,
         }
     }

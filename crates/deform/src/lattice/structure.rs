@@ -111,6 +111,7 @@ impl Lattice {
             self.effort.built += 1;
         }
         self.ground_border();
+        self.settle_frame();
         self.settle_structure();
         if let Border::Endless { load } = self.border {
             let last = self.coarse.take();

@@ -30,6 +30,8 @@ pub struct ModelOptions {
     pub motion: Option<Motion>,
     /// Whether particles stay where a tool has pushed them (5.28.3); else all of them come back.
     pub rearranges: bool,
+    /// Whether the body behind the box gives as the whole segment does (5.29).
+    pub whole_segment: bool,
 }
 
 /// Options that a model offers.
@@ -53,6 +55,8 @@ pub struct Offers {
     pub motion: bool,
     /// Whether its particles can stay where a tool has pushed them.
     pub rearranges: bool,
+    /// Whether the whole segment can be behind the box.
+    pub whole_segment: bool,
 }
 
 /// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
@@ -148,6 +152,11 @@ impl Offers {
             ),
             ("motion", options.motion.is_some(), self.motion),
             ("rearrangement", options.rearranges, self.rearranges),
+            (
+                "the whole segment",
+                options.whole_segment,
+                self.whole_segment,
+            ),
         ];
         match chosen.iter().find(|(_, is, may)| *is && !*may) {
             Some((option, ..)) => Err(not_offered(name, option)),

@@ -122,6 +122,7 @@ def models() -> list[protocol.DeformationModel]:
             layers=each.layers,
             calibration=each.calibration,
             motion=each.motion,
+            whole_segment=each.whole_segment,
         )
         for each in offered_models()
     ]
@@ -139,6 +140,7 @@ def _wanted_options(wanted: protocol.ModelOptions) -> ModelOptions:
         layers=wanted.layers,
         calibration=wanted.calibration,
         motion=wanted.motion,
+        whole_segment=wanted.whole_segment,
     )
 
 

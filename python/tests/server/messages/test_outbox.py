@@ -26,6 +26,7 @@ USUAL = protocol.ModelOptions(
     layers=None,
     calibration=None,
     motion=None,
+    whole_segment=False,
 )
 NO_NEEDLE = protocol.NeedleState(
     inside=False,

@@ -15,6 +15,7 @@ export const usualOptions: ModelOptions = {
   layers: null,
   calibration: null,
   motion: null,
+  whole_segment: false,
 };
 
 /** What sliders offer of a force that fades: shares from 0, which is not at all; times [s]. */
@@ -77,7 +78,8 @@ export function fadingBy(share: number, prony: Prony | null): Prony | null {
 
 /** Reads options that were kept, for a model; what it does not offer is left out. */
 export function recalledOptions(kept: unknown, model: DeformationModel): ModelOptions {
-  const { edge, binding, walls, prony, yield_strain: strain, layers, calibration, motion } = asMap(kept);
+  const { edge, binding, walls, prony, yield_strain: strain, layers, calibration, motion, whole_segment: whole } =
+    asMap(kept);
   const { boxes, binding: shares, fades, yields } = model;
   const { share, time } = asMap(prony);
   return {
@@ -92,6 +94,7 @@ export function recalledOptions(kept: unknown, model: DeformationModel): ModelOp
         : null,
     calibration: model.calibration ? known(calibration, calibrations) : null,
     motion: model.motion ? known(motion, motions) : null,
+    whole_segment: model.whole_segment && whole === true,
   };
 }
 

@@ -21,6 +21,7 @@ test("what is as usual is told from what is chosen", () => {
     { layers: 3 },
     { calibration: "wave-speed" },
     { motion: "fire" },
+    { whole_segment: true },
   ] as const;
   expect(chosen.map((change) => areUsual({ ...usualOptions, ...change }))).toEqual(chosen.map(() => false));
 });
@@ -52,11 +53,15 @@ test("layers, calibration and motion come back where a model offers them", () =>
     layers: 8,
     calibration: true,
     motion: false,
+    whole_segment: false,
   };
   const chosen = { layers: 3, calibration: "wave-speed", motion: "fire" } as const;
   expect(recalledOptions(chosen, { ...cuboid, motion: true })).toEqual({ ...usualOptions, ...chosen });
   expect(recalledOptions(chosen, cuboid)).toEqual({ ...usualOptions, ...chosen, motion: null });
   expect(recalledOptions(chosen, { ...cuboid, layers: null, calibration: false })).toEqual(usualOptions);
+  const whole = { whole_segment: true };
+  expect(recalledOptions(whole, { ...cuboid, ...whole })).toEqual({ ...usualOptions, ...whole });
+  expect(recalledOptions(whole, cuboid)).toEqual(usualOptions);
   // kept by a version before, or by nobody that knows them
   expect(recalledOptions({}, cuboid)).toEqual(usualOptions);
   const damaged = [{ layers: 9 }, { layers: 2.5 }, { layers: "3" }, { calibration: "cheese" }, { motion: 1 }];

@@ -41,12 +41,12 @@ const presets: readonly MaterialPreset[] = [
 const models: readonly DeformationModel[] = [
   {
     ...{ name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null },
-    ...{ walls: false, fades, yields, layers: null, calibration: false, motion: false },
+    ...{ walls: false, fades, yields, layers: null, calibration: false, motion: false, whole_segment: false },
   },
   {
     ...{ name: "global-lj", title: "Particles", bonded: false, boxes: null },
     ...{ binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null },
-    ...{ calibration: true, motion: false },
+    ...{ calibration: true, motion: false, whole_segment: false },
   },
 ];
 

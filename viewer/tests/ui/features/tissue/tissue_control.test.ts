@@ -37,6 +37,7 @@ class Visit {
       layers: null,
       calibration: false,
       motion: false,
+      whole_segment: false,
     },
   ];
   latest: State | null = null;
