@@ -80,6 +80,7 @@ _Options = tuple[
     int | None,
     str | None,
     str | None,
+    bool,
 ]
 _Region = tuple[str, tuple[_Voxel, _Voxel] | None, int | None]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from palpate.session.model_options import ModelOptions
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.session import Session, SessionOptions
@@ -36,7 +37,7 @@ def test_the_liver_of_the_phantom_gives_as_a_whole_and_bone_holds_it() -> None:
             session.set_deformation("lattice", ModelOptions(edge=11, whole_segment=whole))
             recording = session.run(2.8)
             assert session.deformation()["options"].whole_segment == whole
-        forces = np.linalg.norm(recording.forces, axis=1)
+        forces: NDArray[np.float64] = np.linalg.norm(recording.forces, axis=1)
         # rest is rest
         assert np.ptp(forces[-500:]) < 0.01 * forces[-1]
         return forces
