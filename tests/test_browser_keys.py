@@ -46,7 +46,11 @@ def key(page: Browser, key: str, code: str, **held: Any) -> None:
 
 @pytest.mark.parametrize(
     ("written", "place"),
-    [("\u0435", "KeyT"), ("\u03c4", "KeyT"), ("\u05d0", "KeyT"), ("t", "KeyK")],
+    [
+        *[("\u0435", "KeyT"), ("\u03c4", "KeyT"), ("\u05d0", "KeyT"), ("t", "KeyK")],
+        # Korean, with and without what puts syllables together
+        *[("\u3145", "KeyT"), ("Process", "KeyT")],
+    ],
 )
 def test_a_letter_is_the_latin_one_on_the_key_or_at_its_place(
     page: Browser, written: str, place: str
@@ -86,6 +90,21 @@ def test_with_alt_a_letter_does_nothing(page: Browser) -> None:
 def test_a_key_that_is_held_acts_once(page: Browser) -> None:
     key(page, "t", "KeyT", repeats=7)
     assert page.read(TOUCH)
+
+
+def test_a_mark_and_a_saved_scene_come_once_a_press_and_also_from_a_field(page: Browser) -> None:
+    page.do("press", key="b")
+    key(page, "j", "KeyJ", repeats=7)
+    page.all_done()
+    assert page.read("window.palpate.marks.length") == 1
+    page.do("click", testid="threshold")
+    saved = page.do("requests", about="/api/scene")["value"]
+    key(page, "s", "KeyS", control=True, repeats=7)
+    page.wait("document.querySelector('.notices').textContent.includes('Saved as ')")
+    assert page.do("requests", about="/api/scene")["value"] == saved + 1
+    page.read("document.activeElement.blur()")
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.marks.length === 0")
 
 
 def test_the_keys_of_the_page_work_in_a_field_and_what_was_typed_there_holds(page: Browser) -> None:

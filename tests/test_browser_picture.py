@@ -196,6 +196,18 @@ def unfold(page: Browser, title: str, *, testid: str) -> None:
 
 
 @pytest.mark.data
+def test_a_look_that_is_put_back_has_its_mode_too(opened: Opened) -> None:
+    page = opened.page
+    mode = "document.querySelector('[data-testid=blend]').value"
+    page.read("document.querySelector('[aria-label=\"Reset the look\"]').click()")
+    before = page.read(mode)
+    page.do("choose", testid="blend", value="emission")
+    page.read("document.querySelector('[aria-label=\"Reset the look\"]').click()")
+    page.wait(f"{mode} === {before!r}")
+    assert before != "emission"
+
+
+@pytest.mark.data
 def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None:
     page = opened.page
     page.do("choose", testid="blend", value="shaded")

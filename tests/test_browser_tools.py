@@ -247,6 +247,34 @@ def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser, tmp_path:
     assert drilled[1] > whole[1] + 0.9
 
 
+def test_a_page_that_is_loaded_again_has_the_tool_of_the_engine_and_the_next_scan_none(
+    page: Browser, block: Path, tmp_path: Path
+) -> None:
+    choose(page, "drill")
+    page.wait("window.palpate.settings.probe_radius > 0")
+    page.do("open", url=page.read("window.location.href"), width=1000, height=640)
+    page.wait(f"{TOOL}.kind === 'drill'")
+    page.shows("tool-card", "text.startsWith('Drill')")
+    # a threshold stays one after it was drilled
+    page.read(f"window.palpate.place({[MIDDLE, SURFACE - 2, MIDDLE]})")
+    hold(page, on=True)
+    page.read(f"window.palpate.hand({[MIDDLE, SURFACE + 2, MIDDLE]})")
+    page.wait(f"{TOOL}.volume > 1")
+    hold(page, on=False)
+    page.wait(f"!{TOOL}.on")
+    page.all_done()
+    assert page.read("document.querySelector('[data-testid=threshold]').value") == "500"
+
+    other = shutil.copy(block, tmp_path / "other.mha")
+    before = page.read("performance.timeOrigin")
+    page.do("click", testid="open-scan")
+    page.do("fill", testid="open-path", text=str(other))
+    page.do("click", testid="open-look")
+    page.wait(f"performance.timeOrigin > {before} && window.palpate?.ready === true")
+    page.wait(f"{TOOL}.kind === 'none'")
+    assert page.read("window.palpate.settings.probe_radius") == 0
+
+
 def check_strokes_table(page: Browser, folder: Path, began: list[float]) -> None:
     """Compares the table of one stroke with what the engine counted; where the probe began."""
     page.wait("!document.querySelector('[data-testid=strokes-save]').disabled")
