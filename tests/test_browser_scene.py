@@ -150,7 +150,7 @@ def test_the_autosave_of_a_damaged_scene_is_opened_from_the_page(
 
 
 def test_names_are_chosen_before_a_scan_is_shared(data_folder: Path, tmp_path: Path) -> None:
-    scan, path = tmp_path / "scan", tmp_path / "shared.zip"
+    scan, path, scene = (tmp_path / name for name in ("scan", "shared.zip", "shared.palpate"))
     scan.mkdir()
     for file in (data_folder / "dcmqi_seg" / "ct-3slice").glob("*.dcm"):
         dataset = dcmread(file)
@@ -179,8 +179,22 @@ def test_names_are_chosen_before_a_scan_is_shared(data_folder: Path, tmp_path: P
         page.do("click", testid="export-looked")
         page.do("screenshot", path=str(OUTPUT / "export_look.png"))
         page.do("download", testid="export", path=str(path))
+        page.wait("document.querySelector('.notices').textContent.includes('Saved as ')")
+        page.read(
+            "(() => { const format = document.querySelector('[data-testid=export-format]');"
+            " format.value = 'scene';"
+            " format.dispatchEvent(new Event('change', {bubbles: true})); })()"
+        )
+        page.shows("export-names-looked", "true")
+        page.do("screenshot", path=str(OUTPUT / "export_scene.png"))
+        page.do("download", testid="export", path=str(scene))
         # the browser tells of the first answer, which has status 428
         assert all("428" in each for each in page.complaints), page.complaints
+    with ZipFile(scene) as packed:
+        held = b"".join(packed.read(member) for member in packed.namelist())
+    assert len(held) > 500_000
+    assert str(dataset.PatientID).encode() not in held
+    assert str(tmp_path).encode() not in held
     with ZipFile(path) as packed:
         assert "deidentification.csv" in packed.namelist()
         (one,) = dcmread(packed.open("segments.dcm")).SegmentSequence

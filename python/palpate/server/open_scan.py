@@ -37,7 +37,7 @@ from palpate.server.messages.hello import hello_of
 from palpate.server.preset_pictures import PresetsRequest, preset_pictures_job
 from palpate.server.recording import Recorder
 from palpate.server.saved_picture import saved_picture
-from palpate.server.scene import scene_response, view_response
+from palpate.server.scene import scene_response, shared_scene_response, view_response
 from palpate.server.second_scan import second_routes
 from palpate.server.segment_statistics import statistics_job
 from palpate.server.surface_export import surface_response
@@ -208,6 +208,42 @@ def _keep_unfinished(recorder: Recorder, notify: Notify) -> None:
 # --- what pages fetch beside the messages -------------------------------------------------
 
 
+def _scene_routes(opened: OpenScan, saved: SavedScene | None) -> list[Route]:
+    async def scene(request: Request) -> Response:
+        body = await whole_body(request)
+        passing = opened.files is not None
+        return await run_in_threadpool(
+            scene_response,
+            opened.session,
+            opened.live.segments,
+            body,
+            passing=passing,
+            journal=opened.journal,
+            kept=opened.live.kept,
+        )
+
+    async def shared_scene(request: Request) -> Response:
+        body = await whole_body(request)
+        passing = opened.files is not None
+        return await run_in_threadpool(
+            shared_scene_response,
+            opened.session,
+            opened.live.segments,
+            body,
+            passing=passing,
+            kept=opened.live.kept,
+        )
+
+    async def view(_: Request) -> Response:
+        return view_response(None if saved is None else saved.view)
+
+    return [
+        Route("/scene", errors_as_text(scene), methods=["POST"]),
+        Route("/scene/shared", errors_as_text(shared_scene), methods=["POST"]),
+        Route("/view", view),
+    ]
+
+
 def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None) -> list[Route]:
     live, kept = opened.live, opened.recorder
 
@@ -232,25 +268,9 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
     async def scenario(_: Request) -> Response:
         return Response(status_code=204) if run is None else FileResponse(run)
 
-    async def scene(request: Request) -> Response:
-        body = await whole_body(request)
-        passing = opened.files is not None
-        return await run_in_threadpool(
-            scene_response,
-            live.session,
-            live.segments,
-            body,
-            passing=passing,
-            journal=opened.journal,
-            kept=live.kept,
-        )
-
     async def export(request: Request) -> Response:
         body = await whole_body(request)
         return await run_in_threadpool(export_response, live.segments, live.picture.values, body)
-
-    async def view(_: Request) -> Response:
-        return view_response(None if saved is None else saved.view)
 
     return [
         Route("/volume", volume),
@@ -260,12 +280,11 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/registration", _registration_of(live), methods=["POST"]),
         Route("/recording", recording),
         Route("/scenario", scenario),
-        Route("/scene", errors_as_text(scene), methods=["POST"]),
+        *_scene_routes(opened, saved),
         Route("/export", errors_as_text(export), methods=["POST"]),
         Route("/statistics", _statistics_of(live), methods=["POST"]),
         Route("/areas", _areas_of(live), methods=["POST"]),
         Route("/surface", _surface_of(live), methods=["POST"]),
-        Route("/view", view),
         Route("/picture", _picture_of(live), methods=["POST"]),
         Route("/presets", _presets_of(live), methods=["POST"]),
     ]

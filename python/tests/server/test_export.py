@@ -15,6 +15,8 @@ import pytest
 from made_scans import series_writer
 from palpate.export.export import export_scene
 from palpate.io.reading import read
+from palpate.saved.scene_file import open_scene
+from palpate.volumes.phantom import phantom
 from palpate.volumes.scene import Scene
 from pydicom import dcmread
 from running_server import PATIENCE, RunningServer, running, write_page
@@ -78,3 +80,49 @@ def test_an_edit_is_answered_while_an_export_runs_and_is_not_in_its_file(
         told = made.content.partition(b"\n\n")[0].decode()
     assert "ball" in told
     assert "late" not in told
+
+
+def test_a_scene_is_shared_without_names_and_paths_once_pixels_are_looked_at(
+    tmp_path: Path,
+) -> None:
+    series = series_writer(tmp_path)(PatientName="Alvarez^Ana", BurnedInAnnotation="YES")
+    volume = read(series)
+    scene = Scene(volume, [volume.segment(volume.array > 0, name="Alvarez tip")])
+    wanted = {"view": {"camera": None, "remembered": {"panels": 1}}}
+    with running(scene, write_page(tmp_path / "page")) as server:
+        refused = server.ask("POST", "/api/scene/shared", json.dumps(wanted).encode())
+        assert refused.status_code == 428
+        confirmed = json.dumps(wanted | {"pixels_checked": True}).encode()
+        made = server.ask("POST", "/api/scene/shared", confirmed)
+        assert made.status_code == 200
+        assert "x-palpate-notes" not in made.headers
+    told = made.content + b"".join(members(made.content))
+    assert b"Alvarez" not in told
+    assert tmp_path.name.encode() not in told
+    path = tmp_path / "other" / "shared.palpate"
+    path.parent.mkdir()
+    path.write_bytes(made.content)
+    saved = open_scene(path)
+    np.testing.assert_array_equal(saved.volume.array, volume.array)
+
+
+@pytest.mark.parametrize(("checked", "name"), [(False, b"segment 1"), (True, b"Quixotessa")])
+def test_names_of_a_scan_without_headers_become_numbers_unless_they_were_looked_at(
+    *, checked: bool, name: bytes, tmp_path: Path
+) -> None:
+    volume = phantom().volume
+    scene = Scene(volume, [volume.threshold(200, name="Quixotessa")])
+    wanted = {"view": {}, "names_checked": checked}
+    with running(scene, write_page(tmp_path / "page")) as server:
+        made = server.ask("POST", "/api/scene/shared", json.dumps(wanted).encode())
+    assert made.status_code == 200
+    assert ("x-palpate-notes" in made.headers) is not checked
+    held = b"".join(members(made.content))
+    assert name in held
+    assert (b"Quixotessa" in held) is checked
+
+
+def members(packed: bytes) -> list[bytes]:
+    """Returns what a packed file holds."""
+    with ZipFile(BytesIO(packed)) as archive:
+        return [archive.read(one) for one in archive.namelist()]

@@ -1,5 +1,5 @@
 /** Has the engine write segments or scan for other programs, and the browser keep the file. */
-import { fetchFile, RefusedError, tellSaved } from "../../state/download";
+import { fetchFile, RefusedError, tellSaved, type KeptFile } from "../../state/download";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
@@ -31,6 +31,13 @@ export const formats = [
     kind: "dicom",
     fromDicom: true,
     says: "A zip with scan, SEG and RTSTRUCT, de-identified together: their references hold.",
+  },
+  {
+    name: "scene",
+    label: "Scene to share",
+    kind: "scene",
+    fromDicom: false,
+    says: "A .palpate with scan, segments and marks, without paths, identifiers and names of people.",
   },
   {
     name: "seg",
@@ -65,13 +72,19 @@ export class Exporter {
   asksForLook = $state.raw(false);
   /** Whether the person says that they have. */
   looked = $state.raw(false);
+  /** Whether the person says that no name of a segment or mark names anybody. */
+  namesLooked = $state.raw(false);
   private chosen = $state.raw(recall("export", { format: "slicer" }).format);
   /** What is exported: what was chosen last, where that can be made of this scan. */
   readonly format: Format = $derived.by(
     () => formats.find((format) => format.name === this.chosen && this.canMake(format)) ?? formats[0],
   );
 
-  constructor(private readonly session: Session) {}
+  /** @param view what the page shows, as scenes keep it. */
+  constructor(
+    private readonly session: Session,
+    private readonly view: () => Readonly<Record<string, unknown>>,
+  ) {}
 
   /** Why nothing in DICOM can refer to the scan; null where something may. */
   get noDicom(): string | null {
@@ -101,10 +114,9 @@ export class Exporter {
       return;
     }
     this.busy = true;
-    const { kind, label } = this.format;
-    const shared = kind === "dicom" ? { names: this.names, pixels_checked: this.looked } : {};
+    const { label } = this.format;
     try {
-      const { name, notes } = await fetchFile("/api/export", { kind, ...shared }, "export");
+      const { name, notes } = await this.fetch(this.format);
       tellSaved(this.session, name);
       for (const note of notes) {
         this.session.notify("warning", `${label}: ${note}.`);
@@ -116,5 +128,14 @@ export class Exporter {
     } finally {
       this.busy = false;
     }
+  }
+
+  private fetch({ kind }: Format): Promise<KeptFile> {
+    if (kind === "scene") {
+      const looked = { names_checked: this.namesLooked, pixels_checked: this.looked };
+      return fetchFile("/api/scene/shared", { view: this.view(), ...looked }, "shared.palpate");
+    }
+    const shared = kind === "dicom" ? { names: this.names, pixels_checked: this.looked } : {};
+    return fetchFile("/api/export", { kind, ...shared }, "export");
   }
 }

@@ -89,7 +89,8 @@ export class SceneKeeper {
     }
   }
 
-  private get viewNow(): Record<string, unknown> {
+  /** What this page shows, as scenes keep it. */
+  get viewNow(): Record<string, unknown> {
     const { slices, view } = this.page;
     return { camera: view.camera, crosshair: slices.crosshair, remembered: keptLayout() };
   }
