@@ -189,7 +189,7 @@ def test_segments_of_the_second_scan_come_to_where_it_lies(
     mask[9:15, 8:18, 12:20] = True
     content = label_file(moving, tmp_path, mask)
     refused = server.ask("PUT", segments, content)
-    assert (refused.status_code, refused.text[:24]) == (400, "there is no second scan;")
+    assert (refused.status_code, refused.text[:24]) == (400, "there is no second scan.")
 
     middle = first.patient_from_grid @ [*(0.5 * np.array(first.dimensions)), 1.0]
     shift = np.array([30.0, 25.0, 23.0]) - middle[:3]

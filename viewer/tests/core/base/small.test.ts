@@ -42,9 +42,9 @@ test("the scale bar is round, fits, and uses its room", () => {
     expect(pixels).toBeLessThanOrEqual(120 * (1 + 1e-12));
     // between two round lengths lies a factor of 2.5 at most
     expect(pixels).toBeGreaterThan(120 / 2.5 - 1e-9);
-    expect(label).toMatch(/^(1|2|5)0* cm$|^(1|2|5)0* mm$|^0\.0*(1|2|5) mm$/);
+    expect(label).toMatch(/^(1|2|5)0*\u202fcm$|^(1|2|5)0*\u202fmm$|^0\.0*(1|2|5)\u202fmm$/);
   }
-  expect(scaleBar(0.5, 120)).toEqual({ pixels: 100, label: "5 cm" });
+  expect(scaleBar(0.5, 120)).toEqual({ pixels: 100, label: "5\u202fcm" });
 });
 
 test("a scan is subsampled only as far as the GPU needs it", () => {
