@@ -76,7 +76,7 @@ def check_export(page: Browser, path: Path, scan: Path) -> None:
     # nothing in DICOM can refer to it: that is said before, not after
     formats = "[...document.querySelectorAll('[data-testid=export-format] option')]"
     offered = page.read(f"{formats}.filter((each) => !each.disabled).map((each) => each.value)")
-    assert offered == ["slicer", "labels", "scan"]
+    assert offered == ["slicer", "labels", "scan", "scene"]
     page.shows(
         "no-dicom", "/^No DICOM can be made: the scan .CThead.* is no DICOM series/.test(text)"
     )

@@ -57,6 +57,9 @@ def test_the_screen_has_fewer_pixels_while_it_shows_nothing_but_a_coarse_picture
     page: Browser,
 ) -> None:
     width = "document.querySelector('canvas[aria-hidden]').width"
+    # in so little time no CPU draws more than a coarse picture
+    with page.settings():
+        page.do("slide", testid="frame-budget", value=10)
     page.finish()
     whole = page.read(width)
     with moving(page):
@@ -93,8 +96,10 @@ def moving(page: Browser) -> Iterator[None]:
         "void (window.there = 0.002, window.turning = setInterval(() => {"
         " window.palpate.bench.turn(window.there); window.there *= -1; }, 20))"
     )
-    yield
-    page.read("void clearInterval(window.turning)")
+    try:
+        yield
+    finally:
+        page.read("void clearInterval(window.turning)")
     page.finish()
 
 
