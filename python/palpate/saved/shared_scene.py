@@ -34,11 +34,16 @@ def share_scene(
     path: Path,
     out: Path,
     *,
+    scan: Volume | None = None,
     names_checked: bool = False,
     pixels_checked: bool = False,
     progress: Progress = silent,
 ) -> SharedNames:
     """Writes a scene that others may have; returns what names are in it.
+
+    Headers tell which words name somebody, and whether pixels have text. They are those of the
+    files of ``scan``; by default of the scan that the scene links to. A scene that holds its scan
+    has none.
 
     Raises:
         SceneFormatError: The scene cannot be opened, or its scan is not there.
@@ -47,7 +52,10 @@ def share_scene(
     """
     saved = open_scene(path, progress=progress)
     names = SharedNames.of(
-        saved.volume, checked=names_checked, pixels_checked=pixels_checked, progress=progress
+        saved.volume if scan is None else scan,
+        checked=names_checked,
+        pixels_checked=pixels_checked,
+        progress=progress,
     )
     scene = _without_names(saved)
     with Session(scene, options=SessionOptions(real_time=False)) as session:

@@ -209,30 +209,19 @@ def _keep_unfinished(recorder: Recorder, notify: Notify) -> None:
 
 
 def _scene_routes(opened: OpenScan, saved: SavedScene | None) -> list[Route]:
-    async def scene(request: Request) -> Response:
+    async def answered(response: Callable[..., Response], request: Request) -> Response:
         body = await whole_body(request)
         passing = opened.files is not None
+        live = opened.live
         return await run_in_threadpool(
-            scene_response,
-            opened.session,
-            opened.live.segments,
-            body,
-            passing=passing,
-            journal=opened.journal,
-            kept=opened.live.kept,
+            response, opened.session, live.segments, body, passing=passing, kept=live.kept
         )
 
+    async def scene(request: Request) -> Response:
+        return await answered(partial(scene_response, journal=opened.journal), request)
+
     async def shared_scene(request: Request) -> Response:
-        body = await whole_body(request)
-        passing = opened.files is not None
-        return await run_in_threadpool(
-            shared_scene_response,
-            opened.session,
-            opened.live.segments,
-            body,
-            passing=passing,
-            kept=opened.live.kept,
-        )
+        return await answered(shared_scene_response, request)
 
     async def view(_: Request) -> Response:
         return view_response(None if saved is None else saved.view)

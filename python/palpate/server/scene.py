@@ -100,6 +100,8 @@ def shared_scene_response(
         names = share_scene(
             own,
             shared,
+            # files that were dropped on the page are there, and the file that is shared has none
+            scan=session.scene.volume,
             names_checked=wanted.names_checked,
             pixels_checked=wanted.pixels_checked,
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.volumes.volume import Volume, VolumeTraits
+from palpate.volumes.volume import Volume
 
 __all__ = ["split_around"]
 
@@ -46,11 +46,6 @@ def split_around(
         direction=volume.direction,
         slope=volume.slope,
         intercept=volume.intercept,
-        traits=VolumeTraits(
-            name=volume.name,
-            modality=volume.modality,
-            unit=volume.unit,
-            orientation_known=volume.traits.orientation_known,
-        ),
+        traits=volume.traits,
     )
     return small, np.asarray(split(mask[part]), dtype=bool)

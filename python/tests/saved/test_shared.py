@@ -126,6 +126,22 @@ def test_no_seed_is_in_a_scene_that_is_shared(
     assert f"second.{scan_identity(shared.second.volume)}" in parts
 
 
+def test_a_scene_with_its_scan_goes_by_the_headers_of_the_scan_that_is_open(
+    write_series: WriteSeries, tmp_path: Path
+) -> None:
+    volume = read(write_series(PatientName="Alvarez^Ana", BurnedInAnnotation="YES"))
+    path, out = tmp_path / "work.palpate", tmp_path / "shared.palpate"
+    with Session(Scene(volume, [volume.threshold(-1000.0, name="Alvarez tip")])) as session:
+        save(session, path, copy=True)
+    # the file alone knows neither of text in pixels nor of names
+    assert share_scene(path, out).replaced == 2
+    with pytest.raises(UncheckedPixelsError):
+        share_scene(path, out, scan=volume)
+    names = share_scene(path, out, scan=volume, pixels_checked=True)
+    assert (names.replaced, names.kept) == (0, ["ANONYMIZED tip"])
+    assert found(out, {"Alvarez"}) == set()
+
+
 def test_a_scene_with_its_scan_has_no_path_and_this_machine_still_knows_it(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,6 +13,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
+use palpate_deform::registry::{MODELS, ModelOptions};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
 use palpate_engine::error::SessionError;
 use palpate_engine::servo::{DeviceLoop, TickRecord};
@@ -105,7 +106,8 @@ pub fn runs(
 pub fn run(model: &str, seed: u64, number: u64, ticks: u64) -> Result<Report, SessionError> {
     let mut random = Random::of_stream(seed, number);
     let world = World::new(number, &mut random);
-    let mut run = Run::new(&world, world.rig(model)?, random);
+    let rig = world.rig(model, &options(model, number))?;
+    let mut run = Run::new(&world, rig, random);
     let violation = run.work(ticks).err().map(|violation| Found {
         run: number,
         tick: run.tick,
@@ -119,6 +121,17 @@ pub fn run(model: &str, seed: u64, number: u64, ticks: u64) -> Result<Report, Se
         violation,
         ..run.report
     })
+}
+
+/// Options of the run of a number: every second one has what its model offers besides.
+fn options(model: &str, number: u64) -> ModelOptions {
+    let offers = MODELS.iter().find(|known| known.name == model);
+    let besides = number % 2 == 1;
+    ModelOptions {
+        whole_segment: besides && offers.is_some_and(|known| known.offers.whole_segment),
+        rearranges: besides && offers.is_some_and(|known| known.offers.rearranges),
+        ..ModelOptions::default()
+    }
 }
 
 /// A device that is led, and keeps what was sent to it.

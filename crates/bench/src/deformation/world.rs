@@ -112,7 +112,7 @@ impl World {
     }
 
     /// A session in it whose soft tissue follows a model, the probe above the middle.
-    pub fn rig(&self, model: &str) -> Result<Rig, SessionError> {
+    pub fn rig(&self, model: &str, options: &ModelOptions) -> Result<Rig, SessionError> {
         let dimensions = self.dimensions();
         let grid = self.grid();
         let segments = [SKIN_ID, SOFT_ID, BONE_ID]
@@ -139,7 +139,7 @@ impl World {
             rig.simulation.set_feel(id, TouchFeel::SLIPPERY)?;
         }
         rig.simulation
-            .set_deformation(Some(model), &ModelOptions::default(), false)?;
+            .set_deformation(Some(model), options, false)?;
         Ok(rig)
     }
 }

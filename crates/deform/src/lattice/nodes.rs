@@ -197,6 +197,12 @@ impl Lattice {
         stiffness.filter(|(_, k)| **k > 0.0).map(|(index, _)| index)
     }
 
+    /// Whether tissue is at a node, counted from the first one; there is none outside.
+    pub(super) fn has_matter(&self, node: IVec3) -> bool {
+        let index = self.layout.index_of(node);
+        index.is_some_and(|index| self.node_stiffness[index] > 0.0)
+    }
+
     /// Stiffness of the bonds of the softest tissue that moves [N/mm]; 0 where none does.
     pub(super) fn softest_bond(&self) -> f64 {
         let moving = self.matter_nodes().filter(|node| self.is_mobile(*node));

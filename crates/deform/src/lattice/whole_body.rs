@@ -245,9 +245,10 @@ impl WholeBody {
                 .node_at(index)
                 .unwrap_or_default()
                 .as_ivec3();
-            let own = self.body.layout().index_of(place + corner - self.first);
-            let own = own.filter(|own| self.body.node_stiffness[*own] > 0.0);
-            if let Some(own) = own.filter(|_| weight(index) > 0.0) {
+            let there = place + corner - self.first;
+            let own = self.body.layout().index_of(there);
+            let counts = self.body.has_matter(there) && weight(index) > 0.0;
+            if let Some(own) = own.filter(|_| counts) {
                 loads.push((own as u32, index as u32, weight(index)));
             }
         }

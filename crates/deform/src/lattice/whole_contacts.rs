@@ -49,11 +49,6 @@ impl Facing {
                 }
             }
         }
-        let is_tissue = |node: IVec3| {
-            layout
-                .index_of(node)
-                .is_some_and(|index| body.node_stiffness[index] > 0.0)
-        };
         let mut facing = Vec::new();
         for node in body.matter_nodes() {
             let place = layout.node_at(node).unwrap_or_default().as_ivec3();
@@ -62,7 +57,9 @@ impl Facing {
                 let side = 2 * LOOKED_FOR + 1;
                 place + IVec3::new(n % side, n / side % side, n / side / side) - LOOKED_FOR
             });
-            if around(place).all(is_tissue) || !near.any(|node| rigid[index(node)]) {
+            if around(place).all(|node| body.has_matter(node))
+                || !near.any(|node| rigid[index(node)])
+            {
                 continue;
             }
             facing.push(Self {

@@ -32,10 +32,7 @@ pub(super) fn coarse_lattice(
         .map(|index| lattice.layout().node_at(index))
         .map(|node| node.is_some_and(|n| Site::of(first + n.as_ivec3(), spacing, matter).has_rigid))
         .collect();
-    let has_node = |node: IVec3| {
-        let index = lattice.layout().index_of(node - first);
-        index.is_some_and(|index| lattice.node_stiffness[index] > 0.0)
-    };
+    let has_node = |node: IVec3| lattice.has_matter(node - first);
     let mut ties = Vec::new();
     for index in lattice.matter_nodes() {
         let (Some(node), Some(solid)) = (
@@ -71,18 +68,13 @@ pub(super) fn coarse_lattice(
 /// Ties the whole surface to fat around it.
 pub(super) fn lay_in_fat(body: &mut Lattice) {
     let layout = *body.layout();
-    let is_tissue = |node: IVec3| {
-        layout
-            .index_of(node)
-            .is_some_and(|index| body.node_stiffness[index] > 0.0)
-    };
     let mut springs = Vec::new();
     for index in body.matter_nodes() {
         let node = layout.node_at(index).unwrap_or_default().as_ivec3();
         let beside = IVec3::AXES
             .into_iter()
             .flat_map(|axis| [node + axis, node - axis]);
-        let faces = beside.filter(|node| !is_tissue(*node)).count();
+        let faces = beside.filter(|node| !body.has_matter(*node)).count();
         if faces > 0 {
             springs.push(spring(index, BED * faces as f64 * body.spacing().powi(2)));
         }

@@ -16,7 +16,7 @@ const TICKS: u64 = 12_000;
 fn worked(bone: Option<&str>, regions: Vec<(Region, Treatment)>) -> (u64, Result<(), Violation>) {
     let mut random = Random::of_stream(7, 0);
     let world = World::new(0, &mut random);
-    let mut rig = world.rig("lattice").unwrap();
+    let mut rig = world.rig("lattice", &ModelOptions::default()).unwrap();
     let model: Box<dyn DeformationModel> = Box::new(Air);
     rig.simulation.set_deformation_model(Some(("air", model)));
     let law = bone.map(|name| preset(name).and_then(|preset| preset.law()).unwrap());
