@@ -212,7 +212,7 @@ endif
 
 # anew, so that the engine and the wheel are those of this form
 test-long: ## the same with the long form of statistical tests, and with long comparisons of pictures, on the engine and the wheel that users get
-	@$(MAKE) --no-print-directory test PALPATE_LONG=1
+	@$(MAKE) --no-print-directory test PALPATE_LONG=1 PYTEST_TIMEOUT=7200
 
 # a missing browser and missing scans are told before all other tests
 .PHONY: chromium firefox data
