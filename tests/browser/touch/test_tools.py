@@ -1,6 +1,6 @@
 """Tools on the page in a real browser: what the mouse erases, what the drill tells, recovery.
 
-The scan is a flat block, written here, as in ``test_browser_touch.py``.
+The scan is a flat block, written here, as in ``test_touch.py``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The needle on the page in a real browser: tissues, puncture, what is told, and the way out.
 
-The scan is a flat block, as in ``test_browser_tools.py``.
+The scan is a flat block, as in ``test_tools.py``.
 """
 
 from __future__ import annotations
