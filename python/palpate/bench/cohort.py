@@ -9,11 +9,13 @@ machine does falls on both.
 
 from __future__ import annotations
 
+from compileall import compile_dir
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 from time import monotonic
 
+import palpate
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
 from palpate.bench.goals.cohort import COHORT_ROWS, EMPTY_CASES, FULL_CASES, SMALL_CASES
@@ -80,6 +82,8 @@ def measure(count: int, progress: Progress = silent) -> list[Row]:
     Raises:
         OSError: No process can be started, or the disk is full.
     """
+    # as pip leaves it; from a source folder, each process may else compile all anew
+    compile_dir(Path(palpate.__file__).parent, quiet=2)
     with TemporaryDirectory() as folder:
         place = Path(folder)
         (place / "recipe.yaml").write_text(RECIPE, "utf-8")

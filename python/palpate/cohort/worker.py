@@ -20,13 +20,18 @@ from palpate.base.reader_process import warm
 
 __all__ = ["main"]
 
-LIKELY = ("PIL.JpegImagePlugin", "palpate.segmentation.segment_steps")
+LIKELY = (
+    # of the small picture: Pillow imports all of them to write one
+    *(f"PIL.{kind}ImagePlugin" for kind in ("Bmp", "Gif", "Jpeg", "Ppm", "Png")),
+    "palpate.segmentation.segment_steps",
+)
 """Modules that most cases need, and that are imported where they are needed."""
 
 
 def main() -> None:
     """Runs the case that stdin names."""
-    warm()
+    # beside it another case runs, and of what readers import in advance a scan needs one in three
+    warm(idle=False)
     from palpate.cohort.case_work import work
 
     for module in LIKELY:

@@ -115,7 +115,7 @@ def test_a_validator_finds_no_error_in_the_derivative(folder: Path) -> None:
 def errors(data: Path) -> set[str]:
     """Returns what the BIDS validator takes for wrong in a data set."""
     validator = Path(sys.executable).with_name("bids-validator-deno")
-    command = [validator, "--format", "json", data]
+    command = [str(validator), "--format", "json", str(data)]
     told = subprocess.run(command, check=False, capture_output=True, text=True).stdout
     issues = json.loads(told)["issues"]["issues"]
     return {issue["code"] for issue in issues if issue["severity"] == "error"}

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 __all__ = [
+    "BUSY",
     "PATIENCE",
     "SECONDS_PER_BYTE",
     "SECONDS_PER_VOXEL",
@@ -33,6 +34,9 @@ BYTES_PER_VOXEL, BYTES_PER_BYTE = 24, 32
 PATIENCE = 30.0
 """Without a sign of progress, beside what voxels and files need [s]."""
 SECONDS_PER_VOXEL, SECONDS_PER_BYTE = 1e-7, 2e-7
+
+BUSY = "--busy"
+"""Tells a worker that the machine has other work while it waits."""
 
 Telling = Callable[[tuple[Any, ...]], None]
 """Sends what a worker tells."""
