@@ -12,7 +12,7 @@ from pathlib import Path
 
 import typer
 
-from palpate.base.console import replace_line, warn
+from palpate.base.console import clear_line, replace_line, warn
 from palpate.base.errors import OptionError
 from palpate.cohort.bids import cases_of_bids
 from palpate.cohort.case import Case, share_of
@@ -137,6 +137,7 @@ def _run(recipe: Path, cases: list[Case], folder: CohortFolder, *, options: Over
             return _run_on_cluster(recipe, cases, folder, options=options, told=told, stop=stopped)
         return run_cases(recipe, cases, folder, limits=options.limits, told=told, stop=stopped)
     finally:
+        clear_line()
         signal.signal(signal.SIGINT, before)
 
 

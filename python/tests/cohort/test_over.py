@@ -95,6 +95,18 @@ def test_a_case_over_its_memory_fails_alone(capsys: Any) -> None:
     assert "0 done, 1 failed" in said.out
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux counts the memory of a process")
+@pytest.mark.parametrize("memory", ["0.115", "0.12", "0.125"])
+@pytest.mark.usefixtures("folder")
+def test_a_case_ends_wherever_its_memory_runs_out(
+    memory: str, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    # with which the engine stood still where it told of a panic without memory
+    monkeypatch.setenv("RUST_BACKTRACE", "1")
+    assert over("--memory", memory, "--timeout", "60", "--shard", "1/3") in (0, 3)
+    assert "took longer" not in capsys.readouterr().err
+
+
 def test_a_memory_limit_that_nothing_would_keep_to_is_refused(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
