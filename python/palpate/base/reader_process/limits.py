@@ -36,7 +36,7 @@ PATIENCE = 30.0
 """Without a sign of progress, beside what voxels and files need [s]."""
 SECONDS_PER_VOXEL, SECONDS_PER_BYTE = 1e-7, 2e-7
 
-BUSY = "--busy"
+BUSY = "busy"
 """Tells a worker that the machine has other work while it waits."""
 
 Telling = Callable[[tuple[Any, ...]], None]
