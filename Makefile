@@ -282,6 +282,12 @@ bench-edit: $(ENGINE_READY) $(VIEWER_READY) chromium ## measure edits at the pag
 pictures: $(ENGINE_READY) $(VIEWER_READY) chromium ## take the pictures of the page that the docs show
 	PYTHONPATH=tests/support $(BIN)/python scripts/take_pictures.py $(or $(PALPATE_DATA),../shared/data) docs/images
 
+.PHONY: bodies
+bodies: $(ENGINE_READY) chromium ## run one recipe over all public bodies, into target/bodies, and take the picture of its page
+	$(call step,bodies)
+	PYTHONPATH=tests/support $(BIN)/python scripts/run_bodies.py $(or $(PALPATE_DATA),../shared/data) target/bodies \
+		docs/images/cohort-bodies.png
+
 .PHONY: films
 films: $(ENGINE_READY) $(VIEWER_READY) chromium ## film what people do first on real scans, into target/films
 	$(call step,films)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "WRONG_INPUT",
     "Display",
+    "clear_line",
     "fail",
     "quiet_libraries",
     "replace_line",
@@ -59,12 +60,14 @@ def spoken(message: str) -> str:
 
 def fail(message: str) -> int:
     """Prints an error in one line; returns the exit code."""
+    clear_line()
     sys.stderr.write(f"palpate: {_one_line(spoken(message))}\n")
     return WRONG_INPUT
 
 
 def warn(message: str) -> None:
     """Prints a warning in one line."""
+    clear_line()
     sys.stderr.write(f"palpate: warning: {_one_line(spoken(message))}\n")
 
 
@@ -73,12 +76,31 @@ def _one_line(message: str) -> str:
     return harmless(" ".join(message.split()))
 
 
+class _Line:
+    """A terminal's last line."""
+
+    replaceable = False
+    """Whether a text stands there that the next one replaces."""
+
+
 def replace_line(text: str, *, last: bool) -> None:
     """Shows a text on a terminal's last line, in place of what stands there."""
-    end = "\n" if last else ""
-    # the orders are ours
+    _order(f"\r{_one_line(text)}\x1b[K" + ("\n" if last else ""))
+    _Line.replaceable = not last
+
+
+def clear_line() -> None:
+    """Takes away what ``replace_line`` shows, so that other words begin the line."""
+    if _Line.replaceable:
+        _order("\r\x1b[K")
+        _Line.replaceable = False
+
+
+def _order(text: str) -> None:
+    """Writes what moves a terminal's cursor."""
+    # which is taken out of what others write
     stream = getattr(sys.stderr, "rich_proxied_file", sys.stderr)
-    stream.write(f"\r{_one_line(text)}\x1b[K{end}")
+    stream.write(text)
     stream.flush()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 __all__ = ["own_process"]
 
@@ -13,6 +13,7 @@ __all__ = ["own_process"]
 def own_process(
     module: str,
     *,
+    arguments: Sequence[str] = (),
     settings: Mapping[str, str] | None = None,
     answers: bool = False,
     own_session: bool = False,
@@ -21,6 +22,7 @@ def own_process(
 
     Args:
         module: Its name, such as "palpate.cohort.worker".
+        arguments: Of its command line.
         settings: Variables of its environment beside those of this process.
         answers: Whether this process reads what it writes.
         own_session: Whether Ctrl-C in a terminal passes it by.
@@ -31,7 +33,7 @@ def own_process(
     folders = os.pathsep.join(folder for folder in sys.path if folder)
     # without -P what lies in the folder that is read could be taken for a module
     return subprocess.Popen(  # noqa: S603  # of this interpreter
-        [sys.executable, "-P", "-m", module],
+        [sys.executable, "-P", "-m", module, *arguments],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE if answers else subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

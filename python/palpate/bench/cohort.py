@@ -1,19 +1,21 @@
 """``palpate bench cohort``: what a case costs beside its steps.
 
 Cases without steps go through the scheduler, as those of ``palpate run --workers 2`` do: what is
-left is the cost of handing them out. Small phantoms then run one after the other, each in a process
-of its own, and again in one process; the difference is what the processes cost. Cases that fill a
-core run on one worker and on two, in turn; of the pairs the median counts, so that what else the
-machine does falls on both.
+left is the cost of handing them out. Small phantoms then run one after the other, in one process,
+and again each in a process of its own; the difference is what the processes cost. Cases that fill a
+core run on one worker and on two, in turn. Of both the median of the pairs counts, so that what
+else the machine does falls on both.
 """
 
 from __future__ import annotations
 
+from compileall import compile_dir
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 from time import monotonic
 
+import palpate
 from palpate.base.progress import Progress, silent
 from palpate.base.simpleitk import simpleitk
 from palpate.bench.goals.cohort import COHORT_ROWS, EMPTY_CASES, FULL_CASES, SMALL_CASES
@@ -80,21 +82,23 @@ def measure(count: int, progress: Progress = silent) -> list[Row]:
     Raises:
         OSError: No process can be started, or the disk is full.
     """
+    # as pip leaves it; from a source folder, each process may else compile all anew
+    compile_dir(Path(palpate.__file__).parent, quiet=2)
     with TemporaryDirectory() as folder:
         place = Path(folder)
         (place / "recipe.yaml").write_text(RECIPE, "utf-8")
         progress(f"{count} cases without steps", None)
         seconds = _empty_cases(place, count)
-        progress(f"{PHANTOMS} small phantoms", None)
-        steps, all_of_it = _small_cases(place)
         # whoever asks for few cases wants to see that it runs
         pairs = PAIRS if count >= PHANTOMS * PAIRS else 1
+        progress(f"{PHANTOMS} small phantoms", None)
+        steps, overhead = _small_cases(place, pairs)
         speedup = _speedup(place / "full", pairs, progress)
     return rows_in(
         COHORT_ROWS,
         {
             EMPTY_CASES: {"case": seconds / count},
-            SMALL_CASES: {"steps": steps, "overhead": all_of_it - steps},
+            SMALL_CASES: {"steps": steps, "overhead": overhead},
             FULL_CASES: {"speedup": speedup},
         },
     )
@@ -124,30 +128,33 @@ def _empty_cases(place: Path, count: int) -> float:
     return seconds
 
 
-def _small_cases(place: Path) -> tuple[float, float]:
-    """Returns the time of a small case: its steps in this process, and all of it in its own [s]."""
+def _small_cases(place: Path, pairs: int) -> tuple[float, float]:
+    """Returns the time of a small case: its steps in this process, and what its own adds [s]."""
     values = simpleitk().GetImageFromArray(phantom((64, 48, 64)).volume.array)
     for number in range(PHANTOMS):
         scan = place / "data" / f"p{number}" / "ct.nii.gz"
         scan.parent.mkdir(parents=True)
         simpleitk().WriteImage(values, str(scan))
     recipe, cases = place / "recipe.yaml", cases_over(str(place / "data" / "*" / "ct.nii.gz"))
-    begun = monotonic()
-    for case in cases:
-        _in_this_process(recipe, case, place / "here" / case.name)
-    steps = monotonic() - begun
-    begun = monotonic()
-    outcome = run_cases(
-        recipe,
-        cases,
-        CohortFolder(place / "out"),
-        limits=Limits(),
-        told=_silent,
-        stop=lambda: False,
-    )
-    all_of_it = monotonic() - begun
-    _require(outcome, PHANTOMS)
-    return steps / PHANTOMS, all_of_it / PHANTOMS
+    steps, overheads = [], []
+    for pair in range(pairs):
+        begun = monotonic()
+        for case in cases:
+            _in_this_process(recipe, case, place / f"here-{pair}" / case.name)
+        between = monotonic()
+        outcome = run_cases(
+            recipe,
+            cases,
+            CohortFolder(place / f"out-{pair}"),
+            limits=Limits(),
+            told=_silent,
+            stop=lambda: False,
+        )
+        ended = monotonic()
+        _require(outcome, PHANTOMS)
+        steps.append((between - begun) / PHANTOMS)
+        overheads.append((ended - between) / PHANTOMS - steps[-1])
+    return median(steps), median(overheads)
 
 
 def _speedup(place: Path, pairs: int, progress: Progress) -> float:

@@ -137,6 +137,11 @@ def _usage(error: TyperException, arguments: list[str]) -> str:
     context = getattr(error, "ctx", None)
     if context is None:
         return said
+    if said.startswith("Got unexpected extra argument") and "--over" in arguments:
+        return (
+            "several paths given for --over, as a shell makes them of a pattern without quotes; "
+            "allowed: the pattern in quotes, such as --over 'data/*/ct.nii.gz'"
+        )
     help_at = f"see {context.command_path} --help"
     given = _given(getattr(error, "param", None), arguments)
     if given is not None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import typer
 
-from palpate.base.console import replace_line, warn
+from palpate.base.console import clear_line, replace_line, warn
 from palpate.base.errors import OptionError
 from palpate.cohort.bids import cases_of_bids
 from palpate.cohort.case import Case, share_of
@@ -62,6 +62,38 @@ def run_over(recipe: Path, options: OverOptions) -> int:
         OptionError: Something given is wrong; nothing was written.
         OSError: The output folder cannot be written.
     """
+    output = _checked(options)
+    cases = _cases(options)
+    folder = CohortFolder(output)
+    wanted = wanted_cases(recipe, cases, folder, only_failed=options.only_failed)
+    others = "left out" if options.only_failed else "kept"
+    rest = f"{len(cases) - len(wanted)} {others}"
+    for case in wanted if options.dry_run else ():
+        typer.echo(case.name)
+    typer.echo(f"{len(wanted)} to run, {rest}")
+    if options.dry_run:
+        return 0
+    folder.begin()
+    with locked_cases(folder, wanted, warned=warn):
+        outcome = _run(recipe, wanted, folder, options=options)
+    page, _ = write_overview(folder)
+    left = len(wanted) - len(outcome.done) - len(outcome.failed)
+    typer.echo(
+        f"{len(outcome.done)} done, {len(outcome.failed)} failed, {rest}"
+        + (f", {left} left: the same command goes on" if left else "")
+    )
+    typer.echo(f"{page} written")
+    if outcome.stopped:
+        return STOPPED
+    return SOME_FAILED if outcome.failed else 0
+
+
+def _checked(options: OverOptions) -> Path:
+    """Returns the output folder of options that go together.
+
+    Raises:
+        OptionError: They do not.
+    """
     ways = {"--over": options.over, "--table": options.table, "--bids": options.bids}
     given = [name for name, value in ways.items() if value is not None]
     if len(given) != 1:
@@ -74,28 +106,7 @@ def run_over(recipe: Path, options: OverOptions) -> int:
         raise OptionError("--workers and --scheduler given; allowed: one of both")
     if options.limits.memory is not None and sys.platform != "linux":
         raise OptionError("a memory limit given; allowed: none on this system, only Linux has one")
-    cases = _cases(options)
-    folder = CohortFolder(options.output)
-    wanted = wanted_cases(recipe, cases, folder, only_failed=options.only_failed)
-    kept = len(cases) - len(wanted)
-    if options.dry_run:
-        for case in wanted:
-            typer.echo(case.name)
-        typer.echo(f"{len(wanted)} to run, {kept} kept")
-        return 0
-    folder.begin()
-    with locked_cases(folder, wanted, warned=warn):
-        outcome = _run(recipe, wanted, folder, options=options)
-    page, _ = write_overview(folder)
-    left = len(wanted) - len(outcome.done) - len(outcome.failed)
-    typer.echo(
-        f"{len(outcome.done)} done, {len(outcome.failed)} failed, {kept} kept"
-        + (f", {left} left: the same command goes on" if left else "")
-    )
-    typer.echo(f"{page} written")
-    if outcome.stopped:
-        return STOPPED
-    return SOME_FAILED if outcome.failed else 0
+    return options.output
 
 
 def _cases(options: OverOptions) -> list[Case]:
@@ -126,6 +137,7 @@ def _run(recipe: Path, cases: list[Case], folder: CohortFolder, *, options: Over
             return _run_on_cluster(recipe, cases, folder, options=options, told=told, stop=stopped)
         return run_cases(recipe, cases, folder, limits=options.limits, told=told, stop=stopped)
     finally:
+        clear_line()
         signal.signal(signal.SIGINT, before)
 
 

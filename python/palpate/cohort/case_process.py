@@ -24,9 +24,14 @@ THREADS = (
 )
 """What libraries take their number of threads from: algebra, the engine."""
 
-ALWAYS = {"ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS": "1"}
-"""Several threads of ITK add up mutual information in the order in which they end, so that the last
-digits of a transform differ from run to run; the same case makes the same bytes."""
+ALWAYS = {
+    # several add up mutual information in the order in which they end, so that the last digits of a
+    # transform differ from run to run; the same case makes the same bytes
+    "ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS": "1",
+    # which nobody would see; where memory runs out within one, the engine stands still for good
+    "RUST_BACKTRACE": "0",
+}
+"""What libraries are told whatever a case may take."""
 
 
 class CaseProcess:
@@ -109,7 +114,7 @@ class CaseProcesses:
 
 def _ended(code: int) -> str:
     if code >= 0:
-        return f"its process ended with code {code}, without a reason; the disk may be full"
+        return f"its process ended with code {code}, without a reason; memory or disk may be full"
     try:
         how = signal.Signals(-code).name
     except ValueError:

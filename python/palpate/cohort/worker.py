@@ -16,17 +16,22 @@ from threading import Thread
 
 from palpate.base.errors import PalpateError
 from palpate.base.full_disk import told_of
-from palpate.base.reader_process import warm
+from palpate.base.reader_process import held, warm
 
 __all__ = ["main"]
 
-LIKELY = ("PIL.JpegImagePlugin", "palpate.segmentation.segment_steps")
+LIKELY = (
+    # of the small picture: Pillow imports all of them to write one
+    *(f"PIL.{kind}ImagePlugin" for kind in ("Bmp", "Gif", "Jpeg", "Ppm", "Png")),
+    "palpate.segmentation.segment_steps",
+)
 """Modules that most cases need, and that are imported where they are needed."""
 
 
 def main() -> None:
     """Runs the case that stdin names."""
-    warm()
+    # beside it another case runs, and of what readers import in advance a scan needs one in three
+    warm(idle=False)
     from palpate.cohort.case_work import work
 
     for module in LIKELY:
@@ -37,8 +42,8 @@ def main() -> None:
     Thread(target=_end_with_parent, daemon=True).start()
     request = json.loads(line)
     part = Path(request["part"])
-    _limit(request["memory"])
     try:
+        _limit(request["memory"])
         told, name = work(request, part), "done.json"
     except MemoryError:
         reason = "not enough memory; a higher memory limit gives it more"
@@ -47,6 +52,9 @@ def main() -> None:
         told, name = {"reason": told_of(error)}, "failed.json"
     except Exception as error:  # noqa: BLE001  # a case that fails is told, whatever it is
         told, name = {"reason": f"{type(error).__name__}: {error}"}, "failed.json"
+    except BaseException as error:  # noqa: BLE001  # the engine gave up
+        reason = f"the engine gave up ({error}); where memory is limited, a higher limit may help"
+        told, name = {"reason": reason}, "failed.json"
     text = json.dumps(told, indent=1, ensure_ascii=False) + "\n"
     (part / name).write_text(text, "utf-8")
     # threads of libraries are not waited for
@@ -54,11 +62,17 @@ def main() -> None:
 
 
 def _limit(memory: int | None) -> None:
-    """Sets how much memory this process may take for data [bytes]; Linux alone counts that."""
+    """Sets how much memory this process may take for data [bytes]; Linux alone counts that.
+
+    Raises:
+        MemoryError: It holds as much already; what is freed again could still take it far.
+    """
     if memory is not None and sys.platform == "linux":
         import resource
 
         resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+        if held() >= memory:
+            raise MemoryError
 
 
 def _end_with_parent() -> None:

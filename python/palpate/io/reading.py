@@ -29,8 +29,9 @@ __all__ = ["UNKNOWN_UNIT", "list_series", "read", "read_again", "read_sibling"]
 
 Place = str | PathLike[str]
 
-UNITS = ("HU",)
-"""Units that a user can state for a scan."""
+NONE = "none"
+UNITS = ("HU", NONE)
+"""Units that a user can state for a scan; none: the values are in no known one."""
 UNKNOWN_UNIT = "the unit of the values is unknown; give `unit=HU` if it is HU"
 NO_UNIT = "the unit of the values is unknown"
 """Of scans that are never in HU."""
@@ -63,7 +64,8 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
         frame: Volume of an image file that holds several, such as times, counted from 1.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not state them or is wrong.
-        unit: "HU" where the values are known to be HU.
+        unit: "HU" where the values are known to be HU; "none" where they are in no known unit, of
+            which nothing is said then.
         fill: Replacement for NaN and infinite values; without it such voxels have no value: they
             are transparent, cannot be touched, and are left out of thresholds and statistics.
         strict: Whether a scan with NaN or infinite values is refused instead, if there is no
@@ -107,13 +109,14 @@ def read(  # noqa: PLR0913  # one for each thing that can be chosen
     check_place(str(source), scan)
     _apply_orientation(scan, orientation)
     if unit is not None:
-        if scan.unit not in ("", unit):
+        stated = "" if unit == NONE else unit
+        if scan.unit not in ("", stated):
             scan.warnings.append(f"unit {unit} replaces the file's own, {scan.unit}")
-        scan.unit = unit
+        scan.unit = stated
 
     progress("storing values as 16 bits", None)
     stored = _stored(scan, source, fill=fill, strict=strict)
-    if not scan.unit:
+    if not scan.unit and unit is None:
         # MR and others have no unit that could be given
         is_ct = scan.modality in ("", "CT")
         (scan.warnings if is_ct else scan.notes).append(UNKNOWN_UNIT if is_ct else NO_UNIT)

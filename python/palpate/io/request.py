@@ -30,9 +30,10 @@ class ReadRequest(Request, frozen=True, kw_only=True):
         str | None,
         words("Directions in which x, y and z increase, such as LPS or RAS; overrides the file."),
     ] = None
-    unit: Annotated[str | None, words("Unit of the values: HU if they are Hounsfield units.")] = (
-        None
-    )
+    unit: Annotated[
+        str | None,
+        words("Unit of the values: HU for Hounsfield units, none if they are in no known unit."),
+    ] = None
     fill: Annotated[float | None, words("Value that replaces NaN and infinity.")] = None
     strict: Annotated[bool, words("Refuse scans with NaN or infinity, without `fill=VALUE`.")] = (
         False

@@ -6,6 +6,7 @@ axis. Points are (x, y, z); arrays are [z, y, x], x fastest in memory.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -483,7 +484,9 @@ def _checked(values: ArrayLike) -> NDArray[Any]:
         raise VolumeFormatError(
             f"values {given_text(values)} given; allowed: an array [depth, height, width]"
         )
-    if isinstance(values, np.ma.MaskedArray) and values.mask.any():
+    # whoever has a masked array has its module; numpy would import it here for all others
+    masked = sys.modules.get("numpy.ma")
+    if masked is not None and isinstance(values, masked.MaskedArray) and values.mask.any():
         array = np.where(values.mask, np.nan, array)
     if array.ndim != AXES or not array.size:
         raise VolumeFormatError(

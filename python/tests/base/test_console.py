@@ -8,7 +8,7 @@ import time
 
 import pytest
 from palpate.base import console
-from palpate.base.console import Display, fail, quiet_libraries, warn
+from palpate.base.console import Display, clear_line, fail, quiet_libraries, replace_line, warn
 
 
 def test_a_failure_is_one_printable_line(capsys: pytest.CaptureFixture[str]) -> None:
@@ -19,6 +19,19 @@ def test_a_failure_is_one_printable_line(capsys: pytest.CaptureFixture[str]) -> 
 def test_a_warning_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     warn("spacing is\nunknown")
     assert capsys.readouterr().err == "palpate: warning: spacing is unknown\n"
+
+
+def test_a_warning_does_not_stand_behind_a_line_that_goes(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    replace_line("1 left", last=False)
+    warn("torn")
+    clear_line()
+    assert capsys.readouterr().err == "\r1 left\x1b[K\r\x1b[Kpalpate: warning: torn\n"
+    # what is the last of its kind stays
+    replace_line("0 left", last=True)
+    fail("torn")
+    assert capsys.readouterr().err == "\r0 left\x1b[K\npalpate: torn\n"
 
 
 def test_libraries_are_quiet_and_we_are_not(capfd: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from palpate.base.errors import MeshFormatError, OptionError, VolumeFormatError
 from palpate.base.progress import Progress
-from palpate.base.reader_process import apart, apart_each, call, limits, pool
+from palpate.base.reader_process import apart, apart_each, call, limits, pool, worker
 
 HERE = str(Path(__file__).parent)
 
@@ -28,7 +28,18 @@ def known_to_workers() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "path", [HERE, *sys.path])
         patch.setitem(sys.modules, "test_reader_process", sys.modules[__name__])
-        for function in (ends_by, waits, takes, fails, tells, makes, counts, writes, where):
+        for function in (
+            ends_by,
+            waits,
+            takes,
+            fails,
+            tells,
+            makes,
+            counts,
+            writes,
+            where,
+            imported,
+        ):
             patch.setattr(function, "__module__", "test_reader_process")
         yield
         pool._close_all()
@@ -78,6 +89,10 @@ def writes() -> str:
 
 def where() -> tuple[int, str]:
     return os.getpid(), str(Path.cwd())
+
+
+def imported() -> set[str]:
+    return set(worker.LIKELY) & set(sys.modules)
 
 
 # ------------------------------------------------------------------------------------------
@@ -282,4 +297,16 @@ def test_a_worker_that_waits_outlives_a_library_that_cannot_be_loaded(
     while not loaded.exists():
         time.sleep(0.05)
     assert apart(where, path=Path("a"))[0] == first
+    pool._close_all()
+
+
+def test_one_that_waits_imports_in_advance_only_where_the_machine_is_idle() -> None:
+    pool._close_all()
+    pool.warm(idle=False)
+    time.sleep(3 * worker.QUIET)
+    assert apart(imported, path=Path("a")) == set()
+    pool._close_all()
+    pool.warm()
+    while not apart(imported, path=Path("a")):
+        time.sleep(3 * worker.QUIET)
     pool._close_all()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from importlib.util import cache_from_source
 from pathlib import Path
 
 from palpate.bench.goals.cohort import COHORT_ROWS
 from palpate.cli.commands import run
+from palpate.cohort import worker
 
 
 def test_bench_cohort_measures_each_figure(tmp_path: Path) -> None:
@@ -16,6 +18,8 @@ def test_bench_cohort_measures_each_figure(tmp_path: Path) -> None:
     assert [(row["case"], row["metric"]) for row in rows] == [
         (goal.case, goal.metric) for goal in COHORT_ROWS
     ]
+    # a process of a case finds its modules compiled, as in an installed package
+    assert Path(cache_from_source(worker.__file__)).is_file()
     figures = {row["metric"]: row["value"] for row in rows}
     assert figures["a case"] > 0.0
     assert figures["steps in one process, a case"] > 0.0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -95,3 +97,25 @@ def test_a_bids_app_runs_participants_then_the_group(folder: Path, capsys: Any) 
     assert run(["bids", "data", "elsewhere", "group"]) == 2
     assert run([*level, "02", "--recipe", "recipe.yaml"]) == 2
     assert "'02' given; allowed: labels after --participant-label" in capsys.readouterr().err
+
+
+def test_a_validator_finds_no_error_in_the_derivative(folder: Path) -> None:
+    level = ["bids", "data", "out", "participant", "--participant-label", "03"]
+    assert run([*level, "--recipe", "recipe.yaml"]) == 0
+    assert run(["bids", "data", "out", "group"]) == 0
+    assert errors(folder / "out") == set()
+    # it would find one: what it is told to leave out, and what a description must have
+    hidden = (folder / "out" / ".bidsignore").read_text()
+    (folder / "out" / ".bidsignore").write_text(hidden.replace("index.html", ""))
+    description = folder / "out" / "dataset_description.json"
+    description.write_text(description.read_text().replace('"Name"', '"Title"'))
+    assert errors(folder / "out") == {"NOT_INCLUDED", "JSON_SCHEMA_VALIDATION_ERROR"}
+
+
+def errors(data: Path) -> set[str]:
+    """Returns what the BIDS validator takes for wrong in a data set."""
+    validator = Path(sys.executable).with_name("bids-validator-deno")
+    command = [str(validator), "--format", "json", str(data)]
+    told = subprocess.run(command, check=False, capture_output=True, text=True).stdout
+    issues = json.loads(told)["issues"]["issues"]
+    return {issue["code"] for issue in issues if issue["severity"] == "error"}

@@ -80,8 +80,10 @@ def test_a_case_over_its_time_fails_alone_and_is_tried_again_on_demand(
 ) -> None:
     assert over("--timeout", "0.001", "--shard", "1/3") == 3
     assert "p1 failed: took longer than the time limit of 0.001 s" in capsys.readouterr().err
+    # which of the others were ever run does not matter
     assert over("--only-failed") == 0
-    assert "1 done, 0 failed, 2 kept" in capsys.readouterr().out
+    told = capsys.readouterr().out.splitlines()
+    assert told[:2] == ["1 to run, 2 left out", "1 done, 0 failed, 2 left out"]
     assert not (folder / "out" / "p1" / "failed.json").exists()
 
 
@@ -91,6 +93,18 @@ def test_a_case_over_its_memory_fails_alone(capsys: Any) -> None:
     said = capsys.readouterr()
     assert "p1 failed: not enough memory; a higher memory limit" in said.err
     assert "0 done, 1 failed" in said.out
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux counts the memory of a process")
+@pytest.mark.parametrize("memory", ["0.115", "0.12", "0.125"])
+@pytest.mark.usefixtures("folder")
+def test_a_case_ends_wherever_its_memory_runs_out(
+    memory: str, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    # with which the engine stood still where it told of a panic without memory
+    monkeypatch.setenv("RUST_BACKTRACE", "1")
+    assert over("--memory", memory, "--timeout", "60", "--shard", "1/3") in (0, 3)
+    assert "took longer" not in capsys.readouterr().err
 
 
 def test_a_memory_limit_that_nothing_would_keep_to_is_refused(
@@ -218,6 +232,14 @@ def test_columns_of_a_table_fill_the_recipe(folder: Path, capsys: Any) -> None:
     assert run(["run", "recipe.yaml", "--table", "cases.csv", "-o", "new"]) == 2
     assert "line 4: segment 1: {lo} is no variable" in capsys.readouterr().err
     assert not (folder / "new").exists()
+
+
+def test_a_pattern_without_quotes_is_told(folder: Path, capsys: Any) -> None:
+    expanded = [str(path.relative_to(folder)) for path in folder.glob("data/*/ct.nii.gz")]
+    assert run(["run", "recipe.yaml", "--over", *expanded, "-o", "out"]) == 2
+    said = capsys.readouterr().err
+    assert "allowed: the pattern in quotes" in said
+    assert expanded[1] not in said
 
 
 def test_an_output_folder_with_other_things_is_left_alone(folder: Path, capsys: Any) -> None:

@@ -139,6 +139,10 @@ def test_the_unit_is_unknown_unless_a_person_tells_it(write_image: Any) -> None:
     path = write_image(np.zeros((2, 3, 4), np.int16))
     assert palpate.read(path).unit == ""
     assert palpate.read(path, unit="HU").unit == "HU"
+    # that there is none is told too, and nothing is asked then
+    without = palpate.read(path, unit="none")
+    assert without.unit == ""
+    assert not any("unit" in told for told in (*without.warnings, *without.notes))
 
 
 @pytest.mark.parametrize(

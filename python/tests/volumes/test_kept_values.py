@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -143,6 +145,12 @@ def test_a_slope_that_gives_no_values_is_refused(slope: float) -> None:
 def test_masked_values_are_none(kind: str) -> None:
     given = np.ma.MaskedArray([[[1, 2, 3]]], mask=[[[False, True, False]]], dtype=kind)
     np.testing.assert_array_equal(volume_of(given).values(), [[[1.0, np.nan, 3.0]]])
+
+
+def test_other_values_do_not_wait_for_masked_ones_to_be_imported() -> None:
+    made = "import numpy, palpate; palpate.Volume(numpy.zeros((2, 2, 2)), spacing=(1, 1, 1))"
+    asked = "import sys; sys.exit('numpy.ma' in sys.modules)"
+    subprocess.run([sys.executable, "-c", f"{made}; {asked}"], check=True)
 
 
 def test_slope_and_intercept_are_those_of_any_numbers_given() -> None:

@@ -8,7 +8,7 @@ Arguments and results are pickled; large arrays come through memory that both pr
 from __future__ import annotations
 
 from palpate.base.reader_process.call import apart, apart_each
-from palpate.base.reader_process.limits import expect, in_this_process, looking_at
+from palpate.base.reader_process.limits import expect, held, in_this_process, looking_at
 from palpate.base.reader_process.pool import warm
 
-__all__ = ["apart", "apart_each", "expect", "in_this_process", "looking_at", "warm"]
+__all__ = ["apart", "apart_each", "expect", "held", "in_this_process", "looking_at", "warm"]

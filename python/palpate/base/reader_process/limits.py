@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 __all__ = [
+    "BUSY",
     "PATIENCE",
     "SECONDS_PER_BYTE",
     "SECONDS_PER_VOXEL",
@@ -21,6 +22,7 @@ __all__ = [
     "begin",
     "end",
     "expect",
+    "held",
     "in_this_process",
     "inside",
     "looking_at",
@@ -33,6 +35,9 @@ BYTES_PER_VOXEL, BYTES_PER_BYTE = 24, 32
 PATIENCE = 30.0
 """Without a sign of progress, beside what voxels and files need [s]."""
 SECONDS_PER_VOXEL, SECONDS_PER_BYTE = 1e-7, 2e-7
+
+BUSY = "busy"
+"""Tells a worker that the machine has other work while it waits."""
 
 Telling = Callable[[tuple[Any, ...]], None]
 """Sends what a worker tells."""
@@ -69,7 +74,7 @@ def room_for(voxels: int, file_bytes: int) -> int:
 def begin(tell: Telling, *, file_bytes: int) -> None:
     """Begins a call in a worker."""
     _State.tell, _State.limited = tell, True
-    _State.begun, _State.file_bytes = _held(), file_bytes
+    _State.begun, _State.file_bytes = held(), file_bytes
     _limit(room_for(0, file_bytes))
 
 
@@ -101,7 +106,7 @@ def looking_at(path: Path, kind: str) -> Iterator[None]:
         tell(("left", number))
 
 
-def _held() -> int:
+def held() -> int:
     """Returns the memory that this process has for data [bytes]; 0 where that is not told."""
     try:
         return int(Path("/proc/self/statm").read_text("ascii").split()[5]) * _page()

@@ -12,6 +12,7 @@ from typing import Any
 
 from palpate.base.own_process import own_process
 from palpate.base.reader_process.channel import Sender, receive
+from palpate.base.reader_process.limits import BUSY
 
 __all__ = ["Worker", "give_back", "take", "warm"]
 
@@ -30,14 +31,17 @@ SETTINGS = {
 class Worker:
     """One process, and what it sends."""
 
-    def __init__(self) -> None:
+    def __init__(self, *arguments: str) -> None:
         """Starts it.
 
         Raises:
             OSError: No process can be started.
         """
         self._process = own_process(
-            "palpate.base.reader_process.worker", settings=SETTINGS, answers=True
+            "palpate.base.reader_process.worker",
+            arguments=arguments,
+            settings=SETTINGS,
+            answers=True,
         )
         assert self._process.stdin is not None  # noqa: S101  # it is a pipe
         self._send = Sender(self._process.stdin)
@@ -112,8 +116,8 @@ class _Idle:
     lock = Lock()
 
 
-def take() -> Worker:
-    """Returns a worker that waits, or a new one.
+def take(*arguments: str) -> Worker:
+    """Returns a worker that waits, or a new one with these arguments.
 
     Raises:
         OSError: No process can be started.
@@ -124,7 +128,7 @@ def take() -> Worker:
             if worker.alive:
                 return worker
             worker.close()
-    return Worker()
+    return Worker(*arguments)
 
 
 def give_back(worker: Worker) -> None:
@@ -136,10 +140,14 @@ def give_back(worker: Worker) -> None:
     worker.close()
 
 
-def warm() -> None:
-    """Starts a worker where none waits, so that the first file need not wait for it."""
+def warm(*, idle: bool = True) -> None:
+    """Starts a worker where none waits, so that the first file need not wait for it.
+
+    Args:
+        idle: Whether the machine is idle meanwhile: then it imports what only some files need.
+    """
     with suppress(OSError):
-        give_back(take())
+        give_back(take() if idle else take(BUSY))
 
 
 def _close_all() -> None:

@@ -25,7 +25,7 @@ from palpate.base.errors import PalpateError
 from palpate.base.files_read import files_noted, note_read
 from palpate.base.reader_process.channel import Sender, receive
 from palpate.base.reader_process.exchange import packed
-from palpate.base.reader_process.limits import begin, end
+from palpate.base.reader_process.limits import BUSY, begin, end
 
 __all__ = ["main"]
 
@@ -53,7 +53,7 @@ def main() -> None:
     Thread(target=_listen, args=(requests,), daemon=True).start()
     for module in NEEDED:
         import_module(module)
-    likely = [*LIKELY]
+    likely = [] if BUSY in sys.argv else [*LIKELY]
     sys.addaudithook(_note_opened)
     while True:
         try:
