@@ -9,6 +9,9 @@ from collections.abc import Mapping, Sequence
 
 __all__ = ["own_process"]
 
+ALWAYS = {"RUST_BACKTRACE": "0"}
+"""Nobody would see one, and where memory runs out within it the engine stands still for good."""
+
 
 def own_process(
     module: str,
@@ -37,6 +40,6 @@ def own_process(
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE if answers else subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        env={**os.environ, **(settings or {}), "PYTHONPATH": folders},
+        env={**os.environ, **ALWAYS, **(settings or {}), "PYTHONPATH": folders},
         start_new_session=own_session,
     )

@@ -24,14 +24,9 @@ THREADS = (
 )
 """What libraries take their number of threads from: algebra, the engine."""
 
-ALWAYS = {
-    # several add up mutual information in the order in which they end, so that the last digits of a
-    # transform differ from run to run; the same case makes the same bytes
-    "ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS": "1",
-    # which nobody would see; where memory runs out within one, the engine stands still for good
-    "RUST_BACKTRACE": "0",
-}
-"""What libraries are told whatever a case may take."""
+ALWAYS = {"ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS": "1"}
+"""Several threads of ITK add up mutual information in the order in which they end, so that the last
+digits of a transform differ from run to run; the same case makes the same bytes."""
 
 
 class CaseProcess:
