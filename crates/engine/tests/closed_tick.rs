@@ -64,7 +64,17 @@ fn no_tick_allocates_or_frees() {
 /// bone; the ticks alone are watched for allocations, every one for where the probe is.
 #[test]
 fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
-    let mut random = Random::new(11);
+    push_a_needle_at_random(11, false);
+}
+
+/// The same with directions that are set, and taken back, as it goes.
+#[test]
+fn nor_does_a_needle_whose_direction_is_set() {
+    push_a_needle_at_random(12, true);
+}
+
+fn push_a_needle_at_random(seed: u64, is_aimed: bool) {
+    let mut random = Random::new(seed);
     let start = DVec3::splat(-5.0);
     let mut rig = Rig::new(DIMENSIONS, start);
     let skin = box_segment(DIMENSIONS, IVec3::splat(4), IVec3::splat(44));
@@ -84,14 +94,21 @@ fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
 
     let (mut device, mut way) = (start, DVec3::ZERO);
     let (mut inside, mut withdrawn) = (0_u32, 0_u32);
-    let mut was_in = false;
+    let (mut was_in, mut force) = (false, 0.0);
     for tick in 0..100_000_u64 {
         if tick % 10 == 0 {
             rig.simulation.step();
         }
         if tick % 300 == 0 {
             way = random.point(-0.15, 0.15);
+            if is_aimed {
+                // mostly near the way of the hand, so that it goes in
+                let direction = way + random.point(-0.15, 0.15);
+                let set = (random.below(4) > 0).then_some(direction);
+                rig.simulation.set_needle_direction(set).unwrap();
+            }
         }
+        let before = device;
         device += match random.below(400) {
             0 => random.point(-50.0, 50.0),
             _ => way + random.point(-0.02, 0.02),
@@ -103,6 +120,13 @@ fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
         rig.now += 1e-3;
         let record = rig.records.pop().unwrap();
         assert!(record.force.is_finite());
+        // 1 N/mm over the hand's way and a fiftieth of a voxel
+        let grown = record.force.length() - force;
+        assert!(
+            grown <= device.distance(before) + 0.02 + 1e-9,
+            "{tick} {grown}"
+        );
+        force = record.force.length();
 
         let voxel = record.proxy.floor().as_ivec3();
         assert!(!rig.servo.solid().is_solid(voxel), "{tick} {voxel}");

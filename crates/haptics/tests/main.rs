@@ -15,6 +15,7 @@ mod friction;
 mod local_force;
 mod moving;
 mod needle;
+mod needle_direction;
 mod objects;
 mod passivity;
 mod placement;

@@ -5,6 +5,7 @@
 //! Frame: scene [mm] and grid; N, s.
 
 use glam::{DVec3, IVec3};
+use palpate_haptics::needle::approach::TIP_STICKS;
 use palpate_haptics::needle::events::{Events, NeedleEvent};
 use palpate_haptics::needle::tissues::{Layered, Met, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
@@ -16,8 +17,6 @@ use crate::touch::part::Part;
 use crate::touch::settings::Settings;
 use crate::touch::touchable::Touchable;
 
-/// Friction of a tip that sticks where it touches, unless it is pushed nearly along the surface.
-const TIP_STICKS: f64 = 2.0;
 /// Friction of a tip that slides.
 const TIP_SLIDES: f64 = 1.5;
 
@@ -120,6 +119,8 @@ pub struct NeedleDisplay {
     pub forces: NeedleForces,
     /// How many events there were since the session began.
     pub events: u64,
+    /// The direction that was set, inward, of length 1; none where it goes in along the push.
+    pub direction: Option<DVec3>,
 }
 
 /// Events of one stroke that are kept, at most.
@@ -145,9 +146,16 @@ pub struct NeedleWatch {
     known: u64,
     /// What the servo says before it has executed so many commands does not count.
     from_command: u64,
+    /// The direction that was set; none where it goes in along the push.
+    direction: Option<DVec3>,
 }
 
 impl NeedleWatch {
+    /// Notes the direction that is set.
+    pub fn aim(&mut self, direction: Option<DVec3>) {
+        self.direction = direction;
+    }
+
     /// Begins a new report.
     pub fn begin(&mut self) {
         self.report.events.clear();
@@ -183,6 +191,7 @@ impl NeedleWatch {
             place: self.report.place,
             forces: self.report.forces,
             events: self.known,
+            direction: self.direction,
         }
     }
 

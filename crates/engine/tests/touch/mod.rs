@@ -6,5 +6,6 @@ mod clip;
 mod intensities;
 mod moving;
 mod needle;
+mod needle_direction;
 mod radius;
 mod touchable;

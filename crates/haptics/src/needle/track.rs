@@ -19,7 +19,7 @@ const MAX_VOXELS: u32 = 24;
 const AGAIN: f64 = 2.0;
 /// Voxels of it, at most: some three for each spacing, and those at both ends.
 const MAX_AGAIN: u32 = 12;
-/// A way through a voxel that is shorter is none: it grazes a corner [mm].
+/// A way through a voxel or a layer that is shorter is none: it grazes a corner [mm].
 const GRAZED: f64 = 1e-6;
 /// Ticks in a second by which that part is chosen.
 const PARTS_HZ: f64 = 1000.0;
@@ -262,6 +262,20 @@ impl Track {
         let mut tissues = self.known().iter().filter_map(|layer| match layer.met {
             Met::Tissue(met) => Some(met),
             Met::Nothing | Met::Wall(_) => None,
+        });
+        tissues.next()
+    }
+
+    /// The first tissue that the line leads through, and does not only graze.
+    #[must_use]
+    pub fn entered(&self) -> Option<Layered> {
+        let mut tissues = (0..self.count).filter_map(|place| {
+            let from = self.layers[usize::from(place)].from;
+            let end = self.end(place).unwrap_or(self.seen);
+            match self.met(place) {
+                Met::Tissue(met) if end - from > GRAZED => Some(met),
+                _ => None,
+            }
         });
         tissues.next()
     }
