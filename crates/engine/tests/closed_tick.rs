@@ -12,7 +12,7 @@ mod common;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use common::changes::change_something;
 use common::*;
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DAffine3, DVec3, IVec3, UVec3};
 use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::tissue::Tissue;
@@ -64,16 +64,22 @@ fn no_tick_allocates_or_frees() {
 /// bone; the ticks alone are watched for allocations, every one for where the probe is.
 #[test]
 fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
-    push_a_needle_at_random(11, false);
+    push_a_needle_at_random(11, false, false);
 }
 
 /// The same with directions that are set, and taken back, as it goes.
 #[test]
 fn nor_does_a_needle_whose_direction_is_set() {
-    push_a_needle_at_random(12, true);
+    push_a_needle_at_random(12, true, false);
 }
 
-fn push_a_needle_at_random(seed: u64, is_aimed: bool) {
+/// The same in skin and liver that were moved, and are moved on around the needle.
+#[test]
+fn nor_does_a_needle_in_segments_that_move() {
+    push_a_needle_at_random(13, true, true);
+}
+
+fn push_a_needle_at_random(seed: u64, is_aimed: bool, moves: bool) {
     let mut random = Random::new(seed);
     let start = DVec3::splat(-5.0);
     let mut rig = Rig::new(DIMENSIONS, start);
@@ -101,6 +107,12 @@ fn push_a_needle_at_random(seed: u64, is_aimed: bool) {
         }
         if tick % 300 == 0 {
             way = random.point(-0.15, 0.15);
+            if moves && tick % 1500 == 0 {
+                let id = SegmentId(1 + random.below(2) as u8);
+                let pose = DAffine3::from_axis_angle(DVec3::Z, random.point(-0.3, 0.3).x);
+                let pose = DAffine3::from_translation(random.point(-3.0, 3.0)) * pose;
+                rig.simulation.move_segment(id, pose).unwrap();
+            }
             if is_aimed {
                 // mostly near the way of the hand, so that it goes in
                 let direction = way + random.point(-0.15, 0.15);

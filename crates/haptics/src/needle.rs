@@ -33,6 +33,7 @@ pub mod approach;
 pub mod events;
 pub mod insertion;
 pub mod shaft;
+pub mod stretches;
 pub mod tissues;
 pub mod track;
 

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::force::Coupling;
 use palpate_haptics::needle::events::EventKind;
+use palpate_haptics::needle::stretches::NeedleBody;
 use palpate_haptics::needle::tissues::{Layered, Met, NeedleScan, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces, NeedleInput};
 use palpate_haptics::scene::Solid;
@@ -30,7 +31,7 @@ pub struct Body {
 }
 
 impl TissueMap for Body {
-    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
+    fn at(&self, _body: usize, voxel: IVec3, tissues: &Tissues) -> Met {
         let above = LAYERS
             .iter()
             .take_while(|(from, _)| *from <= f64::from(voxel.z));
@@ -44,6 +45,10 @@ impl TissueMap for Body {
                 .place_of(id)
                 .map_or(Met::Wall(id), |place| Met::Tissue(Layered::of(place))),
         }
+    }
+
+    fn body(&self, _number: usize) -> Option<NeedleBody<'_>> {
+        None
     }
 
     fn is_open(&self) -> bool {

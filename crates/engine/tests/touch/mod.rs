@@ -7,5 +7,6 @@ mod intensities;
 mod moving;
 mod needle;
 mod needle_direction;
+mod needle_moved;
 mod radius;
 mod touchable;
