@@ -79,7 +79,7 @@ fn nor_does_a_needle_in_segments_that_move() {
     push_a_needle_at_random(13, true, true);
 }
 
-fn push_a_needle_at_random(seed: u64, is_aimed: bool, moves: bool) {
+fn push_a_needle_at_random(seed: u128, is_aimed: bool, moves: bool) {
     let mut random = Random::new(seed);
     let start = DVec3::splat(-5.0);
     let mut rig = Rig::new(DIMENSIONS, start);
@@ -155,13 +155,12 @@ fn push_a_needle_at_random(seed: u64, is_aimed: bool, moves: bool) {
     // the test means something
     let events = rig.simulation.needle_report().events;
     let of = |id: u8| events.iter().filter(|event| event.segment == id).count();
-    assert!(
-        of(2) > 20 && of(3) + of(4) > 20,
-        "{} {} {}",
-        of(2),
-        of(3),
-        of(4)
-    );
+    // along a direction fewer pushes go in
+    let least = if is_aimed { 10 } else { 20 };
+    assert!(of(2) > least, "{}", of(2));
+    if !is_aimed {
+        assert!(of(3) + of(4) > least, "{} {}", of(3), of(4));
+    }
     assert!(inside > 20_000, "{inside}");
-    assert!(withdrawn > 20, "{withdrawn}");
+    assert!(withdrawn as usize > least, "{withdrawn}");
 }
