@@ -406,6 +406,9 @@ class Session:
     def needle_events(self) -> list[tuple[str, int, float, float, float]]:
         """Kind, segment, time [s], depth [mm] and force [N] of each event of the needle."""
 
+    def set_needle_direction(self, direction: _Triple | None) -> None:
+        """Sets the direction in which the needle enters; None for that of the push."""
+
     def withdraw_needle(self) -> bool:
         """Withdraws the needle on the path of its insertion; False where none is inserted."""
 

@@ -543,6 +543,16 @@ impl PySession {
         Ok(report.events.iter().map(event_tuple).collect())
     }
 
+    /// Sets the direction in which the needle goes in, inward; None for that of the push.
+    fn set_needle_direction(
+        &self,
+        py: Python<'_>,
+        direction: Option<Triple>,
+    ) -> Result<(), CoreError> {
+        let direction = direction.map(vector);
+        Ok(py.detach(|| self.session.set_needle_direction(direction))?)
+    }
+
     /// Takes the needle out on the way that it went in; False where none is in.
     fn withdraw_needle(&self, py: Python<'_>) -> Result<bool, CoreError> {
         Ok(py.detach(|| self.session.withdraw_needle())?)

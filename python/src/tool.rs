@@ -83,6 +83,7 @@ pub fn needle_dict<'py>(py: Python<'py>, needle: &NeedleDisplay) -> PyResult<Bou
         "friction": needle.forces.friction,
         "wall": needle.forces.wall,
         "events": needle.events,
+        "set_direction": needle.direction.map(triple),
     )
 }
 

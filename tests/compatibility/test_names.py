@@ -23,7 +23,11 @@ def of(kind: str) -> dict[str, list[str]]:
 
 ADDED = {
     "recording commands": ("GiveWay.stays",),
-    "recording start": ("state.giving_way.stays", "state.soft.answer.stays"),
+    "recording start": (
+        "state.giving_way.stays",
+        "state.needle.direction",
+        "state.soft.answer.stays",
+    ),
     "state recent.json": ("[].frame",),
     "scene keys": ("labels", "save_id", "tears_by"),
     "scene members": ("steps.msgpack",),

@@ -1,5 +1,6 @@
 //! What can go wrong in a session.
 
+use glam::DVec3;
 use palpate_haptics::ball::BallError;
 use palpate_haptics::scene::{MAX_OBJECTS, PoseError};
 use palpate_tools::journal::JournalError;
@@ -192,6 +193,11 @@ pub enum SessionError {
         /// Its rest [s].
         rest: f64,
     },
+    /// A direction of a needle that is none.
+    #[error(
+        "direction {0} of a needle given; allowed: finite, of a length above 0, or none for that of the push"
+    )]
+    NeedleDirection(DVec3),
     /// No tool is chosen.
     #[error("a stroke without a tool given; allowed: choosing a tool first")]
     NoTool,

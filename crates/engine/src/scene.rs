@@ -353,7 +353,7 @@ impl Scene {
                         values: self.values.clone(),
                     }),
                 fractions: self.fractions_of(id).cloned(),
-                punctured: properties.pose.is_none() && self.punctured.contains(id),
+                punctured: self.punctured.contains(id),
                 rigid: self.rigid.get(&id).cloned(),
             })
             .collect()

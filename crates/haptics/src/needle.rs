@@ -1,8 +1,8 @@
 //! A needle: tissue that gives, is punctured, cuts and rubs, instead of a hard surface.
 //!
 //! Before the tip is in, what it presses on yields: the coupling is in balance with the tissue's
-//! own spring. At the puncture force the needle goes in, and is held on the line of that push:
-//! along it by tip and shaft (`shaft.rs`), across it by a spring that grows with the length in
+//! own spring. At the puncture force the needle goes in, and is held on the line of that push, or
+//! of the direction that was set (`approach.rs`): along it by tip and shaft (`shaft.rs`), across it by a spring that grows with the length in
 //! tissue. Segments that no needle punctures stay hard, and so does every other one until its
 //! turn comes. So the force on the hand is always that of the coupling to a tool, and only the
 //! tool's place follows from all this: on the hard contact, on the tissue, or on the line.
@@ -29,12 +29,15 @@ use crate::force::{Coupling, Friction};
 use crate::soft_contact::{STEP, SoftInput, gone_over, pushed_over, put};
 use crate::tick::TickOutput;
 
+pub mod approach;
 pub mod events;
 pub mod insertion;
 pub mod shaft;
+pub mod stretches;
 pub mod tissues;
 pub mod track;
 
+use approach::Approach;
 use events::{EventKind, Events, NeedleEvent};
 use insertion::Insertion;
 use tissues::{Layered, NeedleScan, TissueMap, Tissues, World};
@@ -104,6 +107,9 @@ pub struct Needle {
     tissues: Tissues,
     /// Tissues for the next insertion.
     wanted: Tissues,
+    /// The direction that the next insertion goes in along, of length 1; none for that of the push.
+    #[serde(default)]
+    direction: Option<DVec3>,
     insertion: Option<Insertion>,
     forces: NeedleForces,
     /// Device, where it had a place, and spring of the tick before.
@@ -124,6 +130,12 @@ impl Needle {
         if self.insertion.is_none() {
             self.tissues = *tissues;
         }
+    }
+
+    /// Sets the direction in which it goes in from now on, inward; along the push where there is
+    /// none. A needle that is in stays on its line.
+    pub fn aim(&mut self, direction: Option<DVec3>) {
+        self.direction = direction.and_then(approach::unit);
     }
 
     /// Whether touch is that of a needle.
@@ -294,7 +306,7 @@ impl Needle {
             self.forces.wall = k * depth;
             return (coupling, hard);
         };
-        let line = Line {
+        let push = Line {
             entry: input.device + hard,
             direction: hard / -depth,
         };
@@ -304,7 +316,7 @@ impl Needle {
             scan,
             tissues: &self.tissues,
         };
-        ahead.look(&line, depth, &world);
+        ahead.look(&push, depth, &world);
         // what overlaps with what is touched is pressed with it
         let alone = Layered::of(place);
         let layer = ahead.first().filter(|layer| layer.has(place));
@@ -318,18 +330,25 @@ impl Needle {
             .map_or(deflection, |(wall, _)| wall.min(deflection));
         let force = k * (depth - end);
         self.forces.stiffness = force;
-        if force >= tissue.puncture {
+        let approach = Approach {
+            push,
+            set: self.direction,
+        };
+        let share = approach.share();
+        if force * share >= tissue.puncture
+            && let Some((line, layer)) = approach.way_in((place, layer), input.spacing, &world)
+        {
             self.events.note(NeedleEvent {
                 kind: EventKind::Punctured,
                 segment,
                 time: input.time,
                 depth: 0.0,
-                force,
+                force: force * share,
             });
             let punctured = self.tissues.segments_of(layer).collect();
-            self.insertion = Some(Insertion::new(line, end, punctured));
+            self.insertion = Some(Insertion::new(line, end * share, punctured));
         }
-        (coupling, line.direction * (end - depth))
+        (coupling, push.direction * (end - depth))
     }
 
     fn end(&mut self) {

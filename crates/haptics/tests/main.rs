@@ -15,6 +15,8 @@ mod friction;
 mod local_force;
 mod moving;
 mod needle;
+mod needle_direction;
+mod needle_stretches;
 mod objects;
 mod passivity;
 mod placement;

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::force::Coupling;
 use palpate_haptics::needle::events::EventKind;
+use palpate_haptics::needle::stretches::NeedleBody;
 use palpate_haptics::needle::tissues::{Layered, Met, NeedleScan, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces, NeedleInput};
 use palpate_haptics::scene::Solid;
@@ -11,26 +12,26 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::tissue::Tissue;
 
-const SKIN: u8 = 1;
-const FAT: u8 = 2;
-const LIVER: u8 = 3;
-const BONE: u8 = 4;
+pub const SKIN: u8 = 1;
+pub const FAT: u8 = 2;
+pub const LIVER: u8 = 3;
+pub const BONE: u8 = 4;
 /// Where each layer begins [mm]; the last goes on for ever.
-const LAYERS: [(f64, u8); 4] = [(10.0, SKIN), (14.0, FAT), (30.0, LIVER), (60.0, BONE)];
-const COUPLING: Coupling = Coupling {
+pub const LAYERS: [(f64, u8); 4] = [(10.0, SKIN), (14.0, FAT), (30.0, LIVER), (60.0, BONE)];
+pub const COUPLING: Coupling = Coupling {
     stiffness: 1.0,
     damping: 0.0,
 };
 
 /// Layers below z = 10, and whether those that were punctured are open.
-struct Body {
-    open: bool,
+pub struct Body {
+    pub open: bool,
     /// What an edit has put instead, from a plane z to another one [voxels]; nothing where it is 0.
-    edit: Option<([i32; 2], u8)>,
+    pub edit: Option<([i32; 2], u8)>,
 }
 
 impl TissueMap for Body {
-    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
+    fn at(&self, _body: usize, voxel: IVec3, tissues: &Tissues) -> Met {
         let above = LAYERS
             .iter()
             .take_while(|(from, _)| *from <= f64::from(voxel.z));
@@ -46,31 +47,35 @@ impl TissueMap for Body {
         }
     }
 
+    fn body(&self, _number: usize) -> Option<NeedleBody<'_>> {
+        None
+    }
+
     fn is_open(&self) -> bool {
         self.open
     }
 }
 
 /// A needle with a hard proxy that stops at the first layer which is not punctured.
-struct Bench {
+pub struct Bench {
     grid: Grid,
-    needle: Needle,
+    pub needle: Needle,
     tissues: Tissues,
-    last: DVec3,
+    pub last: DVec3,
     now: f64,
     edit: Option<([i32; 2], u8)>,
 }
 
 /// One tick: the spring's force [N] and what holds the needle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Felt {
-    force: DVec3,
-    parts: NeedleForces,
-    tip: Option<f64>,
+pub struct Felt {
+    pub force: DVec3,
+    pub parts: NeedleForces,
+    pub tip: Option<f64>,
 }
 
 impl Bench {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let tissues = Tissues::of([
             (SKIN, Tissue::SKIN),
             (FAT, Tissue::FAT),
@@ -94,7 +99,7 @@ impl Bench {
         }
     }
 
-    fn tick(&mut self, device: DVec3) -> Felt {
+    pub fn tick(&mut self, device: DVec3) -> Felt {
         self.now += 1e-3;
         let map = Body {
             open: self.needle.punctured() != Default::default(),
@@ -153,7 +158,7 @@ impl Bench {
     }
 
     /// Goes straight to a point at a speed [mm/s].
-    fn go(&mut self, to: DVec3, speed: f64) -> Vec<Felt> {
+    pub fn go(&mut self, to: DVec3, speed: f64) -> Vec<Felt> {
         let (from, way) = (self.last, to - self.last);
         let ticks = (way.length() / speed * 1000.0).round().max(1.0) as u32;
         (1..=ticks)
@@ -161,7 +166,7 @@ impl Bench {
             .collect()
     }
 
-    fn events(&self) -> Vec<(EventKind, u8)> {
+    pub fn events(&self) -> Vec<(EventKind, u8)> {
         let events = self.needle.events().since(0);
         events.map(|event| (event.kind, event.segment)).collect()
     }
@@ -232,7 +237,7 @@ fn what_is_cut_away_at_the_tip_leaves_it_free_and_bone_before_it_stops_it() {
     assert!(bench.needle.forces().wall > 0.0);
 }
 
-const AT: DVec3 = DVec3::new(40.2, 40.3, 0.0);
+pub const AT: DVec3 = DVec3::new(40.2, 40.3, 0.0);
 
 fn inserted(depth: f64) -> Bench {
     let mut bench = Bench::new();

@@ -136,6 +136,7 @@ from palpate.protocol.touch import (
     Hand,
     HandLed,
     Lift,
+    NeedleDirection,
     NeedleEvent,
     NeedleEvents,
     NeedleState,
@@ -266,6 +267,7 @@ __all__ = [
     "MoveSegment",
     "MovedPose",
     "Name",
+    "NeedleDirection",
     "NeedleEvent",
     "NeedleEventKind",
     "NeedleEvents",
@@ -462,6 +464,7 @@ FromPage = (
     | ChangeTouchClip
     | Fence
     | Tool
+    | NeedleDirection
     | WithdrawNeedle
     | Stroke
     | Recover

@@ -26,6 +26,7 @@ __all__ = [
     "Hand",
     "HandLed",
     "Lift",
+    "NeedleDirection",
     "NeedleEvent",
     "NeedleEvents",
     "NeedleState",
@@ -129,6 +130,7 @@ class NeedleState(msgspec.Struct, frozen=True):
     scene [mm] and ``direction`` the way inward, of length 1 (both zeros where it is out);
     ``segment`` is the one at the tip, 0 for none. ``tip`` and ``friction`` are the forces at tip
     and shaft, ``wall`` that of a rigid obstacle [N]. ``events`` is the number of ``NeedleEvents``.
+    ``set_direction`` is the one that was set, inward, of length 1; null for that of the push.
     """
 
     inside: bool
@@ -140,6 +142,7 @@ class NeedleState(msgspec.Struct, frozen=True):
     friction: float
     wall: float
     events: int
+    set_direction: Vector | None
 
 
 class DeviceLimits(msgspec.Struct, frozen=True):
@@ -259,6 +262,12 @@ class Tool(Message, frozen=True, tag="tool"):
     tissues: list[TissueName] = msgspec.field(default_factory=list)
     depth: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)] | None = None
     overlaps: bool = False
+
+
+class NeedleDirection(Message, frozen=True, tag="needle_direction"):
+    """Sets the direction in which the needle enters, inward; null for that of the push."""
+
+    direction: Vector | None
 
 
 class WithdrawNeedle(Message, frozen=True, tag="withdraw_needle"):

@@ -69,6 +69,8 @@ class NeedleState(TypedDict):
     """Force of a rigid obstacle on the tip [N]."""
     events: int
     """Events so far; ``Session.needle_events`` lists them."""
+    set_direction: Triple | None
+    """Direction that was set, inward, of length 1; None for that of the push."""
 
 
 class RateState(TypedDict):

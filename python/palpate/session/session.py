@@ -229,6 +229,7 @@ class Session:
     set_tool = PartMethod("_tools", SessionTools.set_tool)
     stroke = PartMethod("_tools", SessionTools.stroke)
     needle_events = PartMethod("_tools", SessionTools.needle_events)
+    set_needle_direction = PartMethod("_tools", SessionTools.set_needle_direction)
     withdraw_needle = PartMethod("_tools", SessionTools.withdraw_needle)
 
     # --- undo -----------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from dataclasses import astuple
 from typing import Literal
 
 from palpate.session.air import air_of
-from palpate.session.engine import Engine, option_errors
+from palpate.session.engine import Engine, Point, option_errors, triple
 from palpate.session.needle import NeedleEvent, Tissue
 from palpate.volumes.volume import Volume
 
@@ -76,6 +76,24 @@ class SessionTools:
         """Returns what happened to the needle since it was chosen, oldest first."""
         with option_errors():
             return [NeedleEvent(*event) for event in self._engine.needle_events()]
+
+    def set_needle_direction(self, direction: Point | None) -> None:
+        """Sets the direction in which the needle enters from now on.
+
+        Where a direction is set, the needle enters along it through the touched point. A push more
+        than 63° off it does not puncture, and neither does one where the line does not lead into
+        what is touched. A needle that is inserted stays on its line.
+
+        Args:
+            direction: Inward, LPS, of any length; None for the direction of the push.
+
+        Raises:
+            OptionError: The direction is zero or not finite.
+        """
+        with option_errors():
+            self._engine.set_needle_direction(
+                None if direction is None else triple("direction", direction)
+            )
 
     def withdraw_needle(self) -> bool:
         """Withdraws the needle along the path on which it was inserted.

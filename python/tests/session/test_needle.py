@@ -133,3 +133,39 @@ def test_a_needle_in_the_hand_is_told_of_and_withdrawn() -> None:
         session.run(0.1)
         assert not session.frame()["needle"]["inside"]
         assert session.needle_events()[-1].kind == "withdrawn"
+
+
+def test_a_needle_goes_in_along_the_direction_that_is_set() -> None:
+    scan = volume()
+    scene = Scene(scan)
+    for name in BORDERS:
+        scene.add(scan.segment(mask(name), name=name), touchable=True)
+    x, y, z = line_through(scan, mask("liver"), mask("bone"))[0].tolist()
+    tissues = [TISSUES["skin"], TISSUES["liver"]]
+    with Session(scene, options=SessionOptions(real_time=False, start=(x, y, z))) as session:
+        session.set_tool("needle", radius=0.5, segment_ids=[1, 2], tissues=tissues)
+        assert session.frame()["needle"]["set_direction"] is None
+        session.set_needle_direction((0.3, 2.0, 0.0))
+        session.run(0.05)
+        along = np.array((0.3, 2.0, 0.0)) / np.hypot(0.3, 2.0)
+        assert session.frame()["needle"]["set_direction"] == pytest.approx(along.tolist())
+        session.stroke(on=True)
+        for step in range(40):
+            session.hand((x, y + 0.6 * step, z))
+            session.run(0.05)
+        needle = session.frame()["needle"]
+        assert needle["inside"]
+        assert needle["direction"] == pytest.approx(along.tolist())
+        session.set_needle_direction(None)
+        session.run(0.05)
+        assert session.frame()["needle"]["set_direction"] is None
+
+
+@pytest.mark.parametrize("nonsense", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (1.0, 2.0)])
+def test_what_is_no_direction_is_refused(nonsense: tuple[float, ...]) -> None:
+    options = SessionOptions(real_time=False)
+    with (
+        Session(Scene(volume()), options=options) as session,
+        pytest.raises(OptionError, match="direction"),
+    ):
+        session.set_needle_direction(nonsense)  # type: ignore[arg-type]

@@ -130,6 +130,55 @@ def push_from_entry(page: Browser) -> None:
     page.wait(f"{NEEDLE}.inside && {NEEDLE}.depth > 5")
 
 
+def choose_direction(page: Browser, follows: str) -> None:
+    """Chooses in the needle's card what its direction follows."""
+    page.read(
+        "void (() => { const choice = document.querySelector('[data-testid=needle-direction]');"
+        f" choice.value = '{follows}';"
+        " choice.dispatchEvent(new Event('change', { bubbles: true })); })()"
+    )
+
+
+def points_along(wanted: tuple[float, float, float]) -> str:
+    """Returns the expression that the direction set is this one."""
+    return (
+        f"(({NEEDLE}.set_direction ?? [9, 9, 9]).every("
+        f"(c, axis) => Math.abs(c - {list(wanted)}[axis]) < 0.1))"
+    )
+
+
+def test_the_direction_of_the_needle_follows_the_view_and_the_push(page: Browser) -> None:
+    assert page.read(f"{NEEDLE}.set_direction") is None
+    choose_direction(page, "view")
+    # the view from before, and from the left
+    page.wait(points_along((0.0, 1.0, 0.0)))
+    page.read("window.palpate.setView('L')")
+    page.wait(points_along((-1.0, 0.0, 0.0)))
+    choose_direction(page, "push")
+    page.wait(f"{NEEDLE}.set_direction === null")
+    page.read("window.palpate.setView('A')")
+    page.frames()
+    assert page.read(f"{NEEDLE}.set_direction") is None
+
+
+def take_direction_of_plan(page: Browser) -> None:
+    """Takes the planned path's direction by one click; the needle is drawn along it at once."""
+    page.do("click", testid="needle-along-plan")
+    page.wait(points_along((0.0, 1.0, 0.0)))
+    page.wait("document.querySelector('[data-testid=needle-along-plan]') === null")
+    page.wait("document.querySelector('[data-testid=needle-axial]') !== null")
+    page.do("screenshot", path=str(OUTPUT / "needle-direction.png"))
+
+
+def take_plan_back(page: Browser) -> None:
+    """Takes the plan back by undo; without it the needle follows the push again."""
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.marks.length === 0")
+    page.wait("document.querySelector('[data-testid=needle-off]') === null")
+    page.wait(f"{NEEDLE}.set_direction === null")
+    page.wait("document.querySelector('[data-testid=needle-axial]') === null")
+
+
 def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page: Browser) -> None:
     page.do("press", key="Shift+I")
     page.wait("window.palpate.slices.length === 3")
@@ -152,6 +201,7 @@ def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page
     page.do("click", testid="needle-to-entry")
     page.wait(f"Math.abs(window.palpate.state.proxy[0] - {MIDDLE}) < 1")
     page.wait(f"Math.abs(window.palpate.state.proxy[1] - {SURFACE - 8}) < 1")
+    take_direction_of_plan(page)
     push_from_entry(page)
     page.wait("document.querySelector('[data-testid=needle-axial]') !== null")
     page.shows("tool-size", "text.endsWith('mm deep')")
@@ -169,8 +219,5 @@ def test_a_needle_is_planned_in_a_slice_and_told_how_far_off_its_plan_it_is(page
     assert page.read("window.palpate.marks[0].points[1]") == entry, "it was not dragged"
     page.do("click", testid="needle-withdraw")
     page.wait(f"!{NEEDLE}.inside")
-    page.wait("document.querySelector('[data-testid=needle-axial]') === null")
     # a plan is a mark: undo takes it back
-    page.do("press", key="Control+z")
-    page.wait("window.palpate.marks.length === 0")
-    page.wait("document.querySelector('[data-testid=needle-off]') === null")
+    take_plan_back(page)

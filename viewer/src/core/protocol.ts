@@ -441,6 +441,7 @@ export interface ToolState {
  * scene [mm] and `direction` the way inward, of length 1 (both zeros where it is out);
  * `segment` is the one at the tip, 0 for none. `tip` and `friction` are the forces at tip
  * and shaft, `wall` that of a rigid obstacle [N]. `events` is the number of `NeedleEvents`.
+ * `set_direction` is the one that was set, inward, of length 1; null for that of the push.
  */
 export interface NeedleState {
   readonly inside: boolean;
@@ -452,6 +453,7 @@ export interface NeedleState {
   readonly friction: number;
   readonly wall: number;
   readonly events: number;
+  readonly set_direction: Vector | null;
 }
 
 /** Stress relaxation: the fraction of the force that decays, and the time constant [s]. */
@@ -1607,6 +1609,12 @@ export interface Tool {
   readonly overlaps: boolean;
 }
 
+/** Sets the direction in which the needle enters, inward; null for that of the push. */
+export interface NeedleDirection {
+  readonly type: "needle_direction";
+  readonly direction: Vector | null;
+}
+
 /** Withdraws the needle along the path of its insertion. */
 export interface WithdrawNeedle {
   readonly type: "withdraw_needle";
@@ -1736,6 +1744,7 @@ export type FromPage =
   | ChangeTouchClip
   | Fence
   | Tool
+  | NeedleDirection
   | WithdrawNeedle
   | Stroke
   | Recover
@@ -2152,6 +2161,7 @@ const isNeedleState = record({
   friction: real(),
   wall: real(),
   events: whole(),
+  set_direction: nullable(isVector),
 });
 
 const isProny = record({

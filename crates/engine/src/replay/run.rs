@@ -262,6 +262,7 @@ impl<'a> Player<'a> {
                 ServoCommand::DeformableContact(deformable_contact)
             }
             TapeCommand::Needle(on, ref tissues) => ServoCommand::Needle(on, tissues.clone()),
+            TapeCommand::NeedleDirection(direction) => ServoCommand::NeedleDirection(direction),
             TapeCommand::Mark => ServoCommand::Mark,
         })
     }

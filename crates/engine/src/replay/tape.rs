@@ -64,6 +64,8 @@ pub enum TapeCommand {
     DeformableContact(DeformableContact),
     /// A needle was taken in the hand, or out of it.
     Needle(bool, Box<Tissues>),
+    /// The direction in which a needle was to go in; none for that of the push.
+    NeedleDirection(Option<DVec3>),
     /// A recording began anew.
     Mark,
 }

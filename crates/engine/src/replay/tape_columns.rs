@@ -500,6 +500,8 @@ fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeEr
         | TapeCommand::Clutch(_)
         // whatever is no spring is not followed
         | TapeCommand::DeformableContact(_)
+        // and no direction is that of the push
+        | TapeCommand::NeedleDirection(_)
         | TapeCommand::Needle(..)
         | TapeCommand::Mark => 0,
     };

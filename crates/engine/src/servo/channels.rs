@@ -80,6 +80,8 @@ pub enum ServoCommand {
     DeformableContact(DeformableContact),
     /// Takes a needle in the hand that can puncture these segments, or out of it.
     Needle(bool, Box<Tissues>),
+    /// Sets the direction in which a needle goes in, inward; none for that of the push.
+    NeedleDirection(Option<DVec3>),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
     Mark,
 }

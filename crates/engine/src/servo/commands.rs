@@ -122,6 +122,7 @@ impl ServoLoop {
                 self.state.needle.hold(on, &tissues);
                 self.occupancy.dispose(Garbage::Tissues(tissues));
             }
+            Some(ServoCommand::NeedleDirection(direction)) => self.state.needle.aim(direction),
             Some(ServoCommand::Mark) => {
                 self.marked = true;
                 // a replay knows only what is read from here on

@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use glam::DVec3;
 use palpate_deform::material::{MaterialLaw, Region, Treatment};
 use palpate_deform::registry::ModelOptions;
 use palpate_tools::factory::ToolSettings;
@@ -30,6 +31,15 @@ impl Session {
     /// Where it is to begin and no tool is chosen, or the session has ended.
     pub fn stroke(&self, on: bool) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.stroke(on))?
+    }
+
+    /// Sets the direction in which the needle goes in from now on, inward, of any length; none for
+    /// that of the push.
+    ///
+    /// # Errors
+    /// Where it is zero or not finite, or the session has ended.
+    pub fn set_needle_direction(&self, direction: Option<DVec3>) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_needle_direction(direction))?
     }
 
     /// Takes the needle out on the way that it went in; false where none is in.

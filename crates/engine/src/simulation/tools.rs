@@ -1,5 +1,7 @@
 //! Tools in the hand of the simulation, and how much undo holds.
 
+use glam::DVec3;
+use palpate_haptics::needle::approach::unit;
 use palpate_tools::factory::ToolSettings;
 use palpate_tools::journal::Action;
 use palpate_tools::tool::ToolReport;
@@ -63,6 +65,20 @@ impl Simulation {
             self.touch
                 .send(ServoCommand::Needle(true, Box::new(tissues)));
         }
+        self.publish();
+        Ok(())
+    }
+
+    /// Sets the direction in which the needle goes in from now on, inward, of any length; none for
+    /// that of the push. A needle that is in stays on its line.
+    ///
+    /// # Errors
+    /// Where it is zero or not finite.
+    pub fn set_needle_direction(&mut self, direction: Option<DVec3>) -> Result<(), SessionError> {
+        let checked = |given| unit(given).ok_or(SessionError::NeedleDirection(given));
+        let direction = direction.map(checked).transpose()?;
+        self.needle.aim(direction);
+        self.touch.send(ServoCommand::NeedleDirection(direction));
         self.publish();
         Ok(())
     }

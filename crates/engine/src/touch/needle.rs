@@ -1,11 +1,13 @@
 //! A needle as the servo knows it: what its voxels mean to the law of `palpate_haptics::needle`,
 //! and what the simulation is told.
 //!
-//! Only segments that stand where the scan has them can be punctured; one that was moved is hard.
+//! Each moved segment is a body of its own, met where it stands by now.
 //! Frame: scene [mm] and grid; N, s.
 
 use glam::{DVec3, IVec3};
+use palpate_haptics::needle::approach::TIP_STICKS;
 use palpate_haptics::needle::events::{Events, NeedleEvent};
+use palpate_haptics::needle::stretches::NeedleBody;
 use palpate_haptics::needle::tissues::{Layered, Met, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
 use palpate_volume::edit::SegmentId;
@@ -16,8 +18,6 @@ use crate::touch::part::Part;
 use crate::touch::settings::Settings;
 use crate::touch::touchable::Touchable;
 
-/// Friction of a tip that sticks where it touches, unless it is pushed nearly along the surface.
-const TIP_STICKS: f64 = 2.0;
 /// Friction of a tip that slides.
 const TIP_SLIDES: f64 = 1.5;
 
@@ -34,29 +34,38 @@ pub fn sharp(settings: &Settings) -> Settings {
 }
 
 impl TissueMap for Touchable {
-    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
-        let mut layer = Layered::default();
-        let stand = |part: &&Part| part.moved.is_none();
-        for part in self.parts.iter().filter(stand) {
+    fn at(&self, body: usize, voxel: IVec3, tissues: &Tissues) -> Met {
+        let met = |part: &Part| {
             if !part.bits.is_solid(voxel) {
-                continue;
+                return Met::Nothing;
             }
-            match tissues.place_of(part.id.0) {
-                // what is hard counts before whatever else is there
-                None => return Met::Wall(part.id.0),
-                Some(place) => layer = layer.with(place),
+            let place = tissues.place_of(part.id.0);
+            place.map_or(Met::Wall(part.id.0), |place| {
+                Met::Tissue(Layered::of(place))
+            })
+        };
+        match body.checked_sub(1) {
+            Some(place) => self.moved_part(place).map_or(Met::Nothing, met),
+            None => {
+                let standing = self.parts.iter().filter(|part| part.moved.is_none());
+                standing.map(met).fold(Met::Nothing, Met::and)
             }
-        }
-        if layer == Layered::default() {
-            Met::Nothing
-        } else {
-            Met::Tissue(layer)
         }
     }
 
+    fn body(&self, number: usize) -> Option<NeedleBody<'_>> {
+        let object = self.objects.get(number.checked_sub(1)?)?;
+        let (low, high) = object.box_in_world();
+        Some(NeedleBody {
+            body_from_scan: object.pose().object_from_world(),
+            low,
+            high,
+            spacing: object.spacing().min_element(),
+        })
+    }
+
     fn is_open(&self) -> bool {
-        let mut parts = self.parts.iter();
-        parts.any(|part| part.punctured && part.moved.is_none())
+        self.parts.iter().any(|part| part.punctured)
     }
 }
 
@@ -120,6 +129,8 @@ pub struct NeedleDisplay {
     pub forces: NeedleForces,
     /// How many events there were since the session began.
     pub events: u64,
+    /// The direction that was set, inward, of length 1; none where it goes in along the push.
+    pub direction: Option<DVec3>,
 }
 
 /// Events of one stroke that are kept, at most.
@@ -145,9 +156,16 @@ pub struct NeedleWatch {
     known: u64,
     /// What the servo says before it has executed so many commands does not count.
     from_command: u64,
+    /// The direction that was set; none where it goes in along the push.
+    direction: Option<DVec3>,
 }
 
 impl NeedleWatch {
+    /// Notes the direction that is set.
+    pub fn aim(&mut self, direction: Option<DVec3>) {
+        self.direction = direction;
+    }
+
     /// Begins a new report.
     pub fn begin(&mut self) {
         self.report.events.clear();
@@ -183,6 +201,7 @@ impl NeedleWatch {
             place: self.report.place,
             forces: self.report.forces,
             events: self.known,
+            direction: self.direction,
         }
     }
 

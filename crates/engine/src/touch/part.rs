@@ -27,7 +27,7 @@ pub struct Part {
     pub threshold: Option<Threshold>,
     /// How much of its voxels at the surface is solid, as far as that was worked out from them.
     pub fractions: Option<Arc<OccupancyFractions>>,
-    /// Whether a needle is in it: then it is no obstacle, unless it was moved.
+    /// Whether a needle is in it: then it is no obstacle.
     pub punctured: bool,
     /// Where it is rigid although it is deformable; none where it is deformable everywhere.
     pub rigid: Option<Bits>,

@@ -36,7 +36,7 @@ pub struct Touchable {
     pub world: Body,
     /// All parts, by rising number.
     pub parts: Vec<Part>,
-    /// The parts that were moved, in the order of `parts`.
+    /// The parts that were moved, in the order of `parts`; one that is punctured has no voxels here.
     pub objects: Vec<Object<Body>>,
     /// Radius of the probe [mm].
     pub radius: f64,
@@ -60,9 +60,14 @@ impl Touchable {
         let object = |part: &Part, moved: MovedPart| {
             let MovedPart { bounds, pose, .. } = moved;
             let own = moved.grid(grid);
-            let voxels = BodyVoxels {
-                bits: part.bits.clone(),
-                fractions: BodyFractions::of(part.bits.dimensions(), &[part]),
+            // where a needle is in it, it stands there still, but is no obstacle
+            let voxels = if part.punctured {
+                BodyVoxels::from(Bits::empty(part.bits.dimensions()))
+            } else {
+                BodyVoxels {
+                    bits: part.bits.clone(),
+                    fractions: BodyFractions::of(part.bits.dimensions(), &[part]),
+                }
             };
             let body = Body::new(voxels, radius, own.spacing())?;
             let reach = body.shape().reach();
@@ -123,6 +128,13 @@ impl Touchable {
     pub fn moved(&self) -> impl Iterator<Item = (SegmentId, MovedPart)> {
         let moved = |part: &Part| Some((part.id, part.moved?));
         self.parts.iter().filter_map(moved)
+    }
+
+    /// The part of which an object is made, by its place.
+    #[must_use]
+    pub fn moved_part(&self, place: usize) -> Option<&Part> {
+        let mut moved = self.parts.iter().filter(|part| part.moved.is_some());
+        moved.nth(place)
     }
 
     /// The place of a moved segment among the objects.

@@ -6,5 +6,7 @@ mod clip;
 mod intensities;
 mod moving;
 mod needle;
+mod needle_direction;
+mod needle_moved;
 mod radius;
 mod touchable;

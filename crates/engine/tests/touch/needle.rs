@@ -210,17 +210,17 @@ fn needle() -> ToolSettings {
 }
 
 /// A needle in the hand above the layers.
-struct Hand {
-    rig: Rig,
+pub struct Hand {
+    pub rig: Rig,
     device: DVec3,
     ticks: u64,
-    recording: Recording,
+    pub recording: Recording,
 }
 
-const ABOVE: DVec3 = DVec3::new(20.3, 20.4, 84.0);
+pub const ABOVE: DVec3 = DVec3::new(20.3, 20.4, 84.0);
 
 impl Hand {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let mut rig = Rig::new(DIMENSIONS, ABOVE);
         for layer in layers() {
             rig.simulation
@@ -249,14 +249,14 @@ impl Hand {
     }
 
     /// Straight to a point at a speed [mm/s].
-    fn go(&mut self, to: DVec3, speed: f64) -> Vec<TickRecord> {
+    pub fn go(&mut self, to: DVec3, speed: f64) -> Vec<TickRecord> {
         let (from, way) = (self.device, to - self.device);
         let ticks = (way.length() / speed * 1000.0).round().max(1.0) as u32;
         let at = |tick: u32| from + way * f64::from(tick) / f64::from(ticks);
         (1..=ticks).map(|tick| self.tick(at(tick))).collect()
     }
 
-    fn rest(&mut self, ticks: u32) -> TickRecord {
+    pub fn rest(&mut self, ticks: u32) -> TickRecord {
         let records = (0..ticks).map(|_| self.tick(self.device));
         records.collect::<Vec<_>>().last().copied().unwrap()
     }

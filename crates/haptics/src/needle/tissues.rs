@@ -6,6 +6,8 @@ use palpate_volume::grid::Grid;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
+use super::stretches::NeedleBody;
+
 /// Most segments that a needle can puncture; further ones stay hard.
 pub const MAX_TISSUES: usize = 16;
 
@@ -72,6 +74,12 @@ impl Layered {
         Self(self.0 | Self::bit(place))
     }
 
+    /// The tissues of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// Whether the tissue at a place belongs to it.
     #[must_use]
     pub fn has(self, place: u8) -> bool {
@@ -95,11 +103,27 @@ pub enum Met {
     Wall(u8),
 }
 
-/// What a needle can meet; neither allocates nor panics.
+impl Met {
+    /// Both at one place: what is hard counts before whatever else is there, tissues count together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Wall(_), _) | (_, Self::Nothing) => self,
+            (_, Self::Wall(_)) | (Self::Nothing, _) => other,
+            (Self::Tissue(one), Self::Tissue(other)) => Self::Tissue(one.and(other)),
+        }
+    }
+}
+
+/// What a needle can meet: body 0 stands in the scan's grid, and each other one in its own; neither
+/// allocates nor panics.
 pub trait TissueMap {
-    /// What stands in a voxel of the grid, whether it is punctured or not, for a needle that can
+    /// What stands in a voxel of a body, whether it is punctured or not, for a needle that can
     /// puncture these tissues.
-    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met;
+    fn at(&self, body: usize, voxel: IVec3, tissues: &Tissues) -> Met;
+
+    /// Where a body stands, from number 1 on without a gap; none where there is no more.
+    fn body(&self, number: usize) -> Option<NeedleBody<'_>>;
 
     /// Whether a segment that was punctured is no obstacle for the probe by now.
     fn is_open(&self) -> bool;
@@ -129,4 +153,11 @@ pub struct World<'a, M> {
     pub scan: NeedleScan<'a, M>,
     /// Tissues that the needle can puncture.
     pub tissues: &'a Tissues,
+}
+
+impl<M: TissueMap> World<'_, M> {
+    /// What stands in a voxel of a body.
+    pub fn at(&self, body: usize, voxel: IVec3) -> Met {
+        self.scan.map.at(body, voxel, self.tissues)
+    }
 }

@@ -6,20 +6,20 @@
 use glam::DVec3;
 use palpate_volume::grid::Grid;
 use palpate_volume::tissue::Tissue;
-use palpate_volume::walk::Walk;
 use serde::{Deserialize, Serialize};
 
-use super::tissues::{Layered, Met, NeedleScan, TissueMap, Tissues, World};
+use super::stretches::{Stretch, Stretches, finest, met_at};
+use super::tissues::{Layered, Met, TissueMap, Tissues, World};
 
 /// Layers that are told apart; what lies beyond counts to the last of them.
 const MAX_LAYERS: usize = 32;
-/// Voxels looked up in a tick, at most: so far ahead a tip can come in one.
+/// Voxels looked up in each grid in a tick, at most: so far ahead a tip can come in one.
 const MAX_VOXELS: u32 = 24;
-/// Length of what is looked at again in a tick [smallest spacings].
+/// Length of what is looked at again in a tick [smallest spacings of all grids].
 const AGAIN: f64 = 2.0;
-/// Voxels of it, at most: some three for each spacing, and those at both ends.
+/// Voxels of it in each grid, at most: some three for each spacing, and those at both ends.
 const MAX_AGAIN: u32 = 12;
-/// A way through a voxel that is shorter is none: it grazes a corner [mm].
+/// A way through a voxel or a layer that is shorter is none: it grazes a corner [mm].
 const GRAZED: f64 = 1e-6;
 /// Ticks in a second by which that part is chosen.
 const PARTS_HZ: f64 = 1000.0;
@@ -109,13 +109,10 @@ impl Track {
 
     /// Looks further along a line, up to a depth [mm] or as far as one tick allows.
     pub fn look(&mut self, line: &Line, to: f64, world: &World<'_, impl TissueMap>) {
-        let &World {
-            scan: NeedleScan { grid, map },
-            tissues,
-        } = world;
+        let grid = world.scan.grid;
         if let Some((wall, _)) = self.wall {
-            let voxel = line.in_grid(grid, wall + INTO_WALL).floor().as_ivec3();
-            if to <= wall || matches!(map.at(voxel, tissues), Met::Wall(_)) {
+            let inside = line.in_grid(grid, wall + INTO_WALL);
+            if to <= wall || matches!(met_at(inside, world), Met::Wall(_)) {
                 return;
             }
             // it is gone
@@ -126,13 +123,14 @@ impl Track {
         if !(way > 0.0 && way.is_finite()) {
             return;
         }
-        let walk = Walk::new(line.in_grid(grid, from), line.in_grid(grid, to));
-        let Some(mut walk) = walk else {
+        let ends = [from, to].map(|depth| line.in_grid(grid, depth));
+        let Some(mut stretches) = Stretches::new(ends[0], ends[1], world) else {
             return;
         };
-        for _ in 0..MAX_VOXELS {
-            let depth = from + way * walk.fraction();
-            match map.at(walk.voxel(), tissues) {
+        for _ in 0..MAX_VOXELS * stretches.grids() {
+            let Stretch { begin, end, met } = stretches.now();
+            let depth = from + way * begin;
+            match met {
                 Met::Wall(segment) => {
                     self.seen = depth;
                     self.wall = Some((depth, segment));
@@ -140,8 +138,8 @@ impl Track {
                 }
                 met => self.note(depth, met),
             }
-            self.seen = from + way * walk.exit_fraction();
-            if !walk.advance() {
+            self.seen = from + way * end;
+            if !stretches.advance() {
                 self.seen = to;
                 return;
             }
@@ -157,7 +155,7 @@ impl Track {
         world: &World<'_, impl TissueMap>,
     ) -> bool {
         let grid = world.scan.grid;
-        let length = AGAIN * grid.smallest_spacing();
+        let length = AGAIN * finest(world);
         let parts = (self.seen / length).ceil();
         // written so that NaN is refused
         if !(parts >= 1.0 && time >= 0.0) {
@@ -165,22 +163,21 @@ impl Track {
         }
         let from = (time * PARTS_HZ).round() % parts * length;
         let to = (from + length).min(self.seen);
-        let walk = Walk::new(line.in_grid(grid, from), line.in_grid(grid, to));
-        let Some(mut walk) = walk else {
+        let ends = [from, to].map(|depth| line.in_grid(grid, depth));
+        let Some(mut stretches) = Stretches::new(ends[0], ends[1], world) else {
             return false;
         };
         let mut found = Self::default();
         let mut changed = false;
-        for _ in 0..MAX_AGAIN {
-            let [begin, end] = [walk.fraction(), walk.exit_fraction().min(1.0)]
-                .map(|part| from + (to - from) * part);
+        for _ in 0..MAX_AGAIN * stretches.grids() {
+            let Stretch { begin, end, met } = stretches.now();
+            let [begin, end] = [begin, end].map(|part| from + (to - from) * part);
             if end - begin > GRAZED {
-                let met = world.scan.map.at(walk.voxel(), world.tissues);
                 changed |= self.met_at(0.5 * (begin + end)) != met;
                 found.note(begin, met);
                 found.seen = end;
             }
-            if !walk.advance() {
+            if !stretches.advance() {
                 break;
             }
         }
@@ -262,6 +259,20 @@ impl Track {
         let mut tissues = self.known().iter().filter_map(|layer| match layer.met {
             Met::Tissue(met) => Some(met),
             Met::Nothing | Met::Wall(_) => None,
+        });
+        tissues.next()
+    }
+
+    /// The first tissue that the line leads through, and does not only graze.
+    #[must_use]
+    pub fn entered(&self) -> Option<Layered> {
+        let mut tissues = (0..self.count).filter_map(|place| {
+            let from = self.layers[usize::from(place)].from;
+            let end = self.end(place).unwrap_or(self.seen);
+            match self.met(place) {
+                Met::Tissue(met) if end - from > GRAZED => Some(met),
+                _ => None,
+            }
         });
         tissues.next()
     }

@@ -53,6 +53,7 @@ class TouchMessages:
         table.add(protocol.View, self._view, runs=Runs.IN_ORDER)
         table.add(protocol.Clutch, self._clutch, runs=Runs.IN_ORDER)
         table.add(protocol.Tool, self._set_tool, runs=Runs.IN_ORDER)
+        table.add(protocol.NeedleDirection, self._set_needle_direction, runs=Runs.IN_ORDER)
         table.add(protocol.WithdrawNeedle, self._withdraw_needle, runs=Runs.IN_ORDER)
         table.add(protocol.Stroke, self._stroke, runs=Runs.IN_ORDER)
         table.add(protocol.ChangeSettings, self._change_settings, runs=Runs.IN_ORDER)
@@ -120,6 +121,9 @@ class TouchMessages:
             depth=wanted.depth,
             overlaps=wanted.overlaps,
         )
+
+    def _set_needle_direction(self, wanted: protocol.NeedleDirection, _: Outbox) -> None:
+        self._session.set_needle_direction(wanted.direction)
 
     def _withdraw_needle(self, _message: protocol.WithdrawNeedle, _: Outbox) -> None:
         self._session.withdraw_needle()

@@ -38,6 +38,7 @@ NO_NEEDLE = protocol.NeedleState(
     friction=0.0,
     wall=0.0,
     events=0,
+    set_direction=None,
 )
 
 

@@ -1,7 +1,7 @@
 /**
  * The line of a tool: which way its shaft leads outward, how long and how thick it is. A probe has a place and no
- * direction: outward is the way that is known of a needle in tissue, else against the push, else toward a hand beside
- * the viewer. Scene [mm].
+ * direction: outward is the way that is known of a needle in tissue, else against the direction that was set for it or
+ * against the push, else toward a hand beside the viewer. Scene [mm].
  */
 import type { Camera } from "../geometry/camera";
 import type { State, ToolKind } from "../protocol";
@@ -15,6 +15,9 @@ export interface NeedleLine {
   /** Inward, of length 1. */
   readonly direction: Vec3;
 }
+
+/** What of the state tells how a tool is held. */
+type Held = Pick<State, "tool" | "needle" | "force" | "contact">;
 
 interface Rod {
   readonly radius: number;
@@ -70,7 +73,7 @@ export function needleLine({ tool, needle }: Pick<State, "tool" | "needle">): Ne
  * @param plan of a needle.
  */
 export function toolLine(
-  state: Pick<State, "tool" | "needle" | "force" | "contact">,
+  state: Held,
   camera: Pick<Camera, "right" | "up" | "back">,
   plan: NeedlePlan | null,
 ): ToolLine | null {
@@ -81,7 +84,15 @@ export function toolLine(
   }
   const isNeedle = kind === "needle";
   const inside = needleLine(state);
-  const pushed = isNeedle && state.contact ? againstPush(state.force) : null;
-  const axis = inside === null ? (pushed ?? towardHand(camera)) : scale(inside.direction, -1);
-  return { ...rods, axis, entry: inside?.entry ?? null, plan: isNeedle ? plan : null };
+  const axis = isNeedle ? needleAxis(state, inside) : null;
+  return { ...rods, axis: axis ?? towardHand(camera), entry: inside?.entry ?? null, plan: isNeedle ? plan : null };
+}
+
+/** Outward along a needle; null where nothing tells its direction. */
+function needleAxis({ needle, force, contact }: Held, inside: NeedleLine | null): Vec3 | null {
+  const inward = inside?.direction ?? needle.set_direction;
+  if (inward !== null) {
+    return scale(inward, -1);
+  }
+  return contact ? againstPush(force) : null;
 }

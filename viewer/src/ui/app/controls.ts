@@ -27,6 +27,7 @@ import { SurfaceExport } from "../features/segments/surface_export.svelte";
 import { ThresholdPreview } from "../features/segments/threshold_preview.svelte";
 import { SliceControl } from "../features/slices/slice_control.svelte";
 import { DrillStrokes } from "../features/tools/drill_strokes.svelte";
+import { NeedleDirectionControl } from "../features/tools/needle_direction.svelte";
 import { NeedleGuide } from "../features/tools/needle_guide.svelte";
 import { TouchMarkers } from "../features/touch/touch_markers.svelte";
 import { ClipControl } from "../features/view/clip_control.svelte";
@@ -95,6 +96,8 @@ interface TouchControls {
   readonly touch: TouchMarkers;
   /** The line of the needle, and the one that was planned. */
   readonly needle: NeedleGuide;
+  /** The direction in which it goes in. */
+  readonly needleDirection: NeedleDirectionControl;
   /** What each stroke of the drill has done. */
   readonly strokes: DrillStrokes;
 }
@@ -167,11 +170,16 @@ function segmentControls({ session }: Surroundings, { steps }: UndoControls): Se
   };
 }
 
-function touchControls({ session, support }: Surroundings, { marks }: ViewControls): TouchControls {
+function touchControls({ session, support }: Surroundings, { marks, view }: ViewControls): TouchControls {
   const player = new Player(session);
   const needle = new NeedleGuide(marks);
-  const strokes = new DrillStrokes(session);
-  return { player, touch: new TouchMarkers(session, { player, needle }, support.software), needle, strokes };
+  return {
+    player,
+    touch: new TouchMarkers(session, { player, needle }, support.software),
+    needle,
+    needleDirection: new NeedleDirectionControl(session, needle, () => view.camera),
+    strokes: new DrillStrokes(session),
+  };
 }
 
 function secondControls({ session, support }: Surroundings, { steps }: UndoControls): SecondControls {

@@ -12,7 +12,7 @@ function held(kind: State["tool"]["kind"], part: Partial<Pick<State, "force" | "
       ...{ undo_bytes: 0, undo_budget: 1 },
     },
     needle: {
-      ...{ inside, depth: 5, segment: 1, tip: 0, friction: 0, wall: 0, events: 0 },
+      ...{ inside, depth: 5, segment: 1, tip: 0, friction: 0, wall: 0, events: 0, set_direction: null },
       entry: [1, 2, 3],
       direction: [0, 1, 0],
     },
@@ -42,4 +42,12 @@ test("a needle leads outward against its push, and in tissue along its line", ()
   const inside = toolLine(held("needle", { contact: true, force: [0, 0, 3] }, true), camera, null);
   expect(inside?.axis[1]).toBe(-1);
   expect(inside?.entry).toEqual([1, 2, 3]);
+});
+
+test("a needle outside points along the direction that was set, whatever it is pushed", () => {
+  const state = held("needle", { contact: true, force: [0, 0, 3] });
+  const aimed = { ...state, needle: { ...state.needle, set_direction: [1, 0, 0] } } as const;
+  expect(toolLine(aimed, camera, null)?.axis[0]).toBe(-1);
+  // in tissue it is on its line
+  expect(toolLine({ ...aimed, needle: { ...aimed.needle, inside: true } }, camera, null)?.axis[1]).toBe(-1);
 });

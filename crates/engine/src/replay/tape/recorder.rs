@@ -205,6 +205,7 @@ impl Writer {
                 TapeCommand::DeformableContact(*deformable_contact)
             }
             ServoCommand::Needle(on, tissues) => TapeCommand::Needle(*on, tissues.clone()),
+            ServoCommand::NeedleDirection(direction) => TapeCommand::NeedleDirection(*direction),
             ServoCommand::Mark => TapeCommand::Mark,
         };
         TapeEntry {
