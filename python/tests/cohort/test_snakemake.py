@@ -55,7 +55,7 @@ def test_a_share_fails_alone_and_the_same_command_runs_what_is_missing(tmp_path:
 
     ran = snakemake(tmp_path)
     assert ran.returncode != 0
-    assert "p2 failed: " in ran.stderr
+    assert "p2 failed: " in ran.stderr, ran.stderr
     assert [path.name for path in (tmp_path / "shares").iterdir()] == ["1.done"]
     assert sorted(path.parent.name for path in out.glob("*/done.json")) == ["p1", "p3"]
 
