@@ -89,7 +89,7 @@ fn a_push_beyond_the_sticking_angle_off_the_direction_only_presses() {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let mut bench = aimed(DVec3::new(sin, 0.0, cos));
         let way = bench.go(AT.with_z(45.0), 10.0);
-        assert_eq!(bench.needle.punctured().len() > 0, goes_in, "{degrees}");
+        assert_eq!(!bench.needle.punctured().is_empty(), goes_in, "{degrees}");
         assert_no_jump(&way, 10.0);
         for felt in &way {
             assert!(felt.force.is_finite() && felt.force.length() <= 35.0);
