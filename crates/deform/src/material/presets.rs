@@ -11,7 +11,12 @@
 //! 0.38 g/cm³: the table of PMC3859249. Those of kidney, spleen, breast, prostate, vessel wall and
 //! tumour are usual figures of water-rich tissue, assumed.
 //!
-//! No preset stiffens with strain: no model here does, and E is that of small strains.
+//! E is that of small strains. A preset stiffens with strain as far as a source has a figure: the exponent
+//! is the one with which the lattice's own curve (`lattice/stiffening.rs`) is nearest to that
+//! figure. Fat does not: its modulus is constant over the strains of Krouskop et al., Ultrason. Imaging
+//! 20 (1998), abstract. Skin does (Ní Annaidh et al., J. Mech. Behav. Biomed. Mater. 5 (2012), abstract: from a
+//! slope of 1.18 MPa to 21.6 MPa at a strain of 54 %, about an exponent of 4) and its preset does not:
+//! a thin layer of it over fat would come to rest too slowly.
 
 use super::{MaterialError, MaterialLaw, SolidSi};
 
@@ -59,6 +64,15 @@ const fn solid(
         density,
         fracture_energy,
         friction,
+        stiffening: 0.0,
+    }
+}
+
+/// The same solid, which stiffens with this exponent.
+const fn stiffens(solid: SolidSi, stiffening: f64) -> SolidSi {
+    SolidSi {
+        stiffening,
+        ..solid
     }
 }
 
@@ -120,10 +134,12 @@ pub const PRESETS: &[Preset] = &[
         name: "muscle",
         source: "E: Gennisson et al., Ultrasound Med. Biol. 36 (2010), at rest across the fibres \
                  (shear modulus about 4 kPa), as cited; 11.1 ± 4.1 kPa in the calf by shear waves (Arda et al., \
-                 AJR 197 (2011), abstract) agrees; fracture energy: 0.55 to 8 kJ/m² in the \
+                 AJR 197 (2011), abstract) agrees; stiffening: Bosboom et al., J. Biomech. 34 (2001), \
+                 pressed rat muscle by Ogden's law with α = 21.4 ± 5.7 (abstract), by its compression \
+                 up to 30 %; fracture energy: 0.55 to 8 kJ/m² in the \
                  table of Chin. J. Mech. Eng. 35 (2022) 96, their middle",
         young_range: [7.0e3, 1.52e4],
-        law: || MaterialLaw::constant(solid(1.2e4, 0.45, 1050.0, 2000.0, 0.2)),
+        law: || MaterialLaw::constant(stiffens(solid(1.2e4, 0.45, 1050.0, 2000.0, 0.2), 8.0)),
     },
     Preset {
         name: "cartilage",
@@ -159,9 +175,11 @@ pub const PRESETS: &[Preset] = &[
         name: "breast",
         source: "E: Samani et al., Phys. Med. Biol. 52 (2007), gland as soft as fat, 3.2 kPa as cited; \
                  3.2 ± 0.4 to 8.8 ± 1.1 kPa by indentation (Teixeira et al., 2023, Computer Methods, \
-                 Imaging and Visualization in Biomechanics II, abstract); fracture energy: assumed",
+                 Imaging and Visualization in Biomechanics II, abstract); stiffening: gland an order of magnitude \
+                 stiffer at high strain (Krouskop et al., Ultrason. Imaging 20 (1998), abstract), which \
+                 is taken as 20 %; fracture energy: assumed",
         young_range: [2.8e3, 9.9e3],
-        law: || MaterialLaw::constant(solid(3.2e3, 0.45, 1020.0, 500.0, 0.2)),
+        law: || MaterialLaw::constant(stiffens(solid(3.2e3, 0.45, 1020.0, 500.0, 0.2), 8.0)),
     },
     Preset {
         name: "prostate",
