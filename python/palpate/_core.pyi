@@ -70,7 +70,7 @@ _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
 _Tissue = tuple[float, float, float, float, float, float, float, float]
 _Drive = tuple[_Triple, _Triple, float, float, float, float]
-_Solid = tuple[float, float, float, float, float]
+_Solid = tuple[float, float, float, float, float, float]
 _Options = tuple[
     int | None,
     float | None,

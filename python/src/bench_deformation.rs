@@ -63,6 +63,7 @@ pub fn press_block<'py>(
         density: 1000.0,
         fracture_energy: f64::INFINITY,
         friction: 0.0,
+        stiffening: 0.0,
     };
     let block = PressedBlock {
         nodes,

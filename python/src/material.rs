@@ -22,19 +22,21 @@ impl From<MaterialError> for CoreError {
     }
 }
 
-/// Young's modulus [Pa], Poisson's ratio, density [kg/m³], fracture energy [J/m²], friction.
-pub type SolidTuple = (f64, f64, f64, f64, f64);
+/// Young's modulus [Pa], Poisson's ratio, density [kg/m³], fracture energy [J/m²], friction, strain
+/// stiffening.
+pub type SolidTuple = (f64, f64, f64, f64, f64, f64);
 
 /// An interval of HU with the constants at its ends.
 pub type LinearTuple = ((f64, f64), SolidTuple, SolidTuple);
 
-fn solid((young, poisson, density, fracture_energy, friction): SolidTuple) -> SolidSi {
+fn solid((young, poisson, density, fracture_energy, friction, stiffening): SolidTuple) -> SolidSi {
     SolidSi {
         young,
         poisson,
         density,
         fracture_energy,
         friction,
+        stiffening,
     }
 }
 
@@ -132,6 +134,7 @@ fn solid_tuple(solid: Solid) -> SolidTuple {
         si.density,
         si.fracture_energy,
         si.friction,
+        si.stiffening,
     )
 }
 

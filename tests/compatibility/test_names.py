@@ -29,7 +29,7 @@ ADDED = {
         "state.soft.answer.stays",
     ),
     "state recent.json": ("[].frame",),
-    "scene keys": ("labels", "save_id", "tears_by"),
+    "scene keys": ("labels", "materials[].stiffening", "save_id", "tears_by"),
     "scene members": ("steps.msgpack",),
     "scenario": ("figures.hole_depth", "figures.hole_rim", "figures.lump_aside", "hole", "lump"),
 }

@@ -34,6 +34,7 @@ mod relax;
 mod resample;
 mod settings;
 mod shift;
+mod stiffening;
 mod structure;
 mod tangent;
 mod tool_contact;

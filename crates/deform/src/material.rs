@@ -22,6 +22,8 @@ use thiserror::Error;
 const YOUNG_LIMITS: [f64; 2] = [1.0, 2e12];
 /// Densities that make sense [kg/m³], from gas to osmium.
 const DENSITY_LIMITS: [f64; 2] = [0.1, 23_000.0];
+/// Strain stiffening that makes sense; with more, a strain of 2 % would already be the last that is soft.
+const STIFFENING_LIMITS: [f64; 2] = [0.0, 100.0];
 /// N/mm² in a Pa.
 const MEGAPASCAL: f64 = 1e-6;
 /// kg/mm³ in a kg/m³.
@@ -49,6 +51,9 @@ pub enum MaterialError {
     /// Friction.
     #[error("friction {0} given; allowed: 0 to 10")]
     Friction(f64),
+    /// Strain stiffening.
+    #[error("strain stiffening {0} given; allowed: {low} to {high}", low = STIFFENING_LIMITS[0], high = STIFFENING_LIMITS[1])]
+    Stiffening(f64),
     /// An interval of intensities without width.
     #[error("intensities from {0} to {1} given; allowed: finite, the second one larger")]
     Interval(f64, f64),
@@ -78,6 +83,8 @@ pub struct SolidSi {
     pub fracture_energy: f64,
     /// Coulomb friction with a tool.
     pub friction: f64,
+    /// Strain stiffening: the exponent b of exp(b (I₁ − 3)), with which shear grows; 0 for none.
+    pub stiffening: f64,
 }
 
 impl SolidSi {
@@ -103,12 +110,16 @@ impl SolidSi {
         if !within(self.friction, [0.0, 10.0]) {
             return Err(MaterialError::Friction(self.friction));
         }
+        if !within(self.stiffening, STIFFENING_LIMITS) {
+            return Err(MaterialError::Stiffening(self.stiffening));
+        }
         Ok(Solid {
             young: self.young * MEGAPASCAL,
             poisson: self.poisson,
             density: self.density * PER_CUBIC_MILLIMETRE,
             fracture_energy: self.fracture_energy * JOULE_PER_SQUARE_METRE,
             friction: self.friction,
+            stiffening: self.stiffening,
         })
     }
 }
@@ -126,6 +137,8 @@ pub struct Solid {
     pub fracture_energy: f64,
     /// Coulomb friction with a tool.
     pub friction: f64,
+    /// Strain stiffening: the exponent b of exp(b (I₁ − 3)), with which shear grows; 0 for none.
+    pub stiffening: f64,
 }
 
 impl Solid {
@@ -138,6 +151,7 @@ impl Solid {
             density: self.density / PER_CUBIC_MILLIMETRE,
             fracture_energy: self.fracture_energy / JOULE_PER_SQUARE_METRE,
             friction: self.friction,
+            stiffening: self.stiffening,
         }
     }
 
@@ -168,6 +182,7 @@ impl Solid {
             density: mix(low.density, high.density),
             fracture_energy: mix(low.fracture_energy, high.fracture_energy),
             friction: mix(low.friction, high.friction),
+            stiffening: mix(low.stiffening, high.stiffening),
         }
     }
 }
@@ -224,7 +239,7 @@ impl MaterialLaw {
     }
 
     /// E by a power of the apparent density: `coefficient` [Pa at 1 g/cm³], `density` [kg/m³]
-    /// at the ends of the interval of HU; `other` gives ν, fracture energy and friction.
+    /// at the ends of the interval of HU; `other` gives ν, fracture energy, friction and stiffening.
     ///
     /// # Errors
     /// Where the interval or the law is none, or no matter has the constants at its ends.

@@ -36,6 +36,7 @@ fn body() -> (Voxels, Materials) {
         density: 1000.0,
         fracture_energy: f64::INFINITY,
         friction: 0.0,
+        stiffening: 0.0,
     };
     let materials = Materials {
         segments: vec![SegmentMaterial {

@@ -41,7 +41,7 @@ fn for_breaking_strain(strain: f64, spacing: f64) -> f64 {
 
 /// Tears a block of 24 mm off the plate that it stands on, of which it is or which is rigid, and gives
 /// the work for the area [N·mm/mm²].
-fn work_of_tearing(spacing: f64, fracture_energy: f64, poisson: f64, on_rigid: bool) -> f64 {
+fn work_of_tearing(spacing: f64, fracture_energy: f64, tissue: Solid, on_rigid: bool) -> f64 {
     let count = (24.0 / spacing) as u32;
     let size = UVec3::new(count, count, 4);
     let mut lattice = Lattice::new(size, spacing, Border::Free, |node| {
@@ -56,7 +56,7 @@ fn work_of_tearing(spacing: f64, fracture_energy: f64, poisson: f64, on_rigid: b
                 true => fracture_energy,
                 false => f64::INFINITY,
             },
-            ..solid(poisson)
+            ..tissue
         };
         match (inside, node.z) {
             (false, _) => NodeMaterial::Empty,
@@ -84,7 +84,7 @@ fn work_of_tearing(spacing: f64, fracture_energy: f64, poisson: f64, on_rigid: b
         (0..3).for_each(|axis| lattice.hold(*index, axis, true));
     }
     let mut inelastic = Inelastic::new(&mut lattice, InelasticSettings::default());
-    let strain = (fracture_energy / (4.5 * solid(poisson).shear() * spacing)).sqrt();
+    let strain = (fracture_energy / (4.5 * tissue.shear() * spacing)).sqrt();
     let settings = RelaxSettings {
         tolerance: 1e-4,
         iterations: 1000,
@@ -112,20 +112,44 @@ fn work_of_tearing(spacing: f64, fracture_energy: f64, poisson: f64, on_rigid: b
 fn a_tear_takes_the_fracture_energy_at_any_spacing() {
     let wanted = for_breaking_strain(0.1, 2.0);
     for spacing in [1.0, 2.0, 4.0] {
-        let share = work_of_tearing(spacing, wanted, 0.25, false) / wanted;
+        let share = work_of_tearing(spacing, wanted, solid(0.25), false) / wanted;
         // nodes at the sides of the block have fewer bonds
         assert!((0.85..1.15).contains(&share), "{spacing} mm: {share}");
-        let from_rigid = work_of_tearing(spacing, wanted, 0.25, true) / wanted;
+        let from_rigid = work_of_tearing(spacing, wanted, solid(0.25), true) / wanted;
         assert!(
             (0.85..1.15).contains(&from_rigid),
             "{spacing} mm: {from_rigid}"
         );
     }
     // pressure comes on top where the volume is nearly kept, at each spacing alike
-    let [fine, middle, coarse] =
-        [1.0, 2.0, 4.0].map(|spacing| work_of_tearing(spacing, wanted, 0.45, false) / wanted);
+    let [fine, middle, coarse] = [1.0, 2.0, 4.0]
+        .map(|spacing| work_of_tearing(spacing, wanted, solid(0.45), false) / wanted);
     for share in [fine / middle, coarse / middle] {
         assert!((0.85..1.15).contains(&share), "{share}");
+    }
+}
+
+/// Stiffened bonds hold the same energy at less strain.
+#[test]
+fn a_tear_of_tissue_that_stiffens_takes_the_fracture_energy_at_any_spacing() {
+    let wanted = for_breaking_strain(0.1, 2.0);
+    for (poisson, stiffening) in [(0.25, 8.0), (0.45, 8.0)] {
+        let tissue = Solid {
+            stiffening,
+            ..solid(poisson)
+        };
+        let shares =
+            [1.0, 2.0, 4.0].map(|spacing| work_of_tearing(spacing, wanted, tissue, false) / wanted);
+        println!("nu {poisson}, b {stiffening}: {shares:?}");
+        let [fine, middle, coarse] = shares;
+        // the pressure of cells comes on top, and more where little strain is between
+        let most = if poisson == 0.25 { 0.15 } else { 0.2 };
+        for share in [fine / middle, coarse / middle] {
+            assert!((share - 1.0).abs() < most, "{shares:?}");
+        }
+        if poisson == 0.25 {
+            assert!((0.85..1.15).contains(&middle), "{shares:?}");
+        }
     }
 }
 

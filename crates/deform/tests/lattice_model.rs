@@ -22,6 +22,7 @@ const LIVER: SolidSi = SolidSi {
     density: 1060.0,
     fracture_energy: f64::INFINITY,
     friction: 0.2,
+    stiffening: 0.0,
 };
 
 /// A block that fills the lower half of a grid of about 36 mm along each axis, and its number.

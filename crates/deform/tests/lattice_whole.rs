@@ -26,6 +26,7 @@ fn solid(young: f64) -> SolidSi {
         density: 1060.0,
         fracture_energy: f64::INFINITY,
         friction: 0.0,
+        stiffening: 0.0,
     }
 }
 

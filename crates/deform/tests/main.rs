@@ -11,6 +11,7 @@ mod lattice_inelastic;
 mod lattice_layers;
 mod lattice_model;
 mod lattice_relax;
+mod lattice_stiffening;
 mod lattice_voxels;
 mod lattice_whole;
 mod lattice_yield;

@@ -10,6 +10,7 @@ const LIVER: SolidSi = SolidSi {
     density: 1060.0,
     fracture_energy: 164.0,
     friction: 0.2,
+    stiffening: 0.0,
 };
 
 /// Rounding of a few operations on doubles.
@@ -84,6 +85,34 @@ fn impossible_constants_are_refused_with_what_is_allowed() {
                 ..LIVER
             },
             "friction",
+        ),
+        (
+            SolidSi {
+                stiffening: -0.1,
+                ..LIVER
+            },
+            "stiffening",
+        ),
+        (
+            SolidSi {
+                stiffening: 101.0,
+                ..LIVER
+            },
+            "0 to 100",
+        ),
+        (
+            SolidSi {
+                stiffening: f64::NAN,
+                ..LIVER
+            },
+            "stiffening",
+        ),
+        (
+            SolidSi {
+                stiffening: f64::INFINITY,
+                ..LIVER
+            },
+            "stiffening",
         ),
     ];
     for (solid, word) in refused {

@@ -44,7 +44,8 @@ __all__ = [
 class Constants(msgspec.Struct, frozen=True):
     """Material constants: ``young`` [Pa], ``poisson``, ``density`` [kg/m³], Coulomb ``friction``.
 
-    A crack takes ``fracture_energy`` [J/m²]; null where tissue never tears.
+    A crack takes ``fracture_energy`` [J/m²]; null where tissue never tears. ``stiffening`` is the
+    exponent with which tissue gets stiffer with strain, 0 for none.
     """
 
     young: Annotated[float, msgspec.Meta(ge=1.0, le=2e12)]
@@ -52,6 +53,7 @@ class Constants(msgspec.Struct, frozen=True):
     density: Annotated[float, msgspec.Meta(ge=0.1, le=23_000.0)]
     fracture_energy: Annotated[float, msgspec.Meta(gt=0.0, le=1e6)] | None
     friction: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)]
+    stiffening: Annotated[float, msgspec.Meta(ge=0.0, le=100.0)]
 
 
 class SegmentMaterial(msgspec.Struct, frozen=True):

@@ -16,7 +16,7 @@ __all__ = ["SavedSoftTissue", "restore_soft_tissue", "saved_soft_tissue"]
 
 
 _Constants = list[float | None]
-"""Fields of ``Material``; None is infinite."""
+"""Fields of ``Material`` without its stiffening; None is infinite."""
 
 
 class _Material(msgspec.Struct, frozen=True):
@@ -27,6 +27,9 @@ class _Material(msgspec.Struct, frozen=True):
     """Constants at the upper end of ``interval``, where they depend on HU; ``constants`` then are
     those at the lower end."""
     interval: tuple[float, float] | None = None
+    stiffening: tuple[float, float] = (0.0, 0.0)
+    """That of ``constants`` and of ``high``; older files have none, and older programs read the
+    others without it."""
 
 
 class _Region(msgspec.Struct, frozen=True):
@@ -107,24 +110,27 @@ def _material_of(state: SegmentState) -> _Material | None:
         constants=_written(material["low"]),
         high=None if interval is None else _written(material["high"]),
         interval=interval,
+        stiffening=(Material(*material["low"]).stiffening, Material(*material["high"]).stiffening),
     )
 
 
 def _written(constants: tuple[float, ...]) -> _Constants:
-    return [number if np.isfinite(number) else None for number in constants]
+    *others, _stiffening = Material(*constants)
+    return [number if np.isfinite(number) else None for number in others]
 
 
 def _given_material(saved: _Material, tears_by: str) -> Material | LinearMaterial | str | None:
     if saved.constants is None:
         return saved.preset
-    low = _read(saved.constants, tears_by)
+    low = _read(saved.constants, saved.stiffening[0], tears_by)
     if saved.interval is None or saved.high is None:
         return low
-    return LinearMaterial(saved.interval, low, _read(saved.high, tears_by))
+    return LinearMaterial(saved.interval, low, _read(saved.high, saved.stiffening[1], tears_by))
 
 
-def _read(constants: _Constants, tears_by: str) -> Material:
+def _read(constants: _Constants, stiffening: float, tears_by: str) -> Material:
     read = Material(*(np.inf if number is None else number for number in constants))
+    read = read._replace(stiffening=stiffening)
     if tears_by == "energy":
         return read
     # bonds of 1 mm that break at that strain take this energy (docs/understand/deformation.md)

@@ -18,7 +18,7 @@ __all__ = [
 ]
 
 Limits = tuple[float, float]
-Constants = tuple[float, float, float, float, float]
+Constants = tuple[float, float, float, float, float, float]
 """Fields of ``palpate.Material``, in their order."""
 
 Bounds = tuple[list[int], list[int]]

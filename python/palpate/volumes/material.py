@@ -45,6 +45,9 @@ class Material(NamedTuple):
     friction: float = 0.2
     """Static Coulomb friction with a tool, 0 to 10; kinetic friction is four fifths of it, 2 at
     most."""
+    stiffening: float = 0.0
+    """Strain stiffening of the lattice, 0 (none) to 100: the exponent b of exp(b (I1 - 3)), with
+    which shear grows, up to 20 times; ``young`` is that of small strains."""
 
 
 @dataclass(frozen=True)

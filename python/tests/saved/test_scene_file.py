@@ -295,9 +295,35 @@ def test_the_strain_at_which_tissue_tore_in_older_scenes_becomes_the_energy_that
     for end, young in (("low", 4000.0), ("high", 9e6)):
         shear = young / (2.0 * (1.0 + 0.45))
         assert follows[end][3] == pytest.approx(4.5 * shear * 0.001 * strain**2)
-    assert uniform["low"] == pytest.approx((5000.0, 0.4, 1000.0, np.inf, 0.2))
+    assert uniform["low"] == pytest.approx((5000.0, 0.4, 1000.0, np.inf, 0.2, 0.0))
     # known by its name, so that it is what that is now
     assert preset["preset"] == "liver"
+
+
+def test_the_stiffening_of_materials_comes_back_and_of_before_it_there_is_none(
+    scan: Path, tmp_path: Path
+) -> None:
+    def of_before(about: dict[str, Any]) -> None:
+        for each in about["materials"]:
+            del each["stiffening"]
+
+    def restored() -> list[float]:
+        saved = open_scene(path)
+        with Session(Scene(saved.volume), options=STANDING) as session:
+            saved.restore(session)
+            found: list[Any] = [each["material"] for each in session.segments()]
+        ends = [material[end] for material in found[:2] for end in ("low", "high")]
+        return [Material(*end).stiffening for end in ends]
+
+    path = tmp_path / "scene.palpate"
+    stiffened = Material(5e3, stiffening=6.0)
+    with edited(read(scan, unit="HU")) as session:
+        session.set_material(1, LinearMaterial((0.0, 900.0), Material(4e3), stiffened))
+        session.set_material(2, stiffened)
+        save_scene(path, session, copy=True)
+    assert restored() == [0.0, 6.0, 6.0, 6.0]
+    rewritten(path, of_before)
+    assert restored() == [0.0, 0.0, 0.0, 0.0]
 
 
 def test_options_of_particles_come_back_and_of_before_them_there_are_none(

@@ -238,12 +238,13 @@ def test_the_table_of_presets_is_that_of_the_code() -> None:
     ]
     assert len(soft) == 13
     for preset in soft:
-        young, poisson, density, fracture_energy, _ = preset.low
+        young, poisson, density, fracture_energy, _, stiffening = preset.low
         low, high = preset.young_range
         assumed = ", assumed" if preset.source.endswith("assumed") else ""
         row = (
             f"| `{preset.name}` | {young / 1e3:g} | {low / 1e3:g} to {high / 1e3:g} "
-            f"| {poisson:g} | {density / 1e3:g} | {fracture_energy:g}{assumed} |"
+            f"| {poisson:g} | {density / 1e3:g} | {fracture_energy:g}{assumed} "
+            f"| {stiffening:g} |"
         )
         assert row in page, row
 
@@ -537,14 +538,17 @@ def test_segments_say_what_they_are_made_of() -> None:
         assert liver.preset == "liver"
         assert liver.low.young == pytest.approx(5500.0)
         wanted = protocol.SetMaterial(
-            1, None, protocol.Constants(7000.0, 0.3, 1000.0, None, friction=0.1), undoable=True
+            1,
+            None,
+            protocol.Constants(7000.0, 0.3, 1000.0, None, friction=0.1, stiffening=3.0),
+            undoable=True,
         )
         session.set_material(1, wanted_material(wanted))
         own = material_of(session.segments()[0])
         assert own is not None
         assert own.preset is None
         assert own.low == own.high
-        assert (own.low.poisson, own.low.fracture_energy) == (0.3, None)
+        assert (own.low.poisson, own.low.fracture_energy, own.low.stiffening) == (0.3, None, 3.0)
         session.set_material(1, wanted_material(protocol.SetMaterial(1, None, None, undoable=True)))
         assert material_of(session.segments()[0]) is None
         # each of them is a step of undo; what a page asks for by itself is none

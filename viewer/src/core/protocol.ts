@@ -197,7 +197,8 @@ export interface Feel {
 /**
  * Material constants: `young` [Pa], `poisson`, `density` [kg/m³], Coulomb `friction`.
  *
- * A crack takes `fracture_energy` [J/m²]; null where tissue never tears.
+ * A crack takes `fracture_energy` [J/m²]; null where tissue never tears. `stiffening` is the
+ * exponent with which tissue gets stiffer with strain, 0 for none.
  */
 export interface Constants {
   readonly young: number;
@@ -205,6 +206,7 @@ export interface Constants {
   readonly density: number;
   readonly fracture_energy: number | null;
   readonly friction: number;
+  readonly stiffening: number;
 }
 
 /**
@@ -1999,6 +2001,7 @@ const isConstants = record({
   density: real({ ge: 0.1, le: 23000 }),
   fracture_energy: nullable(real({ gt: 0, le: 1000000 })),
   friction: real({ ge: 0, le: 10 }),
+  stiffening: real({ ge: 0, le: 100 }),
 });
 
 const isSegmentMaterial = record({

@@ -171,6 +171,7 @@ fn solid(poisson: f64, ratio: f64) -> Result<Solid, MaterialError> {
         density: 1000.0,
         fracture_energy: f64::INFINITY,
         friction: 0.0,
+        stiffening: 0.0,
     };
     si.checked()
 }

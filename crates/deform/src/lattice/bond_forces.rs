@@ -1,11 +1,12 @@
 //! Forces of all bonds: springs on their length, family by family over straight runs of memory.
 //!
 //! A bond of stiffness k and rest length l between nodes r apart pulls with k · (r - l). Its
-//! energy is k/2 · (r - l)². Broken bonds and those to nodes that do not exist have k = 0.
+//! energy is k/2 · (r - l)². Where tissue stiffens with strain, both grow (`stiffening.rs`). Broken bonds and those to nodes that do not exist have k = 0.
 
 use palpate_volume::simd_dispatch;
 
 use super::layout::{CHUNK, FAMILIES, FAMILY_COUNT, Layout};
+use super::stiffening::Stiffening;
 use super::vectors::{Field, Lanes, lanes, lanes_mut};
 
 /// All bonds of a box. Shape of each array [nodes], at the lower node.
@@ -46,11 +47,13 @@ pub(super) fn rest_length(family: usize, spacing: f64) -> f64 {
 }
 
 simd_dispatch! {
-    /// Adds the force of every bond [N] to both of its nodes, from their displacements [mm].
+    /// Adds the force of every bond [N] to both of its nodes, from their displacements [mm]. `stiffened`:
+    /// how the bonds of each node have grown, where any do.
     pub(super) fn add_bond_forces(
         layout: &Layout,
         spacing: f64,
         bonds: &Bonds,
+        stiffened: Option<(&Stiffening, &[f64])>,
         moved: &Field,
         force: &mut Field,
     ) = [avx512, avx2] add_bond_forces_body
@@ -61,6 +64,7 @@ fn add_bond_forces_body(
     layout: &Layout,
     spacing: f64,
     bonds: &Bonds,
+    stiffened: Option<(&Stiffening, &[f64])>,
     moved: &Field,
     force: &mut Field,
 ) {
@@ -74,7 +78,10 @@ fn add_bond_forces_body(
         for (family, &offset) in offsets.iter().enumerate() {
             let step = FAMILIES[family].map(|step| f64::from(step) * spacing);
             let [far_x, far_y, far_z] = [0, 1, 2].map(|axis| lanes(&moved[axis], start + offset));
-            let stiffness = lanes(&bonds.stiffness[family], start);
+            let mut stiffness = *lanes(&bonds.stiffness[family], start);
+            if let Some((stiffening, growth)) = stiffened {
+                stiffening.stiffen(growth, family, [start, offset], &mut stiffness);
+            }
             let rest = lanes(&bonds.rest[family], start);
 
             let mut pull: [Lanes; 3] = [[0.0; CHUNK]; 3];
@@ -107,7 +114,7 @@ fn add_bond_forces_body(
     }
 }
 
-/// Energy of all bonds [N·mm].
+/// Energy of all bonds that do not stiffen [N·mm].
 pub(super) fn bond_energy(layout: &Layout, spacing: f64, bonds: &Bonds, moved: &Field) -> f64 {
     let mut energy = 0.0;
     for family in 0..FAMILY_COUNT {

@@ -90,9 +90,9 @@ impl Inelastic {
                 (0.0..1.0).contains(&prony.share) && prony.time > 0.0,
                 "{prony:?}"
             );
-            lattice.stiffening = 1.0 / (1.0 - prony.share);
+            lattice.instant = 1.0 / (1.0 - prony.share);
             for stiffness in lattice.bonds.stiffness.iter_mut().flatten() {
-                *stiffness *= lattice.stiffening;
+                *stiffness *= lattice.instant;
             }
             lattice.settle_structure();
         }
@@ -139,11 +139,15 @@ impl Inelastic {
         if !may_break && self.settings.yield_strain.is_none() {
             return breaking;
         }
+        let stiffening = lattice.stiffening.as_ref();
+        let exponents = stiffening
+            .filter(|_| may_break)
+            .map(|s| s.exponents(lattice));
         for family in 0..FAMILY_COUNT {
             for index in 0..lattice.bonds.stiffness[family].len() {
                 if lattice.bonds.stiffness[family][index] > 0.0 {
                     let bond = [family, index];
-                    if may_break && tears(lattice, bond) {
+                    if may_break && tears(lattice, bond, exponents.as_deref()) {
                         torn.push(bond);
                     } else if may_yield(index) {
                         let way = self.follow(lattice, bond);
@@ -255,11 +259,12 @@ impl Inelastic {
 /// Whether a bond is so long that it breaks, so that a crack along a plane of nodes takes the fracture
 /// energy G of the softer side whatever the spacing h: of each h² one bond of length h and four of
 /// √2 h break at a strain ε, which hold (1 + 4 · 2) k (ε h)² / 2, so that G = 4.5 k ε² with the
-/// stiffness k of the bonds. The cells' pressure comes on top where ν is above 1/4. What is rigid
-/// does not tear.
+/// stiffness k of the bonds. Where tissue stiffens with strain, that is as many times more as such a
+/// plane sets more energy free than its springs hold, by the `exponents` of its nodes. The cells' pressure comes on
+/// top where ν is above 1/4. What is rigid does not tear.
 ///
 /// Source: Silling & Askari, Comput. Struct. 83 (2005), eq. 30, for bonds of a lattice.
-fn tears(lattice: &Lattice, [family, index]: [usize; 2]) -> bool {
+fn tears(lattice: &Lattice, [family, index]: [usize; 2], exponents: Option<&[f64]>) -> bool {
     let Lattice {
         layout,
         spacing,
@@ -275,7 +280,12 @@ fn tears(lattice: &Lattice, [family, index]: [usize; 2]) -> bool {
     }
     let ends = [index, index + layout.offset(family)];
     let [stiffness, other] = ends.map(|end| node_stiffness[end]);
-    let taken = 4.5 * pair_stiffness(stiffness, other) * strain * strain;
+    let of_springs = 4.5 * pair_stiffness(stiffness, other) * strain * strain;
+    let stiffened = exponents.zip(lattice.stiffening.as_ref());
+    let taken = stiffened.map_or(of_springs, |(exponents, stiffening)| {
+        let offset = layout.offset(family);
+        of_springs * stiffening.set_free(exponents, [family, index], offset, strain)
+    });
     let tears = |end: usize| match &matter[end] {
         NodeMaterial::Deformable(solid) => taken > solid.fracture_energy,
         NodeMaterial::Empty | NodeMaterial::Rigid(_) => false,

@@ -6,6 +6,7 @@ use super::bond_forces::{Bonds, add_bond_forces, bond_energy};
 use super::border::{Border, Frame, Ground};
 use super::coarse::Coarse;
 use super::layout::{FAMILY_COUNT, Layout};
+use super::stiffening::Stiffening;
 use super::vectors::{Field, vector_at, zero_field};
 use super::volume_forces::{Cells, add_volume_forces, volume_energy};
 use crate::material::Solid;
@@ -48,6 +49,8 @@ pub struct Lattice {
     /// Bulk modulus that the volume term adds in a body all of this node's tissue [N/mm²].
     pub(super) node_volume: Vec<f64>,
     pub(super) bonds: Bonds,
+    /// How bonds stiffen with strain; none where nothing does.
+    pub(super) stiffening: Option<Stiffening>,
     pub(super) cells: Cells,
     pub(super) ground: Vec<Ground>,
     pub(super) border: Border,
@@ -58,7 +61,7 @@ pub struct Lattice {
     /// For each node, the faces of the box (a bit each) behind which tissue goes on.
     pub(super) cut: Vec<u8>,
     /// Stiffness of bonds as they are put under strain at once over that in the end.
-    pub(super) stiffening: f64,
+    pub(super) instant: f64,
     /// The smooth displacements of the whole box; only where the body goes on behind it.
     pub(super) coarse: Option<Coarse>,
     /// Stiffness that each node feels along the stiffest axis [N/mm]: its mass.
@@ -99,13 +102,14 @@ impl Lattice {
             node_stiffness: vec![0.0; length],
             node_volume: vec![0.0; length],
             bonds: Bonds::none(&layout, spacing),
+            stiffening: None,
             cells: Cells::none(&layout),
             ground: Vec::new(),
             border,
             frame: Frame::HELD,
             loads: Vec::new(),
             cut: vec![0; length],
-            stiffening: 1.0,
+            instant: 1.0,
             coarse: None,
             mass: vec![0.0; length],
             held: std::array::from_fn(|_| vec![true; length]),
@@ -229,7 +233,16 @@ impl Lattice {
         for axis in &mut *force {
             axis.fill(0.0);
         }
-        add_bond_forces(&self.layout, self.spacing, &self.bonds, moved, force);
+        let growth = self.stiffening.as_ref().map(|s| (s, s.growth(self, moved)));
+        let stiffened = growth.as_ref().map(|(s, growth)| (*s, growth.as_slice()));
+        add_bond_forces(
+            &self.layout,
+            self.spacing,
+            &self.bonds,
+            stiffened,
+            moved,
+            force,
+        );
         add_volume_forces(&self.layout, self.spacing, &self.cells, moved, force);
         let behind = self.border_moved(moved);
         for ground in &self.ground {
@@ -254,7 +267,11 @@ impl Lattice {
             let moved = self.moved(ground.node as usize) - ground.led;
             0.5 * moved.dot(ground.stiffness * moved)
         };
-        bond_energy(&self.layout, self.spacing, &self.bonds, &self.moved)
+        let bonds = match &self.stiffening {
+            Some(stiffening) => stiffening.energy(self),
+            None => bond_energy(&self.layout, self.spacing, &self.bonds, &self.moved),
+        };
+        bonds
             + volume_energy(&self.layout, self.spacing, &self.cells, &self.moved)
             + self.ground.iter().map(ground).sum::<f64>()
     }

@@ -215,6 +215,12 @@ impl Relaxer {
     /// Computes the mobility of each node, with its contacts as they are now.
     pub(super) fn weigh(&mut self, lattice: &Lattice) {
         let mut mass = lattice.mass.clone();
+        if let Some(stiffening) = &lattice.stiffening {
+            let added = stiffening.added_stiffness(lattice);
+            mass.iter_mut()
+                .zip(added)
+                .for_each(|(mass, added)| *mass += added);
+        }
         for contact in &self.touched {
             mass[contact.node] += contact.stiffness;
         }

@@ -90,6 +90,7 @@ mod tests {
             density: 1000.0,
             fracture_energy: f64::INFINITY,
             friction: 0.0,
+            stiffening: 0.0,
         };
         si.checked().expect("matter")
     }

@@ -8,6 +8,7 @@ use super::coarse::{Coarse, MODES};
 use super::layout::{FAMILIES, FAMILY_COUNT, Layout};
 use super::moduli::LatticeModuli;
 use super::nodes::{Lattice, NodeMaterial};
+use super::stiffening::Stiffening;
 use super::vectors::zero_field;
 use super::volume_forces::corners;
 use crate::material::{Solid, pair_stiffness};
@@ -161,7 +162,7 @@ impl Lattice {
             let gives = self.is_mobile(index) || self.is_mobile(far);
             let stiffness = pair_stiffness(self.node_stiffness[index], self.node_stiffness[far]);
             self.bonds.stiffness[family][index] = match gives {
-                true => self.stiffening * stiffness * 0.5f64.powi(shared as i32),
+                true => self.instant * stiffness * 0.5f64.powi(shared as i32),
                 false => 0.0,
             };
         }
@@ -229,8 +230,9 @@ impl Lattice {
         spring
     }
 
-    /// Works out what follows from bonds and cells: masses, free nodes, chunks in use.
+    /// Works out what follows from bonds and cells: stiffening, masses, free nodes, chunks in use.
     pub(super) fn settle_structure(&mut self) {
+        self.stiffening = Stiffening::of(self);
         self.bonds.find_used();
         self.cells.find_used();
         self.find_masses();

@@ -45,7 +45,12 @@ impl Site {
             }
         }
         let young = young / f64::from(PARTS.pow(3));
-        site.solid = site.solid.map(|solid| Solid { young, ..solid });
+        // far from the tool strains are small
+        site.solid = site.solid.map(|solid| Solid {
+            young,
+            stiffening: 0.0,
+            ..solid
+        });
         site
     }
 }

@@ -11,7 +11,15 @@
 //! 0.38 g/cm³: the table of PMC3859249. Those of kidney, spleen, breast, prostate, vessel wall and
 //! tumour are usual figures of water-rich tissue, assumed.
 //!
-//! No preset stiffens with strain: no model here does, and E is that of small strains.
+//! E is that of small strains. A preset stiffens with strain as far as a source has a figure: the exponent
+//! is the one with which the lattice's own curve (`lattice/stiffening.rs`) is nearest to that
+//! figure. Fat does not: its modulus is constant over the strains of Krouskop et al., Ultrason. Imaging
+//! 20 (1998), abstract. Skin does (Ní Annaidh et al., J. Mech. Behav. Biomed. Mater. 5 (2012), abstract: from a
+//! slope of 1.18 MPa to 21.6 MPa at a strain of 54 %, about an exponent of 4) and its preset does not:
+//! a thin layer of it over fat would come to rest too slowly.
+//! Muscle does too (Bosboom et al., J. Biomech. 34 (2001), abstract: pressed rat muscle by Ogden's law with
+//! α = 21.4 ± 5.7, about an exponent of 8 up to 30 %), and its preset does not: forces of scenarios are
+//! compared with linear theory in it, and were not measured with stiffening.
 
 use super::{MaterialError, MaterialLaw, SolidSi};
 
@@ -59,6 +67,15 @@ const fn solid(
         density,
         fracture_energy,
         friction,
+        stiffening: 0.0,
+    }
+}
+
+/// The same solid, which stiffens with this exponent.
+const fn stiffens(solid: SolidSi, stiffening: f64) -> SolidSi {
+    SolidSi {
+        stiffening,
+        ..solid
     }
 }
 
@@ -159,9 +176,11 @@ pub const PRESETS: &[Preset] = &[
         name: "breast",
         source: "E: Samani et al., Phys. Med. Biol. 52 (2007), gland as soft as fat, 3.2 kPa as cited; \
                  3.2 ± 0.4 to 8.8 ± 1.1 kPa by indentation (Teixeira et al., 2023, Computer Methods, \
-                 Imaging and Visualization in Biomechanics II, abstract); fracture energy: assumed",
+                 Imaging and Visualization in Biomechanics II, abstract); stiffening: gland an order of magnitude \
+                 stiffer at high strain (Krouskop et al., Ultrason. Imaging 20 (1998), abstract), which \
+                 is taken as 20 %; fracture energy: assumed",
         young_range: [2.8e3, 9.9e3],
-        law: || MaterialLaw::constant(solid(3.2e3, 0.45, 1020.0, 500.0, 0.2)),
+        law: || MaterialLaw::constant(stiffens(solid(3.2e3, 0.45, 1020.0, 500.0, 0.2), 8.0)),
     },
     Preset {
         name: "prostate",

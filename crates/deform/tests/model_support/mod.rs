@@ -21,6 +21,7 @@ pub const LIVER: SolidSi = SolidSi {
     density: 1060.0,
     fracture_energy: f64::INFINITY,
     friction: 0.0,
+    stiffening: 0.0,
 };
 /// Upper face of the block [mm].
 pub const TOP: f64 = 18.0;

@@ -13,6 +13,7 @@ pub fn solid(poisson: f64) -> Solid {
         density: 1000.0,
         fracture_energy: f64::INFINITY,
         friction: 0.0,
+        stiffening: 0.0,
     };
     si.checked().expect("a solid")
 }

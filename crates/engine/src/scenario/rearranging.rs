@@ -50,6 +50,7 @@ pub fn thesis_bone(softening: f64, is_hu: bool) -> Result<MaterialLaw, MaterialE
         density,
         fracture_energy: f64::INFINITY,
         friction: 0.0,
+        stiffening: 0.0,
     };
     let (low, high) = (solid(5e9, 0.30, 920.0), solid(21e9, 0.32, 1900.0));
     Ok(match is_hu {

@@ -72,6 +72,7 @@ pub fn change_something(rig: &mut Rig, ids: &[SegmentId; 2], random: &mut Random
                 density: 1000.0,
                 fracture_energy: f64::INFINITY,
                 friction: random.share(),
+                stiffening: 0.0,
             };
             let law = MaterialLaw::constant(solid).ok();
             simulation.set_material(id, law, true).unwrap();

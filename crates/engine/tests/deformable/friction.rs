@@ -19,6 +19,7 @@ fn rough(friction: f64) -> Option<MaterialLaw> {
         density: 1050.0,
         fracture_energy: f64::INFINITY,
         friction,
+        stiffening: 0.0,
     };
     MaterialLaw::constant(gel).ok()
 }

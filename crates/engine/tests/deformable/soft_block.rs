@@ -27,6 +27,7 @@ pub fn lattice_rig() -> Rig {
         density: 1050.0,
         fracture_energy: f64::INFINITY,
         friction: 0.0,
+        stiffening: 0.0,
     };
     let law = MaterialLaw::constant(gel).unwrap();
     rig.simulation.set_material(SOFT, Some(law), false).unwrap();

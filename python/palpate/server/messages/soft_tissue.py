@@ -189,4 +189,5 @@ def _constants(material: Material) -> protocol.Constants:
         density=material.density,
         fracture_energy=breaking if math.isfinite(breaking) else None,
         friction=material.friction,
+        stiffening=material.stiffening,
     )

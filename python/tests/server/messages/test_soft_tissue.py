@@ -12,6 +12,7 @@ CONSTANTS = {
     "density": 1200.0,
     "fracture_energy": None,
     "friction": 0.35,
+    "stiffening": 6.5,
 }
 
 
@@ -53,6 +54,7 @@ def test_all_constants_of_a_material_reach_all_pages_and_are_undone(server: Any)
         ({"poisson": 0.5}, "Expected `float` < 0.5 - at `$.constants.poisson`"),
         ({"fracture_energy": 0.0}, "Expected `float` > 0.0 - at `$.constants.fracture_energy`"),
         ({"friction": -0.1}, "Expected `float` >= 0.0 - at `$.constants.friction`"),
+        ({"stiffening": 101.0}, "Expected `float` <= 100.0 - at `$.constants.stiffening`"),
     ],
 )
 def test_constants_that_no_matter_has_are_refused(

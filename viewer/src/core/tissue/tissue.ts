@@ -70,16 +70,18 @@ export function describeMaterial({ low, high }: Pick<SegmentMaterial, "low" | "h
       const range = to === undefined ? from : `${from} to ${to}`;
       return describedAs[constant.key](range);
     })
+    .filter((part) => part !== null)
     .join(", ");
 }
 
 /** How a constant stands in a sentence with the others. */
-const describedAs: Readonly<Record<keyof Constants, (range: string) => string>> = {
+const describedAs: Readonly<Record<keyof Constants, (range: string) => string | null>> = {
   young: (range) => range,
   poisson: (range) => `ν ${range}`,
   density: (range) => range,
   fracture_energy: (range) => (range === "never" ? "never tears" : `tears at ${range}`),
   friction: (range) => `friction ${range}`,
+  stiffening: (range) => (range === "0" ? null : `stiffens by ${range}`),
 };
 
 /** Parts of names by which segments are known to be of a tissue: the first that fits. */

@@ -79,6 +79,18 @@ export const writtenConstants: readonly WrittenConstant[] = [
     max: 1000,
     none: null,
   },
+  {
+    key: "stiffening",
+    label: "Stiffening b",
+    title:
+      "How much stiffer it gets with strain: shear grows with exp(b (I₁ − 3)), which pressed by a fifth is about " +
+      "exp(0.12 b), up to 20 times. 0 is none. Only the lattice stiffens",
+    unit: "",
+    scale: 1,
+    min: 0,
+    max: 100,
+    none: null,
+  },
 ];
 
 /** What a segment begins with that was rigid and gets constants of a person's own: as soft as muscle. */
@@ -88,6 +100,7 @@ export const customTissue: Constants = {
   density: 1050,
   fracture_energy: null,
   friction: 0.2,
+  stiffening: 0,
 };
 
 /** The number of a constant in its unit, as text; "" where it has none. */

@@ -107,7 +107,9 @@ export function recalledTissue(
   const kept = materials.flatMap((each: unknown): RememberedMaterial[] => {
     const { segment, preset, constants } = asMap(each);
     const name = presets.find((offered) => offered.name === preset)?.name ?? null;
-    const own = isConstants(constants) ? constants : null;
+    // what was kept by versions before has no stiffening
+    const given = { stiffening: 0, ...asMap(constants) };
+    const own = isConstants(given) ? given : null;
     return typeof segment === "string" && (name !== null || own !== null)
       ? [{ segment, preset: name, constants: own }]
       : [];
@@ -133,7 +135,7 @@ function isRegion(value: unknown): value is RememberedRegion {
 }
 
 function isConstants(value: unknown): value is Constants {
-  const { young, poisson, density, fracture_energy, friction } = asMap(value);
+  const { young, poisson, density, fracture_energy, friction, stiffening } = asMap(value);
   const within = (number: unknown, low: number, high: number): boolean =>
     typeof number === "number" && number >= low && number <= high;
   return (
@@ -141,7 +143,8 @@ function isConstants(value: unknown): value is Constants {
     within(poisson, -0.999, 0.4999) &&
     within(density, 0.1, 23_000) &&
     (fracture_energy === null || within(fracture_energy, 1e-9, 1e6)) &&
-    within(friction, 0, 10)
+    within(friction, 0, 10) &&
+    within(stiffening, 0, 100)
   );
 }
 

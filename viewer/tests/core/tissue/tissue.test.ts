@@ -26,7 +26,7 @@ import type {
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
 const yields = { least: 0.005, most: 0.5 };
 
-const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2 };
+const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2, stiffening: 0 };
 const hard: Constants = { ...soft, young: 21e9, poisson: 0.32 };
 const presets: readonly MaterialPreset[] = [
   { name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft },
@@ -85,6 +85,8 @@ test("a material that follows HU is told from one end to the other and has no co
   expect(
     describeMaterial({ low: { ...soft, fracture_energy: null }, high: { ...soft, fracture_energy: null } }),
   ).toContain("never tears");
+  const stiffer = { ...soft, stiffening: 8 };
+  expect(describeMaterial({ low: stiffer, high: stiffer })).toContain("friction 20\u202f%, stiffens by 8");
   expect(presets.map(presetTitle)).toEqual(["Liver", "Thesis bone (by HU)"]);
   expect(liver && constantsOf(liver)).toEqual(soft);
   expect(bone && constantsOf(bone)).toBeNull();

@@ -11,7 +11,7 @@ import type { Constants, DeformationModel, MaterialPreset, MatterRegion, Segment
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
 const yields = { least: 0.005, most: 0.5 };
 
-const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2 };
+const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2, stiffening: 0 };
 const presets: readonly MaterialPreset[] = [
   { name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft },
 ];
@@ -49,6 +49,16 @@ test("what was chosen comes back, by the names of segments", () => {
     ],
     regions: [],
   });
+});
+
+test("constants kept by versions that did not know of stiffening have none", () => {
+  const before = { young: 7000, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2 };
+  const materials = [{ segment: "lump", preset: null, constants: before }];
+  expect(recalledTissue({ version: 1, materials }, presets, models).materials).toEqual([
+    { segment: "lump", preset: null, constants: { ...before, stiffening: 0 } },
+  ]);
+  const wild = [{ segment: "lump", preset: null, constants: { ...before, stiffening: 1e9 } }];
+  expect(recalledTissue({ version: 1, materials: wild }, presets, models).materials).toEqual([]);
 });
 
 test.each([

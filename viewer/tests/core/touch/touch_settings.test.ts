@@ -110,7 +110,7 @@ test("every thesis model warns and exact does not", () => {
 });
 
 test("without friction of its own a segment has that of its material, and without one that of touch", () => {
-  const constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: null, friction: 0.2 };
+  const constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: null, friction: 0.2, stiffening: 0 };
   const material = { preset: null, low: constants, high: { ...constants, friction: 0.4 } };
   const rough = { ...settings, friction_static: 0.7 };
   expect(frictionWithoutOwn({ material: null }, rough)).toBe(0.7);

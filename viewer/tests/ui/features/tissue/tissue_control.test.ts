@@ -11,7 +11,7 @@ import type { Session } from "../../../../src/ui/state/session.svelte";
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
 const yields = { least: 0.005, most: 0.5 };
 
-const soft = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: null, friction: 0.2 };
+const soft = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: null, friction: 0.2, stiffening: 0 };
 const liver = { preset: "liver", low: soft, high: soft };
 
 /**
