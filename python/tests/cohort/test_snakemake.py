@@ -59,6 +59,8 @@ def test_a_share_fails_alone_and_the_same_command_runs_what_is_missing(tmp_path:
     assert [path.name for path in (tmp_path / "shares").iterdir()] == ["1.done"]
     assert sorted(path.parent.name for path in out.glob("*/done.json")) == ["p1", "p3"]
 
+    # as where the share that failed was the last to end
+    (out / "index.html").touch()
     broken.write_bytes(whole)
     before = (out / "p1" / "done.json").read_bytes()
     ran = snakemake(tmp_path)
