@@ -929,7 +929,7 @@ def press_block(
         nodes: Along x, y, z, 3 to 129; the block ends at its outer nodes.
         spacing: Distance of nodes [mm].
         young: Young's modulus [Pa].
-        poisson: Poisson's ratio; the nearest one from 0.25 to 0.45 is taken.
+        poisson: Poisson's ratio; the nearest one from 0.25 to 0.49 is taken.
         low: Displacement of the plate at the lower end of z [mm].
         high: Displacement of the plate at the upper end [mm].
         tolerance: Unbalanced force at rest, relative to the force on a plate.

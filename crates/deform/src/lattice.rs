@@ -30,6 +30,7 @@ mod moving_box;
 mod node_contacts;
 mod nodes;
 mod plastic_set;
+mod pressure_easing;
 mod relax;
 mod resample;
 mod settings;

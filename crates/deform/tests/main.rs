@@ -7,6 +7,7 @@ mod global_particles;
 mod lattice_depth;
 mod lattice_effort;
 mod lattice_elastic;
+mod lattice_incompressible;
 mod lattice_inelastic;
 mod lattice_layers;
 mod lattice_model;

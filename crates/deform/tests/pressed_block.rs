@@ -62,3 +62,35 @@ fn the_stress_depends_on_the_shape_alone() {
     // free sides would give 1 %, sides that are held 1.2 %
     assert!((0.010..0.012).contains(&fine), "{fine}");
 }
+
+/// A cube that sticks to both plates, nearly incompressible, beside finite elements: a quarter of it by
+/// 6 · 6 · 12 hexahedra with quadratic shape functions (scikit-fem), pressed by 1 %. Places from the
+/// middle of the lower plate, in sides; displacements for those of the plate.
+#[test]
+fn a_nearly_incompressible_cube_is_as_in_finite_elements() {
+    let stress_over_strain = 1.238;
+    let expected = [
+        ([0.5, 0.0, 0.5], [0.3200, 0.0, 0.5]),
+        ([0.5, 0.5, 0.5], [0.2868, 0.2868, 0.5]),
+        ([0.5, 0.0, 0.25], [0.2896, 0.0, 0.7671]),
+        ([0.25, 0.25, 0.25], [0.1324, 0.1324, 0.8174]),
+        ([0.25, 0.0, 0.25], [0.1417, 0.0, 0.8262]),
+        ([0.0, 0.0, 0.25], [0.0, 0.0, 0.8352]),
+    ];
+    let (nodes, side) = (17, 8.0);
+    let stroke = 0.01 * side;
+    let rest = press(nodes, 0.5, 0.49, [DVec3::Z * stroke, DVec3::ZERO]);
+    let stress = -rest.force.z / (side * side) / 0.01;
+    println!("{stress} beside {stress_over_strain}, {:?}", rest.report);
+    assert!((stress / stress_over_strain - 1.0).abs() < 0.05, "{stress}");
+    for (place, moved) in expected {
+        let [x, y, z] = place;
+        let node = [x + 0.5, y + 0.5, z].map(|share: f64| (16.0 * share).round() as u32);
+        let found = at(&rest, nodes, node) / stroke;
+        println!("{place:?}: {found} beside {moved:?}");
+        assert!(
+            found.distance(DVec3::from(moved)) < 0.03,
+            "{place:?}: {found}"
+        );
+    }
+}

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from palpate import OptionError, phantom
 from palpate.bench import deform
 from palpate.bench import soft_tissue_stress as matter_stress
@@ -31,6 +32,7 @@ from palpate.bench.goals.soft_tissue import (
 from palpate.bench.lammps_pairs import LammpsCrystal
 from palpate.bench.linear_fem import LinearFem
 from palpate.bench.report import row_of
+from palpate.bench.truth_cube import Cube, lattice_displacements
 from palpate.cli.commands import run
 from palpate.session.model_options import deformation_models
 
@@ -205,3 +207,43 @@ def test_the_fem_of_a_cube_is_symmetric_and_linear() -> None:
     assert moved[2, 2, 4, 0] > 0.0
     assert moved[2, 2, 2, 2] == pytest.approx(0.05)
     assert LinearFem(nodes, 0.4).pressed(0.2) == pytest.approx(2.0 * moved)
+
+
+def pressed_by_quadratic_fem(poisson: float) -> NDArray[np.float64]:
+    """How places in a cube between plates move, for a stroke of 1."""
+    skfem = pytest.importorskip("skfem")
+    models = pytest.importorskip("skfem.models.elasticity")
+    # a quarter is enough
+    steps = (np.linspace(0.0, side, count) for side, count in ((0.5, 4), (0.5, 4), (1.0, 7)))
+    mesh = skfem.MeshHex.init_tensor(*steps)
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex2()), intorder=4)
+    law = models.linear_elasticity(*models.lame_parameters(1.0, poisson))
+    stiffness = skfem.asm(law, basis)
+
+    def dofs(axis: int, at: float, *names: str) -> NDArray[np.int64]:
+        found = basis.get_dofs(lambda x: np.isclose(x[axis], at))
+        return np.asarray(found.all(list(names) or None))
+
+    pushed = dofs(2, 0.0, "u^3")
+    held = (dofs(2, 0.0), dofs(2, 1.0), dofs(0, 0.0, "u^1"), dofs(1, 0.0, "u^2"))
+    moved = basis.zeros()
+    moved[pushed] = 1.0
+    system = skfem.condense(stiffness, x=moved, D=np.unique(np.concatenate(held)))
+    moved = skfem.solve(*system)
+    there = basis.probes(np.array(PLACES).T) @ moved
+    return np.asarray(there.reshape(3, -1).T)
+
+
+PLACES = ((0.5, 0.0, 0.5), (0.5, 0.5, 0.5), (0.5, 0.0, 0.25), (0.25, 0.25, 0.25), (0.0, 0.0, 0.25))
+"""In a cube of side 1, from the middle of its lower plate."""
+
+
+@pytest.mark.parametrize("poisson", [0.45, 0.49])
+def test_a_pressed_cube_moves_as_in_quadratic_finite_elements(poisson: float) -> None:
+    corners = 8.0 * np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")[::-1], axis=-1)
+    beads = 8.0 * (np.array(PLACES) + np.array([0.5, 0.5, 0.0]))
+    cube = Cube(corners, beads, np.arange(len(beads)), {})
+    moved, residual = lattice_displacements(cube, 1.0, poisson, nodes=17)
+    assert residual <= 1e-4
+    expected = pressed_by_quadratic_fem(poisson)
+    assert moved / cube.stroke(1.0) == pytest.approx(expected, abs=0.03)

@@ -12,6 +12,7 @@ use palpate_volume::simd_dispatch;
 use super::coarse::{Coarse, CoarseFactor};
 use super::layout::CHUNK;
 use super::nodes::Lattice;
+use super::pressure_easing::PressureEasing;
 use super::vectors::{Field, Lanes, lanes, lanes_mut, zero_field};
 
 /// Largest displacement of a node when the change of forces is probed [spacings].
@@ -42,6 +43,8 @@ impl<'a> Easing<'a> {
 pub(super) struct Conjugate {
     /// Where the chunks of nodes begin of which any moves.
     chunks: Vec<usize>,
+    /// What the cells hold of a response.
+    pressures: PressureEasing,
     /// Where the nodes stand, and the forces there.
     place: Field,
     force: Field,
@@ -69,6 +72,7 @@ impl Conjugate {
     pub fn begin(&mut self, lattice: &Lattice, easing: &Easing<'_>) {
         let length = lattice.layout.len();
         self.chunks = chunks_of(easing.mobility);
+        self.pressures.prepare(lattice, easing.mobility);
         self.place.clone_from(&lattice.moved);
         self.force.clone_from(&lattice.force);
         self.left.clone_from(&lattice.force);
@@ -89,13 +93,16 @@ impl Conjugate {
         turn(0.0, self);
     }
 
-    /// Adds the response of the coarse level to that of the nodes alone, and gives the forces
-    /// along all of it.
+    /// Takes the pressures of cells off the response of the nodes alone, adds that of the coarse
+    /// level, and gives the forces along all of it.
     fn ease(&mut self, easing: &Easing<'_>, weight: f64) -> f64 {
-        let Some((coarse, factor)) = easing.coarse else {
+        if easing.coarse.is_none() && self.pressures.is_none() {
             return weight;
-        };
-        coarse.add_response(factor, &self.left, &mut self.response);
+        }
+        self.pressures.hold(easing.mobility, &mut self.response);
+        if let Some((coarse, factor)) = easing.coarse {
+            coarse.add_response(factor, &self.left, &mut self.response);
+        }
         let mut along = 0.0;
         dot(&self.chunks, &self.left, &self.response, &mut along);
         along

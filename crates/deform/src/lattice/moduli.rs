@@ -10,7 +10,7 @@ use crate::material::Solid;
 
 /// Poisson's ratios that the lattice holds. Below, the volume term would have to be negative;
 /// above, rest is found too slowly.
-pub const POISSON_RANGE: [f64; 2] = [0.25, 0.45];
+pub const POISSON_RANGE: [f64; 2] = [0.25, 0.49];
 
 /// What bonds and cells need.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,6 +8,7 @@ use super::coarse::{Coarse, MODES};
 use super::layout::{FAMILIES, FAMILY_COUNT, Layout};
 use super::moduli::LatticeModuli;
 use super::nodes::{Lattice, NodeMaterial};
+use super::pressure_easing::EASED_FROM;
 use super::stiffening::Stiffening;
 use super::vectors::zero_field;
 use super::volume_forces::corners;
@@ -235,8 +236,23 @@ impl Lattice {
         self.stiffening = Stiffening::of(self);
         self.bonds.find_used();
         self.cells.find_used();
+        self.find_eased_cells();
         self.find_masses();
         self.find_free_nodes();
+    }
+
+    /// Finds the cells with a node of nearly incompressible tissue.
+    fn find_eased_cells(&mut self) {
+        let matter = self.matter.iter();
+        let near: Vec<bool> = matter
+            .map(|matter| matter.solid().is_some_and(|s| s.poisson > EASED_FROM))
+            .collect();
+        let any = near.contains(&true);
+        let corners = corners(&self.layout);
+        let is_near = |index: usize| corners.iter().any(|offset| near[index + offset]);
+        for (index, eased) in self.cells.eased.iter_mut().enumerate() {
+            *eased = any && self.cells.modulus[index] > 0.0 && is_near(index);
+        }
     }
 
     fn find_masses(&mut self) {
@@ -256,7 +272,7 @@ impl Lattice {
         }
         let corners = corners(&self.layout);
         for (index, modulus) in self.cells.modulus.iter().enumerate() {
-            if *modulus > 0.0 {
+            if *modulus > 0.0 && !self.cells.eased[index] {
                 for axis in &mut along {
                     for offset in corners {
                         axis[index + offset] += modulus * self.spacing / 4.0;

@@ -16,6 +16,8 @@ pub(super) struct Cells {
     pub modulus: Vec<f64>,
     /// Whether a chunk of nodes has any cell with a pressure.
     pub used: Vec<bool>,
+    /// Whether a cell's tissue is so nearly incompressible that its pressure is eased on its own.
+    pub eased: Vec<bool>,
 }
 
 impl Cells {
@@ -24,6 +26,7 @@ impl Cells {
         Self {
             modulus: vec![0.0; layout.len()],
             used: vec![false; layout.chunks()],
+            eased: vec![false; layout.len()],
         }
     }
 
@@ -46,7 +49,7 @@ pub(super) fn corners(layout: &Layout) -> [usize; 8] {
 
 /// +1 where a corner lies on the upper side along an axis, else -1.
 #[inline(always)]
-fn side(corner: usize, axis: usize) -> f64 {
+pub(super) fn side(corner: usize, axis: usize) -> f64 {
     if corner >> axis & 1 == 1 { 1.0 } else { -1.0 }
 }
 
@@ -112,6 +115,27 @@ fn gradients(corners: &[usize; 8], spacing: f64, moved: &Field, start: usize) ->
         }
     }
     gradient
+}
+
+/// How the volume of each cell grows with its corners' displacements, but for their signs [mm²].
+#[inline(always)]
+pub(super) fn cofactors(
+    corners: &[usize; 8],
+    spacing: f64,
+    moved: &Field,
+    start: usize,
+) -> [[Lanes; 3]; 3] {
+    let [x, y, z] = gradients(corners, spacing, moved, start);
+    let scale = spacing * spacing / 4.0;
+    let mut found = [[[0.0; CHUNK]; 3]; 3];
+    for (own, (a, b)) in found.iter_mut().zip([(&y, &z), (&z, &x), (&x, &y)]) {
+        for n in 0..CHUNK {
+            own[0][n] = scale * (a[1][n] * b[2][n] - a[2][n] * b[1][n]);
+            own[1][n] = scale * (a[2][n] * b[0][n] - a[0][n] * b[2][n]);
+            own[2][n] = scale * (a[0][n] * b[1][n] - a[1][n] * b[0][n]);
+        }
+    }
+    found
 }
 
 /// Pressure times the cofactors of F: how the energy grows with each row of corners.

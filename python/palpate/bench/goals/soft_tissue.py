@@ -50,7 +50,7 @@ ONE_MATERIAL = 1000
 
 LATTICE_CASES = tuple(
     LatticeCase(soft, ratio, poisson, f"lattice 21³, {name}, ν {poisson:g}")
-    for poisson in (0.25, 0.45)
+    for poisson in (0.25, 0.45, 0.49)
     for soft, ratio, name in (
         (ONE_MATERIAL, 1.0, "one material"),
         (6, 100.0, "6 layers over 100 times stiffer"),

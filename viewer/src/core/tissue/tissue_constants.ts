@@ -38,7 +38,7 @@ export const writtenConstants: readonly WrittenConstant[] = [
     label: "Poisson's ν",
     title:
       "Poisson's ratio: how much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes " +
-      "0.25 to 0.45, and the nearest of these beyond; particles have that of their lattice",
+      "0.25 to 0.49, and the nearest of these beyond; particles have that of their lattice",
     unit: "",
     scale: 1,
     min: -0.99,
