@@ -168,4 +168,4 @@ def test_what_is_no_direction_is_refused(nonsense: tuple[float, ...]) -> None:
         Session(Scene(volume()), options=options) as session,
         pytest.raises(OptionError, match="direction"),
     ):
-        session.set_needle_direction(nonsense)  # type: ignore[arg-type]
+        session.set_needle_direction(nonsense)

@@ -26,7 +26,10 @@ import type {
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
 const yields = { least: 0.005, most: 0.5 };
 
-const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2, stiffening: 0 };
+const soft: Constants = {
+  young: 5500, poisson: 0.45, density: 1060,
+  fracture_energy: 164, friction: 0.2, stiffening: 0,
+};
 const hard: Constants = { ...soft, young: 21e9, poisson: 0.32 };
 const presets: readonly MaterialPreset[] = [
   { name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft },

@@ -2,8 +2,14 @@ import { expect, test } from "vitest";
 import { described, customTissue, typed, writtenConstants, written } from "../../../src/core/tissue/tissue_constants";
 import type { Constants } from "../../../src/core/protocol";
 
-const liver: Constants = { young: 5500, poisson: 0.45, density: 1060, fracture_energy: 164, friction: 0.2, stiffening: 0 };
-const bone: Constants = { young: 18.6e9, poisson: 0.3, density: 1900, fracture_energy: null, friction: 0.3, stiffening: 0 };
+const liver: Constants = {
+  young: 5500, poisson: 0.45, density: 1060,
+  fracture_energy: 164, friction: 0.2, stiffening: 0,
+};
+const bone: Constants = {
+  young: 18.6e9, poisson: 0.3, density: 1900,
+  fracture_energy: null, friction: 0.3, stiffening: 0,
+};
 
 function of(key: keyof Constants): (typeof writtenConstants)[number] {
   const found = writtenConstants.find((each) => each.key === key);
