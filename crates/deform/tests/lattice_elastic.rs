@@ -1,6 +1,6 @@
 //! The lattice as an elastic body: moduli, isotropy, border.
 
-use crate::support::{ball, block, half_space, press, solid};
+use crate::support::{ball, block, falls_of_energy, half_space, press, solid};
 use glam::{DMat3, DVec3, UVec3};
 use palpate_deform::lattice::{
     Border, Lattice, LatticeModuli, NodeMaterial, RelaxSettings, Relaxer,
@@ -113,21 +113,10 @@ fn forces_are_the_gradient_of_the_energy() {
         let mut number = || 0.2 * (random.rand_float() - 0.5);
         lattice.set_moved(index, DVec3::new(number(), number(), number()));
     }
-    lattice.evaluate();
-    for &index in nodes.iter().step_by(7) {
-        let (force, moved) = (lattice.force(index), lattice.moved(index));
-        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-            let step = 1e-5;
-            lattice.set_moved(index, moved + axis * step);
-            let above = lattice.energy();
-            lattice.set_moved(index, moved - axis * step);
-            let below = lattice.energy();
-            lattice.set_moved(index, moved);
-            let slope = -(above - below) / (2.0 * step);
-            // the third order of the step, and rounding of an energy of about 1
-            assert!((force.dot(axis) - slope).abs() < 1e-7, "{force} {slope}");
-        }
-    }
+    falls_of_energy(&mut lattice, 7, |force, axis, fall| {
+        // the third order of the step, and rounding of an energy of about 1
+        assert!((force.dot(axis) - fall).abs() < 1e-7, "{force} {fall}");
+    });
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Strain stiffening: the curve of a block, its energy, and what a press feels of it.
 
-use crate::support::{ball, block, half_space, press, solid};
+use crate::support::{ball, block, falls_of_energy, half_space, press, solid};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::lattice::{Border, Lattice, NodeMaterial, RelaxSettings, Relaxer};
 use palpate_deform::material::Solid;
@@ -165,26 +165,12 @@ fn stiffened_forces_are_the_gradient_of_the_energy() {
     // where the exponential goes on straight too
     for most in [0.05, 0.1, 0.4] {
         let mut lattice = shaken(most);
-        lattice.evaluate();
-        let nodes: Vec<usize> = lattice.matter_nodes().collect();
-        for &index in nodes.iter().step_by(5) {
-            let (force, moved) = (lattice.force(index), lattice.moved(index));
-            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-                let step = 1e-5;
-                lattice.set_moved(index, moved + axis * step);
-                let above = lattice.energy();
-                lattice.set_moved(index, moved - axis * step);
-                let below = lattice.energy();
-                lattice.set_moved(index, moved);
-                let slope = -(above - below) / (2.0 * step);
-                // the third order of the step, and rounding of an energy of about 100
-                let error = (force.dot(axis) - slope).abs();
-                assert!(
-                    error < 1e-6 * force.length().max(1.0),
-                    "{most}: {force} {slope}"
-                );
-            }
-        }
+        falls_of_energy(&mut lattice, 5, |force, axis, fall| {
+            // the third order of the step, and rounding of an energy of about 100
+            let error = (force.dot(axis) - fall).abs();
+            let allowed = 1e-6 * force.length().max(1.0);
+            assert!(error < allowed, "{most}: {force} {fall}");
+        });
     }
 }
 

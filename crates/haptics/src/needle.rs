@@ -2,9 +2,9 @@
 //!
 //! Before the tip is in, what it presses on yields: the coupling is in balance with the tissue's
 //! own spring. At the puncture force the needle goes in, and is held on the line of that push, or
-//! of the direction that was set (`approach.rs`): along it by tip and shaft (`shaft.rs`), across it by a spring that grows with the length in
-//! tissue. Segments that no needle punctures stay hard, and so does every other one until its
-//! turn comes. So the force on the hand is always that of the coupling to a tool, and only the
+//! of the direction that was set (`approach.rs`): along it by tip and shaft (`shaft.rs`), across it by a
+//! spring that grows with the length in tissue. Segments that no needle punctures stay hard, and so
+//! does every other one until its turn comes. So the force on the hand is always that of the coupling to a tool, and only the
 //! tool's place follows from all this: on the hard contact, on the tissue, or on the line.
 //!
 //! The hard proxy is led to where the tool is and keeps all its promises. Punctured segments are

@@ -52,7 +52,7 @@ def test_the_lattice_is_as_near_to_the_measurement_as_the_fem(tmp_path: Path) ->
             case = truth_case(f"lattice, ν 0.45, {nodes} nodes", level)
             assert figures[case, "residual"].met
             assert figures[case, "RMSE by that of the FEM with its ν"].met
-            # the FEM of the silicone's own ratio of 0.49, which the lattice does not reach
+            # the FEM of the silicone's own ratio of 0.49
             assert figures[case, "RMSE by that of the best FEM"].value < 1.05
     picture = tmp_path / "cube.png"
     plot_truth_cube(Cube.load(), moved, picture)

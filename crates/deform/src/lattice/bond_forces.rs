@@ -1,7 +1,8 @@
 //! Forces of all bonds: springs on their length, family by family over straight runs of memory.
 //!
 //! A bond of stiffness k and rest length l between nodes r apart pulls with k · (r - l). Its
-//! energy is k/2 · (r - l)². Where tissue stiffens with strain, both grow (`stiffening.rs`). Broken bonds and those to nodes that do not exist have k = 0.
+//! energy is k/2 · (r - l)². Where tissue stiffens with strain, both grow (`stiffening.rs`). Broken bonds
+//! and those to nodes that do not exist have k = 0.
 
 use palpate_volume::simd_dispatch;
 

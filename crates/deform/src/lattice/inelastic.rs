@@ -260,8 +260,8 @@ impl Inelastic {
 /// energy G of the softer side whatever the spacing h: of each h² one bond of length h and four of
 /// √2 h break at a strain ε, which hold (1 + 4 · 2) k (ε h)² / 2, so that G = 4.5 k ε² with the
 /// stiffness k of the bonds. Where tissue stiffens with strain, that is as many times more as such a
-/// plane sets more energy free than its springs hold, by the `exponents` of its nodes. The cells' pressure comes on
-/// top where ν is above 1/4. What is rigid does not tear.
+/// plane sets more energy free than its springs hold, by the `exponents` of its nodes. The cells'
+/// pressure comes on top where ν is above 1/4. What is rigid does not tear.
 ///
 /// Source: Silling & Askari, Comput. Struct. 83 (2005), eq. 30, for bonds of a lattice.
 fn tears(lattice: &Lattice, [family, index]: [usize; 2], exponents: Option<&[f64]>) -> bool {

@@ -5,8 +5,9 @@
 //! therefore respond by the stiffness of their bonds, D, and the pressures that this brings are taken
 //! off again. The stiffness of bonds and cells D + Bᵀ Λ B, with B the volume that a cell gains and Λ
 //! its stiffness, has the inverse D⁻¹ − D⁻¹ Bᵀ S⁻¹ B D⁻¹ with S = Λ⁻¹ + B D⁻¹ Bᵀ, a Laplacian of
-//! pressures with one number for each cell. Cells of other tissue count in D, as the bonds do. S⁻¹ is replaced by some steps of Richardson's
-//! iteration, which underestimate it, so that what eases stays positive definite.
+//! pressures with one number for each cell. Cells of other tissue count in D, as the bonds do. S⁻¹ is
+//! replaced by some steps of Richardson's iteration, which underestimate it, so that what eases stays
+//! positive definite.
 //!
 //! Source: Benzi, Golub & Liesen, Acta Numerica 14 (2005), sections 8 and 10.3 (Schur complements).
 
@@ -14,7 +15,7 @@ use palpate_volume::simd_dispatch;
 
 use super::layout::CHUNK;
 use super::nodes::Lattice;
-use super::vectors::{Field, Lanes, lanes, lanes_mut, zero_field};
+use super::vectors::{Field, Lanes, lanes, lanes_mut};
 use super::volume_forces::{cofactors, corners, side};
 
 /// Poisson's ratio above which a cell is eased so: up to 0.45, and what rounding adds to it in a mean, each
@@ -64,18 +65,18 @@ impl PressureEasing {
     }
 
     fn clear(&mut self, lattice: &Lattice) {
-        let length = lattice.layout.len();
         self.corners = corners(&lattice.layout);
-        for values in [
+        let of_cells = [
             &mut self.compliance,
             &mut self.step,
             &mut self.gained,
             &mut self.pressure,
-        ] {
-            *values = vec![0.0; length];
+        ];
+        let of_axes = self.cofactors.iter_mut().flatten().chain(&mut self.moved);
+        for values in of_cells.into_iter().chain(of_axes) {
+            values.clear();
+            values.resize(lattice.layout.len(), 0.0);
         }
-        self.moved = zero_field(length);
-        self.cofactors = std::array::from_fn(|_| zero_field(length));
     }
 
     fn find_cofactors(&mut self, lattice: &Lattice) {

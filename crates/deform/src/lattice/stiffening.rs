@@ -2,8 +2,8 @@
 //!
 //! A node holds the energy E of its halves of its bonds. Its strain X = 15 E / C, with C the energy of
 //! the same bonds twice as long as at rest, is a mean square of their strains, and I₁ − 3 of a body that
-//! keeps its volume, to the second order of strain. The node's energy is that of Demiray's law, an exponential of
-//! Fung's kind in I₁: C / (15 b) · (exp(b X) − 1), which is E where the exponent b is 0. So the
+//! keeps its volume, to the second order of strain. The node's energy is that of Demiray's law, an
+//! exponential of Fung's kind in I₁: C / (15 b) · (exp(b X) − 1), which is E where the exponent b is 0. So the
 //! force of a bond is that of its spring, times exp(b X) of its two nodes: an exact gradient,
 //! isotropic, of any spacing. From [`STRAIGHT_FROM`] on the energy grows in proportion to E, so that
 //! nothing is more than e³ = 20 times as stiff as its springs.

@@ -60,6 +60,49 @@ pub fn ball(count: u32, depth: f64, aside: f64) -> LatticeTool {
     LatticeTool::ball(middle(count) + DVec3::new(aside, 0.0, up), 2.0)
 }
 
+/// Gives of every so many nodes, along each axis: its force, that axis, and the force by how the energy
+/// falls [N].
+pub fn falls_of_energy(
+    lattice: &mut Lattice,
+    every: usize,
+    mut given: impl FnMut(DVec3, DVec3, f64),
+) {
+    lattice.evaluate();
+    let nodes: Vec<usize> = lattice.matter_nodes().collect();
+    for &index in nodes.iter().step_by(every) {
+        let (force, moved) = (lattice.force(index), lattice.moved(index));
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            let step = 1e-5;
+            lattice.set_moved(index, moved + axis * step);
+            let above = lattice.energy();
+            lattice.set_moved(index, moved - axis * step);
+            let below = lattice.energy();
+            lattice.set_moved(index, moved);
+            given(force, axis, -(above - below) / (2.0 * step));
+        }
+    }
+}
+
+/// Presses such tissue, so many layers of it over tissue `ratio` times as stiff, and expects that the
+/// stiffness told is within a tenth that of the next step.
+pub fn expect_stiffness_told(soft: Solid, layers: i32, ratio: f64) {
+    let below = Solid {
+        young: ratio * soft.young,
+        ..soft
+    };
+    let mut lattice = half_space(15, true, soft, layers, below);
+    let mut relaxer = Relaxer::default();
+    let tool = |deep: f64| ball(15, deep, 0.0);
+    let (force, _) = press(&mut relaxer, &mut lattice, tool(0.8), 1e-6, 2000);
+    let told = relaxer.stiffness(&mut lattice, &[tool(0.8)], 0, 40, &|| false);
+    // it left all as it was
+    assert_eq!(relaxer.felt()[0].force, force);
+    let (more, _) = press(&mut relaxer, &mut lattice, tool(0.85), 1e-6, 2000);
+    let seen = (more.z - force.z) / 0.05;
+    println!("{layers} layers over {ratio}: told {told:.4}, seen {seen:.4} N/mm");
+    assert!((told / seen - 1.0).abs() < 0.1, "told {told} seen {seen}");
+}
+
 /// Relaxes under one tool and returns its force [N].
 pub fn press(
     relaxer: &mut Relaxer,

@@ -38,6 +38,8 @@ pub struct Touchable {
     pub parts: Vec<Part>,
     /// The parts that were moved, in the order of `parts`; one that is punctured has no voxels here.
     pub objects: Vec<Object<Body>>,
+    /// Of each object the place of its part.
+    object_parts: Vec<usize>,
     /// Radius of the probe [mm].
     pub radius: f64,
 }
@@ -83,10 +85,14 @@ impl Touchable {
             .iter()
             .filter_map(|part| Some(object(part, part.moved?)))
             .collect::<Result<_, _>>()?;
+        let moved = |(_, part): &(usize, &Part)| part.moved.is_some();
+        let places = parts.iter().enumerate().filter(moved);
+        let object_parts = places.map(|(place, _)| place).collect();
         Ok(Self {
             world,
             parts,
             objects,
+            object_parts,
             radius,
         })
     }
@@ -133,8 +139,7 @@ impl Touchable {
     /// The part of which an object is made, by its place.
     #[must_use]
     pub fn moved_part(&self, place: usize) -> Option<&Part> {
-        let mut moved = self.parts.iter().filter(|part| part.moved.is_some());
-        moved.nth(place)
+        self.parts.get(*self.object_parts.get(place)?)
     }
 
     /// The place of a moved segment among the objects.

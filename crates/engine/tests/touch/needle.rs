@@ -214,7 +214,7 @@ pub struct Hand {
     pub rig: Rig,
     device: DVec3,
     ticks: u64,
-    pub recording: Recording,
+    recording: Recording,
 }
 
 pub const ABOVE: DVec3 = DVec3::new(20.3, 20.4, 84.0);
@@ -259,6 +259,22 @@ impl Hand {
     pub fn rest(&mut self, ticks: u32) -> TickRecord {
         let records = (0..ticks).map(|_| self.tick(self.device));
         records.collect::<Vec<_>>().last().copied().unwrap()
+    }
+
+    /// Begins a recording.
+    pub fn record(&mut self) {
+        self.recording = Recording::default();
+        self.rig.simulation.begin_tape();
+    }
+
+    /// Ends the recording, which is computed again bit for bit.
+    pub fn expect_equal_replay(&self) {
+        let tape = self.rig.simulation.tape();
+        let tape = tape.lock().unwrap().finish().unwrap();
+        let read = Tape::try_from(&TapeColumns::from(&tape)).unwrap();
+        let replayed = replay(&self.recording, &read).unwrap();
+        assert_eq!(replayed.end, ReplayEnd::Whole);
+        assert!(replayed.is_equal(), "{:?}", replayed.first_difference);
     }
 
     /// Whether a voxel of a layer on the needle's way stops the probe.
@@ -386,20 +402,13 @@ fn a_recorded_needle_is_computed_again_bit_for_bit() {
             Hand::new()
         };
         hand.rest(30);
-        hand.recording = Recording::default();
-        hand.rig.simulation.begin_tape();
+        hand.record();
         hand.go(DVec3::new(22.0, 19.0, 36.0), 30.0);
         hand.go(DVec3::new(25.0, 20.0, 50.0), 60.0);
         hand.go(ABOVE, 60.0);
         hand.rest(50);
         hand.go(DVec3::new(10.0, 25.0, 40.0), 60.0);
-        let tape = hand.rig.simulation.tape();
-        let tape = tape.lock().unwrap().finish().unwrap();
-        let columns = TapeColumns::from(&tape);
-        let read = Tape::try_from(&columns).unwrap();
-        let replayed = replay(&hand.recording, &read).unwrap();
-        assert_eq!(replayed.end, ReplayEnd::Whole);
-        assert!(replayed.is_equal(), "{:?}", replayed.first_difference);
+        hand.expect_equal_replay();
         assert!(hand.rig.servo.needle().events().count() >= 5);
     }
 }

@@ -1,7 +1,6 @@
 //! A needle in a session whose direction is set: what is felt, told and replayed.
 
 use glam::DVec3;
-use palpate_engine::replay::{Recording, ReplayEnd, Tape, TapeColumns, replay};
 use palpate_haptics::needle::events::EventKind::Punctured;
 
 use super::needle::{ABOVE, Hand};
@@ -64,8 +63,7 @@ fn a_recording_with_directions_is_computed_again_bit_for_bit() {
             aim(&mut hand, first);
         }
         hand.rest(30);
-        hand.recording = Recording::default();
-        hand.rig.simulation.begin_tape();
+        hand.record();
         if !set_before {
             aim(&mut hand, first);
         }
@@ -74,12 +72,7 @@ fn a_recording_with_directions_is_computed_again_bit_for_bit() {
         hand.go(ABOVE, 60.0);
         hand.rest(50);
         hand.go(DVec3::new(18.0, 20.0, 50.0), 60.0);
-        let tape = hand.rig.simulation.tape();
-        let tape = tape.lock().unwrap().finish().unwrap();
-        let read = Tape::try_from(&TapeColumns::from(&tape)).unwrap();
-        let replayed = replay(&hand.recording, &read).unwrap();
-        assert_eq!(replayed.end, ReplayEnd::Whole);
-        assert!(replayed.is_equal(), "{:?}", replayed.first_difference);
+        hand.expect_equal_replay();
         let events = hand.rig.simulation.needle_report().events;
         let in_skin = events
             .iter()

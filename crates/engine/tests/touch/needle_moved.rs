@@ -1,7 +1,6 @@
 //! A needle in segments that were moved: met where they stand, and while they move.
 
 use glam::{DAffine3, DMat3, DVec3};
-use palpate_engine::replay::{Recording, ReplayEnd, Tape, TapeColumns, replay};
 use palpate_engine::servo::TickRecord;
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
 use palpate_volume::edit::SegmentId;
@@ -129,8 +128,7 @@ fn a_segment_that_moves_while_the_needle_is_in_it_never_makes_the_force_jump() {
     hand.go(ABOVE.with_z(44.0), 20.0);
     let in_liver = hand.rest(100);
     let friction = hand.rig.simulation.needle_report().forces.friction;
-    hand.recording = Recording::default();
-    hand.rig.simulation.begin_tape();
+    hand.record();
     let mut force = in_liver.force.length();
     let poses = [
         DAffine3::from_translation(DVec3::X * 60.0),
@@ -154,11 +152,6 @@ fn a_segment_that_moves_while_the_needle_is_in_it_never_makes_the_force_jump() {
         }
     }
     assert!(lowest < 0.8 * friction, "{lowest} of {friction}");
-    let tape = hand.rig.simulation.tape();
-    let tape = tape.lock().unwrap().finish().unwrap();
-    let read = Tape::try_from(&TapeColumns::from(&tape)).unwrap();
-    let replayed = replay(&hand.recording, &read).unwrap();
-    assert_eq!(replayed.end, ReplayEnd::Whole);
-    assert!(replayed.is_equal(), "{:?}", replayed.first_difference);
+    hand.expect_equal_replay();
     assert_eq!(hand.rig.violations(), 0);
 }
