@@ -61,6 +61,7 @@ impl Touched {
             world,
             parts: Vec::new(),
             objects: objects.collect(),
+            object_parts: Vec::new(),
             radius,
         };
         // room for what an edit and all that is held can leave

@@ -38,8 +38,8 @@ pub struct Touchable {
     pub parts: Vec<Part>,
     /// The parts that were moved, in the order of `parts`; one that is punctured has no voxels here.
     pub objects: Vec<Object<Body>>,
-    /// Of each object the place of its part.
-    object_parts: Vec<usize>,
+    /// Of each object the place of its part; none of one that is made of none.
+    pub object_parts: Vec<usize>,
     /// Radius of the probe [mm].
     pub radius: f64,
 }
