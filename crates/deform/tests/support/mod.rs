@@ -100,7 +100,10 @@ pub fn expect_stiffness_told(soft: Solid, layers: i32, ratio: f64) {
     let (more, _) = press(&mut relaxer, &mut lattice, tool(0.85), 1e-6, 2000);
     let seen = (more.z - force.z) / 0.05;
     let far = (told / seen - 1.0).abs();
-    assert!(far < 0.1, "{layers} over {ratio}: told {told}, seen {seen} N/mm");
+    assert!(
+        far < 0.1,
+        "{layers} over {ratio}: told {told}, seen {seen} N/mm"
+    );
 }
 
 /// Relaxes under one tool and returns its force [N].
