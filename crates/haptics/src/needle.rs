@@ -171,13 +171,18 @@ impl Needle {
     /// Segments that are to be no obstacle: those that it has punctured, until the tip is out.
     #[must_use]
     pub fn punctured(&self) -> SegmentSet {
-        let inside = self.insertion.filter(|insertion| !insertion.is_out());
+        let inside = self.insertion.as_ref();
+        let inside = inside.filter(|insertion| !insertion.is_out());
         inside.map_or(SegmentSet::EMPTY, |insertion| insertion.punctured)
     }
 
     /// Forgets where it is in: the probe jumps.
     pub fn forget(&mut self) {
-        if self.insertion.is_some_and(|insertion| !insertion.is_out()) {
+        if self
+            .insertion
+            .as_ref()
+            .is_some_and(|insertion| !insertion.is_out())
+        {
             self.events.note(NeedleEvent::withdrawn(self.time));
         }
         self.end();

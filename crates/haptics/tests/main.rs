@@ -16,6 +16,7 @@ mod local_force;
 mod moving;
 mod needle;
 mod needle_direction;
+mod needle_layers;
 mod needle_stretches;
 mod objects;
 mod passivity;

@@ -6,14 +6,14 @@ use palpate_volume::clip::ClipMask;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment_set::SegmentSet;
-use palpate_volume::tissue::Tissue;
+use palpate_volume::tissue::{MAX_TISSUES, Tissue};
 
 use crate::adder::Adder;
 use crate::drill::{Drill, DrillSettings, MAX_BURR_IN_VOXELS};
 use crate::eraser::Eraser;
 use crate::needle::Needle;
 use crate::painter::{PaintSettings, Painter};
-use crate::tool::{MAX_RADIUS, MAX_RADIUS_IN_VOXELS, MAX_TISSUES, Tool, ToolError};
+use crate::tool::{MAX_RADIUS, MAX_RADIUS_IN_VOXELS, Tool, ToolError};
 
 /// The tools, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,7 +132,9 @@ impl ToolSettings {
 
     fn check_tissues(&self) -> Result<(), ToolError> {
         let (tissues, segments) = (self.tissues.len(), self.segments.len());
-        if tissues != segments || tissues > MAX_TISSUES {
+        let is_new = |(place, tissue): &(usize, &Tissue)| !self.tissues[..*place].contains(tissue);
+        let different = self.tissues.iter().enumerate().filter(is_new).count();
+        if tissues != segments || different > MAX_TISSUES {
             return Err(ToolError::Tissues { tissues, segments });
         }
         self.tissues.iter().try_for_each(Tissue::check)?;

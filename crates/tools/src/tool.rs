@@ -8,7 +8,7 @@ use std::fmt;
 use glam::{DAffine3, DVec3};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
-use palpate_volume::tissue::TissueError;
+use palpate_volume::tissue::{MAX_TISSUES, TissueError};
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use thiserror::Error;
 
@@ -18,8 +18,6 @@ pub const MAX_RADIUS: f64 = 50.0;
 pub const MAX_RADIUS_IN_VOXELS: f64 = 32.0;
 /// A way of the probe longer than this in one pass [mm] is a jump, not a stroke.
 pub const MAX_WAY: f64 = 500.0;
-/// Segments that a needle can puncture, at most.
-pub const MAX_TISSUES: usize = 16;
 /// A pass lasts so long at most [s]; what is beyond it did no work.
 pub const MAX_PASS: f64 = 0.1;
 
@@ -146,7 +144,7 @@ pub enum ToolError {
     Tissue(#[from] TissueError),
     /// A needle needs to know what it goes into.
     #[error(
-        "{tissues} tissues for {segments} segments given; allowed: one for each, at most {MAX_TISSUES}"
+        "{tissues} tissues for {segments} segments given; allowed: one for each, at most {MAX_TISSUES} different ones"
     )]
     Tissues {
         /// Tissues given.

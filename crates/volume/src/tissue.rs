@@ -9,6 +9,9 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+/// Tissues, each different from the others, that a needle can puncture at a time.
+pub const MAX_TISSUES: usize = 32;
+
 /// What a needle meets in a tissue that it can puncture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tissue {

@@ -8,5 +8,6 @@ mod moving;
 mod needle;
 mod needle_direction;
 mod needle_moved;
+mod needle_on_file;
 mod radius;
 mod touchable;

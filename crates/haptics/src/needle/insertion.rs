@@ -33,7 +33,7 @@ pub struct Insertion {
     /// Depth to which tissue is cut [mm].
     pub cut: f64,
     /// The layer in which the cut ends.
-    place: u8,
+    place: u16,
     /// Segments that were punctured.
     pub punctured: SegmentSet,
     /// Whether the tip rests against what no needle punctures.

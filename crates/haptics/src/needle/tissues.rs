@@ -3,63 +3,130 @@
 use glam::IVec3;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::tissue::Tissue;
+use palpate_volume::tissue::{MAX_TISSUES, Tissue};
 use serde::{Deserialize, Serialize};
 
 use super::stretches::NeedleBody;
 
-/// Most segments that a needle can puncture; further ones stay hard.
-pub const MAX_TISSUES: usize = 16;
+/// Most segments that a needle can puncture: as many as a scan has.
+const MAX_SEGMENTS: usize = 255;
+/// The place of a segment that is in no table.
+const NO_PLACE: u8 = u8::MAX;
 
-/// Segments, by number, that a needle can puncture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Tissues([Option<(u8, Tissue)>; MAX_TISSUES]);
+/// Segments, by number, that a needle can puncture, each with its tissue.
+///
+/// On file a list of numbers with tissues, so that a short one stays short.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<Option<(u8, Tissue)>>", into = "Vec<Option<(u8, Tissue)>>")]
+pub struct Tissues {
+    /// At each place the number of a segment, and where its tissue is.
+    segments: [(u8, u8); MAX_SEGMENTS],
+    count: u8,
+    tissues: [Option<Tissue>; MAX_TISSUES],
+    /// By the number of a segment: asked for in each voxel.
+    places: [u8; 256],
+}
+
+impl Default for Tissues {
+    fn default() -> Self {
+        Self {
+            segments: [(0, 0); MAX_SEGMENTS],
+            count: 0,
+            tissues: [None; MAX_TISSUES],
+            places: [NO_PLACE; 256],
+        }
+    }
+}
 
 impl Tissues {
-    /// These segments; the first [`MAX_TISSUES`] of them, none that is no tissue.
+    /// These segments, each once; none that is no tissue, and none of more than [`MAX_TISSUES`] tissues.
     pub fn of(segments: impl IntoIterator<Item = (u8, Tissue)>) -> Self {
         let mut tissues = Self::default();
-        let good = segments
-            .into_iter()
-            .filter(|(_, tissue)| tissue.check().is_ok());
-        for (place, segment) in tissues.0.iter_mut().zip(good) {
-            *place = Some(segment);
+        for (segment, tissue) in segments {
+            if tissue.check().is_ok() && tissues.place_of(segment).is_none() {
+                tissues.add(segment, tissue);
+            }
         }
         tissues
     }
 
+    fn add(&mut self, segment: u8, tissue: Tissue) {
+        let is_it = |known: &Option<Tissue>| known.is_none_or(|known| known == tissue);
+        let kind = self.tissues.iter().position(is_it);
+        let free = self.segments.get_mut(usize::from(self.count));
+        if let (Some(kind), Some(free)) = (kind, free) {
+            self.tissues[kind] = Some(tissue);
+            *free = (segment, u8::try_from(kind).unwrap_or(0));
+            self.places[usize::from(segment)] = self.count;
+            self.count += 1;
+        }
+    }
+
     /// All tissues with the numbers of their segments.
     pub fn segments(&self) -> impl Iterator<Item = (u8, Tissue)> {
-        self.0.into_iter().flatten()
+        (0..self.count).filter_map(|place| self.at(place))
+    }
+
+    /// Segment and tissue at a place.
+    fn at(&self, place: u8) -> Option<(u8, Tissue)> {
+        let (segment, kind) = *self.segments.get(usize::from(place))?;
+        let tissue = *self.tissues.get(usize::from(kind))?;
+        Some((segment, tissue?))
     }
 
     /// The place of a segment in the table; none where it cannot be punctured.
     #[must_use]
     pub fn place_of(&self, segment: u8) -> Option<u8> {
-        let is_it = |entry: &Option<(u8, Tissue)>| entry.is_some_and(|(id, _)| id == segment);
-        let place = self.0.iter().position(is_it)?;
-        u8::try_from(place).ok()
+        let place = self.places[usize::from(segment)];
+        (place != NO_PLACE).then_some(place)
     }
 
     /// Segment and tissue of what counts where several are: the last of them, as in the picture.
     #[must_use]
     pub fn top(&self, layer: Layered) -> Option<(u8, Tissue)> {
-        let there = (0_u8..).zip(self.0).filter(|(place, _)| layer.has(*place));
-        there.filter_map(|(_, entry)| entry).last()
+        layer.last().and_then(|place| self.at(place))
     }
 
     /// The segments of a layer.
     pub fn segments_of(&self, layer: Layered) -> impl Iterator<Item = SegmentId> {
-        let there = (0_u8..)
-            .zip(self.0)
-            .filter(move |(place, _)| layer.has(*place));
-        there.filter_map(|(_, entry)| Some(SegmentId(entry?.0)))
+        let there = (0..self.count).filter(move |place| layer.has(*place));
+        there.filter_map(|place| Some(SegmentId(self.at(place)?.0)))
+    }
+}
+
+impl From<Vec<Option<(u8, Tissue)>>> for Tissues {
+    fn from(segments: Vec<Option<(u8, Tissue)>>) -> Self {
+        Self::of(segments.into_iter().flatten())
+    }
+}
+
+impl From<Tissues> for Vec<Option<(u8, Tissue)>> {
+    fn from(tissues: Tissues) -> Self {
+        tissues.segments().map(Some).collect()
     }
 }
 
 /// Tissues that overlap, one bit for each place in [`Tissues`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Layered(u16);
+#[serde(from = "LayeredOnFile")]
+pub struct Layered([u64; 4]);
+
+/// As 0.1 wrote it, for 16 places, or all of it.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum LayeredOnFile {
+    Few(u64),
+    All([u64; 4]),
+}
+
+impl From<LayeredOnFile> for Layered {
+    fn from(file: LayeredOnFile) -> Self {
+        match file {
+            LayeredOnFile::Few(bits) => Self([bits, 0, 0, 0]),
+            LayeredOnFile::All(bits) => Self(bits),
+        }
+    }
+}
 
 impl Layered {
     /// The tissue at a place alone.
@@ -70,24 +137,28 @@ impl Layered {
 
     /// This one too.
     #[must_use]
-    pub fn with(self, place: u8) -> Self {
-        Self(self.0 | Self::bit(place))
+    pub fn with(mut self, place: u8) -> Self {
+        self.0[usize::from(place >> 6)] |= 1 << (place & 63);
+        self
     }
 
     /// The tissues of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+        Self(std::array::from_fn(|part| self.0[part] | other.0[part]))
     }
 
     /// Whether the tissue at a place belongs to it.
     #[must_use]
     pub fn has(self, place: u8) -> bool {
-        self.0 & Self::bit(place) != 0
+        self.0[usize::from(place >> 6)] >> (place & 63) & 1 != 0
     }
 
-    fn bit(place: u8) -> u16 {
-        1_u16.checked_shl(u32::from(place)).unwrap_or(0)
+    /// The last place of all.
+    fn last(self) -> Option<u8> {
+        let part = self.0.iter().rposition(|bits| *bits != 0)?;
+        let place = part * 64 + 63 - self.0[part].leading_zeros() as usize;
+        u8::try_from(place).ok()
     }
 }
 

@@ -12,7 +12,7 @@ use super::stretches::{Stretch, Stretches, finest, met_at};
 use super::tissues::{Layered, Met, TissueMap, Tissues, World};
 
 /// Layers that are told apart; what lies beyond counts to the last of them.
-const MAX_LAYERS: usize = 32;
+const MAX_LAYERS: usize = 256;
 /// Voxels looked up in each grid in a tick, at most: so far ahead a tip can come in one.
 const MAX_VOXELS: u32 = 24;
 /// Length of what is looked at again in a tick [smallest spacings of all grids].
@@ -70,14 +70,70 @@ struct Layer {
 }
 
 /// The layers on a line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(from = "TrackOnFile", into = "TrackOnFile")]
 pub struct Track {
     layers: [Layer; MAX_LAYERS],
-    count: u8,
+    count: u16,
     /// Known up to here [mm].
     seen: f64,
     /// Where what no needle punctures begins, and its segment.
     wall: Option<(f64, u8)>,
+}
+
+impl Default for Track {
+    fn default() -> Self {
+        Self {
+            layers: [Layer::default(); MAX_LAYERS],
+            count: 0,
+            seen: 0.0,
+            wall: None,
+        }
+    }
+}
+
+/// Tracks are equal by what is known of them.
+impl PartialEq for Track {
+    fn eq(&self, other: &Self) -> bool {
+        let same = (self.seen, self.wall) == (other.seen, other.wall);
+        same && self.known() == other.known()
+    }
+}
+
+/// A track in a file: only layers that there are, where 0.1 wrote places without any too.
+#[derive(Serialize, Deserialize)]
+struct TrackOnFile {
+    layers: Vec<Layer>,
+    count: u16,
+    seen: f64,
+    wall: Option<(f64, u8)>,
+}
+
+impl From<TrackOnFile> for Track {
+    fn from(file: TrackOnFile) -> Self {
+        let mut track = Self {
+            seen: file.seen,
+            wall: file.wall,
+            ..Self::default()
+        };
+        let there = file.layers.into_iter().take(usize::from(file.count));
+        for (place, layer) in track.layers.iter_mut().zip(there) {
+            *place = layer;
+            track.count += 1;
+        }
+        track
+    }
+}
+
+impl From<Track> for TrackOnFile {
+    fn from(track: Track) -> Self {
+        Self {
+            layers: track.known().to_vec(),
+            count: track.count,
+            seen: track.seen,
+            wall: track.wall,
+        }
+    }
 }
 
 impl Track {
@@ -95,14 +151,14 @@ impl Track {
 
     /// What a layer is.
     #[must_use]
-    pub fn met(&self, place: u8) -> Met {
+    pub fn met(&self, place: u16) -> Met {
         let layer = self.layers.get(usize::from(place));
         layer.map_or(Met::Nothing, |layer| layer.met)
     }
 
     /// Where a layer ends; none where that is not seen yet.
     #[must_use]
-    pub fn end(&self, place: u8) -> Option<f64> {
+    pub fn end(&self, place: u16) -> Option<f64> {
         let next = usize::from(place) + 1;
         (next < usize::from(self.count)).then(|| self.layers[next].from)
     }
@@ -220,9 +276,9 @@ impl Track {
 
     /// The layer in which a depth lies; the first one before all of them.
     #[must_use]
-    pub fn place_at(&self, depth: f64) -> u8 {
+    pub fn place_at(&self, depth: f64) -> u16 {
         let before = self.known().iter().take_while(|layer| layer.from <= depth);
-        u8::try_from(before.count().saturating_sub(1)).unwrap_or(u8::MAX)
+        u16::try_from(before.count().saturating_sub(1)).unwrap_or(u16::MAX)
     }
 
     fn met_at(&self, depth: f64) -> Met {
