@@ -36,11 +36,11 @@ QUICK_WHEEL_READY := dist/quick/.wheel
 ifdef PALPATE_LONG
 TESTED_ENGINE_READY := $(ENGINE_READY)
 TESTED_WHEEL_READY := $(WHEEL_READY)
-IN_A_BROWSER := browser
+SHORT :=
 else
 TESTED_ENGINE_READY := $(QUICK_ENGINE_READY)
 TESTED_WHEEL_READY := $(QUICK_WHEEL_READY)
-IN_A_BROWSER := browser and not long
+SHORT := and not long
 endif
 
 # first line of a recipe: its name; the rest is one script, timed (scripts/stage.sh)
@@ -176,7 +176,7 @@ check-python: $(VENV_READY)
 	$(call step,Python: tests of what changed)
 	tests=$$($(BIN)/python scripts/changed.py python)
 	test -z "$$tests" || $(MAKE) --no-print-directory $(QUICK_ENGINE_READY)
-	test -z "$$tests" || $(BIN)/pytest -q -m "not wheel and not browser" --numprocesses 2 --dist loadfile $$tests
+	test -z "$$tests" || $(BIN)/pytest -q -m "not wheel and not browser $(SHORT)" --numprocesses 2 --dist loadfile $$tests
 
 check-viewer: $(VENV_READY) $(NODE_READY)
 	$(call step,viewer: tests of what changed)
@@ -232,7 +232,7 @@ test-rust: ## tests of the crates
 
 test-python: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository
 	$(call step,Python: tests)
-	$(BIN)/pytest -q -m "not wheel and not browser" --numprocesses 2 --dist loadfile
+	$(BIN)/pytest -q -m "not wheel and not browser $(SHORT)" --numprocesses 2 --dist loadfile
 
 test-viewer: $(NODE_READY) ## unit tests of the page, its shaders in a browser
 	$(call step,viewer: tests)
@@ -248,7 +248,7 @@ test-wheel: $(TESTED_WHEEL_READY) ## the wheel in an empty environment: install,
 test-browser: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## a real scan in a real browser: picture, contact, force
 	$(call step,browser: tests)
 	export PALPATE_CHROMIUM="$$(scripts/chromium.sh)"
-	$(BIN)/pytest -q -m "$(IN_A_BROWSER)"
+	$(BIN)/pytest -q -m "browser $(SHORT)"
 
 # --- figures ----------------------------------------------------------------------------
 

@@ -172,6 +172,7 @@ def test_the_skin_is_the_outer_3_mm_of_the_body() -> None:
     assert skin_of[0].sum() == skin_of[10].sum()
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_all_bones_and_the_skin_of_a_chest_are_touched(
     data_folder: Path, monkeypatch: pytest.MonkeyPatch
@@ -304,6 +305,7 @@ def test_a_case_or_touch_that_does_not_exist_is_refused() -> None:
         feel(all_cases()[0], "thesis")  # type: ignore[arg-type]
 
 
+@pytest.mark.long
 def test_the_quality_command_writes_its_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -6,11 +6,13 @@ import json
 from importlib.util import cache_from_source
 from pathlib import Path
 
+import pytest
 from palpate.bench.goals.cohort import COHORT_ROWS
 from palpate.cli.commands import run
 from palpate.cohort import worker
 
 
+@pytest.mark.long
 def test_bench_cohort_measures_each_figure(tmp_path: Path) -> None:
     told = tmp_path / "cohort.json"
     assert run(["bench", "cohort", "--cases", "20", "--json", str(told)]) == 0

@@ -143,6 +143,7 @@ def test_without_lammps_all_else_is_measured_and_it_says_what_to_install(
     }
 
 
+@pytest.mark.long
 def test_a_session_in_step_tells_every_figure() -> None:
     bone = phantom((48, 40, 44)).volume.offered_bone()
     pace = Pace(seconds=2, ticks_in_step=100)
@@ -174,6 +175,7 @@ def test_wrong_grounds_and_models_are_told(capsys: pytest.CaptureFixture[str]) -
     assert run(["bench", "stress", "--deform", "lattice", "--moves", "0"]) == 2
 
 
+@pytest.mark.long
 def test_a_short_run_of_work_is_made_again_and_told(tmp_path: Path) -> None:
     path = tmp_path / "stress.json"
     arguments = ["--deform", "lattice", "--moves", "1500", "--threads", "1", "--json", str(path)]

@@ -224,7 +224,14 @@ def test_there_are_examples() -> None:
     assert len(SHOWN) > 25
 
 
-@pytest.mark.parametrize("line", EXAMPLES)
+@pytest.mark.parametrize(
+    "line",
+    [
+        # a whole turn of pictures takes minutes
+        pytest.param(line, marks=[pytest.mark.long] if "--turntable" in line else [])
+        for line in EXAMPLES
+    ],
+)
 @pytest.mark.usefixtures("folder")
 def test_examples_of_the_help_run_as_printed(line: str, capsys: pytest.CaptureFixture[str]) -> None:
     given = words(line)

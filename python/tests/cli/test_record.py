@@ -172,6 +172,7 @@ def test_files_that_are_no_recordings_are_one_line(recorded: Path, tmp_path: Pat
     assert "is no recording" in fails("replay", empty)
 
 
+@pytest.mark.long
 def test_what_cannot_be_recorded_is_one_line(scan: Path, script: Path, tmp_path: Path) -> None:
     out = tmp_path / "new.palpate-session"
     record = ("record", scan, "--threshold", "0", "--script", script, "--out")

@@ -89,7 +89,7 @@ def test_two_workers_make_the_same_bytes_as_none(folder: Path, capsys: Any) -> N
     assert "1 to run, 4 kept" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_cases_of_a_lost_worker_go_on_elsewhere(folder: Path, workers: int) -> None:
     running = started("--workers", str(workers))
     wait_for(folder, "out/*.part", running)
@@ -193,6 +193,7 @@ def other_version(place: Path, version: str) -> Path:
     return place / "bin" / "python"
 
 
+@pytest.mark.long
 def test_a_worker_of_another_environment_with_another_version_is_not_used(
     folder: Path, tmp_path_factory: pytest.TempPathFactory, capsys: Any
 ) -> None:
@@ -222,6 +223,7 @@ def test_a_worker_of_another_environment_with_another_version_is_not_used(
     assert len(made(folder / "out")) == 12
 
 
+@pytest.mark.long
 def test_a_programs_own_tasks_run_cases(folder: Path) -> None:
     code = (
         "from distributed import Client\n"

@@ -110,6 +110,7 @@ def wait_until(count: int, out: Path, running: subprocess.Popen[str]) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.long
 def test_none_is_lost_and_none_done_twice(folder: Path) -> None:
     running = started("calm")
     said, _ = running.communicate()

@@ -89,6 +89,7 @@ def dumped(program: str, path: Path) -> bytes:
     return told
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("program", ["dcdump", "gdcmdump"])
 def test_other_programs_find_no_seed_in_what_is_shared(
     program: str, seeded: Path, seeds: set[str], tmp_path: Path

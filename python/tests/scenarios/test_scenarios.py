@@ -75,6 +75,7 @@ def test_a_drill_goes_in_with_a_steady_force_and_leaves_a_hole(tmp_path: Path) -
     assert driven.radius == 2.0
 
 
+@pytest.mark.long
 def test_bone_of_particles_is_pushed_aside_to_the_rim_of_the_hole(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -174,6 +175,7 @@ def test_a_drill_makes_a_hole_in_real_bone_and_its_contact_begins_with_its_force
     assert driven.samples["volume"][driven.time < contact.time].max() == 0.0
 
 
+@pytest.mark.long
 def test_soft_tissue_is_stiffer_where_bone_is_near(tmp_path: Path) -> None:
     pressed = told("palpation", tmp_path, "--places", "3", "--depth", "2")
     assert pressed.spikes() == 0
@@ -184,6 +186,7 @@ def test_soft_tissue_is_stiffer_where_bone_is_near(tmp_path: Path) -> None:
     assert set(pressed.samples["press"]) == {0.0, 1.0, 2.0}
 
 
+@pytest.mark.long
 def test_a_stiffer_lump_below_a_flat_face_is_found_by_what_the_ball_feels() -> None:
     z, y, x = np.indices((32, 20, 32))
     block = y >= 5
@@ -204,6 +207,7 @@ def test_a_stiffer_lump_below_a_flat_face_is_found_by_what_the_ball_feels() -> N
     assert far == pytest.approx([5.5] * 3, rel=0.3)
 
 
+@pytest.mark.long
 def test_the_tumour_that_the_phantom_does_not_show_is_on_the_map(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -385,6 +389,7 @@ def test_merged_voxels_stand_where_those_did_that_they_are_made_of() -> None:
     assert same is scan
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_the_spine_of_a_real_chest_is_felt_through_what_covers_it(data_folder: Path) -> None:
     body = body_of_scan(read(data_folder / "lidc0001_totalseg/cxr.nii.gz"))

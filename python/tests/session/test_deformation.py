@@ -511,6 +511,7 @@ def test_layers_calibrations_and_motions_are_felt_in_a_session() -> None:
     assert 1.9 < felt(calibration="wave-speed") / usual < 2.36
 
 
+@pytest.mark.long
 def test_walls_keep_particles_out_of_empty_voxels() -> None:
     def highest(options: ModelOptions) -> float:
         with pressing() as session:

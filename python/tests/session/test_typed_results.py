@@ -224,6 +224,7 @@ def test_scenarios_return_what_is_declared(scan: palpate.Volume) -> None:
     assert differences(pressed_in, PressRun) == []
 
 
+@pytest.mark.long
 def test_benchmarks_return_what_is_declared(scan: palpate.Volume) -> None:
     block = scan.threshold(500)
     inner, segment = scan._internal, block._internal

@@ -333,7 +333,7 @@ def point_to_triangles(point: NDArray[np.float64], corners: NDArray[np.float64])
         ("myosim_bones/lumbar3.stl", "m", 0.5),
         ("myosim_bones/sacrum.stl", "m", 1.0),
         ("myosim_bones/ribcage_s.stl", "m", 1.5),
-        ("amos_0336/derived_pelvis_bone_170HU.stl", "mm", 1.0),
+        pytest.param("amos_0336/derived_pelvis_bone_170HU.stl", "mm", 1.0, marks=pytest.mark.long),
     ],
 )
 def test_a_bone_comes_back_from_its_voxels_within_half_a_voxel(
