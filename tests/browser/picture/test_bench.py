@@ -25,6 +25,7 @@ def scan(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_bench_edit_tells_of_edits_with_drawing_suspended_and_in_software(
     scan: Path, tmp_path: Path
 ) -> None:
@@ -44,6 +45,7 @@ def test_bench_edit_tells_of_edits_with_drawing_suspended_and_in_software(
         assert found[case, "applied to last upload, max"] >= max(way, page)
 
 
+@pytest.mark.long
 def test_bench_render_sees_every_figure_of_a_scan_that_the_engine_draws(
     scan: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -51,7 +53,7 @@ def test_bench_render_sees_every_figure_of_a_scan_that_the_engine_draws(
         [ROOT / "scripts" / "chromium.sh"], check=True, capture_output=True, text=True
     )
     monkeypatch.setenv("PALPATE_CHROMIUM", found.stdout.strip())
-    figures = seen(scan, Looking(openings=1, turning=1.0, rests=1, drilling=1.0), drawer="engine")
+    figures = seen(scan, Looking(openings=1, turning=3.0, rests=1, drilling=1.0), drawer="engine")
     assert figures.pop("by engine") == 1.0
     rows = {row.key for row in SEEN_ROWS if row.case == seen_case("CThead", by_engine=True)}
     assert set(figures) == rows

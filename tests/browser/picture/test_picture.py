@@ -232,6 +232,7 @@ def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None
     assert np.abs(pictures[0] - pictures[1]).mean() > 0.002
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
     page = opened.page

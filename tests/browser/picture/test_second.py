@@ -168,6 +168,7 @@ def test_points_of_its_own_transfer_function_are_dragged_and_taken_back(lungs: B
     lungs.do("clickText", text="Curve of the second scan")
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_the_engine_draws_both_as_the_browser_does(lungs: Browser) -> None:
     lungs.do("choose", testid="second-preset", value="CT-Lung")
@@ -203,6 +204,7 @@ def test_the_engine_draws_both_as_the_browser_does(lungs: Browser) -> None:
     lungs.do("choose", testid="blend", value="shaded")
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> None:
     lungs.do("choose", testid="second-preset", value="CT-Lung")

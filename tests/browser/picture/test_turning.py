@@ -132,6 +132,7 @@ def test_a_large_surface_is_its_voxels_while_the_view_turns_and_all_triangles_at
     assert page.read(picked) is not None
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_so_is_one_that_is_seen_through(page: Browser, surface: int, tmp_path: Path) -> None:
     page.do("slide", testid="surface-opacity", value=0.5)

@@ -417,6 +417,7 @@ def keep_largest(page: Browser) -> None:
     page.do("click", testid="islands-remove")
 
 
+@pytest.mark.long
 def test_steps_follow_the_threshold_of_a_head(data_folder: Path, tmp_path: Path) -> None:
     head = tmp_path / "head.mha"
     image = small_head(data_folder / "cthead_stanford" / "CThead.mha")
