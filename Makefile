@@ -32,15 +32,18 @@ VIEWER_READY := python/palpate/viewer/index.html
 WHEEL_READY := dist/.wheel
 QUICK_WHEEL_READY := dist/quick/.wheel
 
-# tests take the engine that is compiled in half the time; their long form, what users get
+# tests take the engine that is compiled in half the time, and leave out what takes long; their long form
+# takes what users get, and all
 ifdef PALPATE_LONG
 TESTED_ENGINE_READY := $(ENGINE_READY)
 TESTED_WHEEL_READY := $(WHEEL_READY)
 SHORT :=
+IGNORED := -- --include-ignored
 else
 TESTED_ENGINE_READY := $(QUICK_ENGINE_READY)
 TESTED_WHEEL_READY := $(QUICK_WHEEL_READY)
 SHORT := and not long
+IGNORED :=
 endif
 
 # first line of a recipe: its name; the rest is one script, timed (scripts/stage.sh)
@@ -227,7 +230,7 @@ data:
 
 test-rust: ## tests of the crates
 	$(call step,Rust: tests)
-	cargo test --locked --workspace --exclude palpate-benches --tests --no-fail-fast --quiet
+	cargo test --locked --workspace --exclude palpate-benches --tests --no-fail-fast --quiet $(IGNORED)
 	cargo test --locked --workspace --exclude palpate-benches --doc --no-fail-fast --quiet
 
 test-python: $(TESTED_ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository

@@ -48,6 +48,7 @@ fn what_a_drill_has_gripped_is_let_go() {
 /// There a needle is still in beside a probe in closed tissue: once its tissue has relaxed, nothing
 /// changes by a bit.
 #[test]
+#[ignore = "takes long: make test-long"]
 fn a_hand_at_rest_with_a_needle_that_is_caught_comes_to_rest() {
     let report = run("fcc-lj", 5, 5, 7_800).unwrap();
     assert_eq!(report.violation, None);

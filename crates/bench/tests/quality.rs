@@ -309,6 +309,7 @@ fn felt_on(body: &str, grid: &str, depth: f64, touch: Touch) -> Figures {
 /// The goals (design, section 8) for balls: before, their force was that of the corners of stairs,
 /// off by up to 39° at 95 % on thick slices and by 10 to 65 % of its magnitude.
 #[test]
+#[ignore = "takes long: make test-long"]
 fn the_force_of_balls_is_as_true_as_the_goals_want() {
     for &radius in by_length(&[2][..], &[1, 2, 5]) {
         for (grid, mean, most) in [("cubes", 3.0, 8.0), ("0.7×0.7×2.5", 6.0, 12.0)] {
@@ -334,6 +335,7 @@ fn the_force_of_balls_is_as_true_as_the_goals_want() {
 
 /// Partial volumes know where a plane is: before, a third to half a voxel's stairs were left.
 #[test]
+#[ignore = "takes long: make test-long"]
 fn planes_on_partial_volumes_have_no_ripple() {
     for grid in ["cubes", "0.7×0.7×2.5"] {
         for body in ["plane", "plane below 10°"] {

@@ -226,6 +226,7 @@ fn shortfall(run: &Press, bone_top: f64, radius: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "takes long: make test-long"]
 fn bone_under_thin_soft_matter_pushes_back_whatever_a_model_says() {
     // each as a layer over the bone, and as a segment that holds the bone's voxels too
     let thin = [(1, 2.0), (2, 0.0), (2, 2.0), (3, 1.0)];
@@ -247,6 +248,7 @@ fn bone_under_thin_soft_matter_pushes_back_whatever_a_model_says() {
 }
 
 #[test]
+#[ignore = "takes long: make test-long"]
 fn bone_of_particles_is_pushed_aside_and_none_of_it_is_lost() {
     let block = box_segment(SIZE, IVec3::ZERO, IVec3::new(32, 32, TOP as i32));
     let given = RearrangingDrive {

@@ -3,8 +3,8 @@
 use palpate_haptics::needle::tissues::{Layered, Met, Tissues};
 use palpate_haptics::needle::track::Track;
 use palpate_volume::tissue::Tissue;
-use serde::de::DeserializeOwned;
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// As 0.1 wrote it: places without a layer too, and one number for layers that overlap.
 #[derive(Serialize)]
