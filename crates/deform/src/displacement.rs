@@ -136,7 +136,20 @@ impl Displacement {
                 *left *= self.share_inside(node);
             }
         }
-        let seen = left.iter().any(|left| left.length() >= least);
+        self.seen(&left, grid, least)
+    }
+
+    /// All of it, no place farther than `farthest`, where no voxel shows any; none where that is below
+    /// `least` everywhere.
+    pub fn whole(&self, grid: &Grid, least: f64, farthest: f64) -> Option<DisplacementField> {
+        let near = |moved: &DVec3| moved.clamp_length_max(farthest);
+        let moved: Vec<_> = self.moved.iter().map(near).collect();
+        self.seen(&moved, grid, least)
+    }
+
+    /// What is to be seen of this at the nodes; none where it is below `least` everywhere.
+    fn seen(&self, moved: &[DVec3], grid: &Grid, least: f64) -> Option<DisplacementField> {
+        let seen = moved.iter().any(|moved| moved.length() >= least);
         let axes = grid.direction();
         let in_voxels = self.first / grid.spacing();
         seen.then(|| DisplacementField {
@@ -144,7 +157,10 @@ impl Displacement {
             axes,
             spacing: self.spacing,
             size: self.size,
-            moved: left.iter().map(|left| (axes * *left).as_vec3()).collect(),
+            moved: moved
+                .iter()
+                .map(|moved| (axes * *moved).as_vec3())
+                .collect(),
         })
     }
 

@@ -21,6 +21,7 @@ mod length;
 mod liver;
 mod material;
 mod model_support;
+mod needle_tissue;
 mod particle_boxes;
 mod particle_lattices;
 mod particle_lists;

@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::contact::ContactModel as _;
 use palpate_haptics::contact::Proxy;
 use palpate_haptics::force::{Coupling, Friction};
+use palpate_haptics::needle::press::Press;
 use palpate_haptics::needle::tissues::NeedleScan;
 use palpate_haptics::needle::{Needle, NeedleInput};
 use palpate_haptics::soft_contact::{SoftContact, SoftInput, Stop};
@@ -247,11 +248,11 @@ impl ServoLoop {
         let led = self.lead_needle(&needle, &input);
         let mut output = self.touch(&led);
         self.follow_soft_tissue(inputs.time, &input, &mut output);
-        self.follow_needle(&needle, &mut output);
+        let press = self.follow_needle(&needle, &mut output);
 
         self.publish_force(inputs, &output);
         self.publish_poses();
-        self.publish_needle();
+        self.publish_needle(press);
         self.note_pressure(inputs, &output, sent_in_device);
         self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
@@ -433,14 +434,14 @@ impl ServoLoop {
         })
     }
 
-    /// Touches the needle instead of the hard contact.
-    fn follow_needle(&mut self, input: &NeedleInput, output: &mut TickOutput) {
+    /// Touches the needle instead of the hard contact; how it presses tissue in that it is not in.
+    fn follow_needle(&mut self, input: &NeedleInput, output: &mut TickOutput) -> Option<Press> {
         let holder = output.held_by.map(|_| self.state.touched);
         let scan = NeedleScan {
             grid: &self.grid,
             map: self.occupancy.touchable(),
         };
-        self.state.needle.follow(input, holder, scan, output);
+        self.state.needle.follow(input, holder, scan, output)
     }
 }
 

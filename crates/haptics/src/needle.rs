@@ -32,6 +32,7 @@ use crate::tick::TickOutput;
 pub mod approach;
 pub mod events;
 pub mod insertion;
+pub mod press;
 pub mod shaft;
 pub mod stretches;
 pub mod tissues;
@@ -40,6 +41,7 @@ pub mod track;
 use approach::Approach;
 use events::{EventKind, Events, NeedleEvent};
 use insertion::Insertion;
+use press::Press;
 use tissues::{Layered, NeedleScan, TissueMap, Tissues, World};
 use track::{Line, Track};
 
@@ -228,26 +230,26 @@ impl Needle {
         self.tool
     }
 
-    /// Puts the needle's force in the place of the hard contact's. `holder` is the segment that
-    /// holds the proxy back, if one does.
+    /// Puts the needle's force in the place of the hard contact's, and tells how it presses tissue in that
+    /// it is not in yet. `holder` is the segment that holds the proxy back, if one does.
     pub fn follow(
         &mut self,
         input: &NeedleInput,
         holder: Option<u8>,
         scan: NeedleScan<'_, impl TissueMap>,
         output: &mut TickOutput,
-    ) {
+    ) -> Option<Press> {
         if !self.is_felt() && self.last.is_none() {
-            return;
+            return None;
         }
         if !input.is_known() {
             self.forces = NeedleForces::default();
             // it comes back from nothing
             self.last = self.is_felt().then_some((None, DVec3::ZERO));
-            return;
+            return None;
         }
-        let (coupling, wanted) = match self.tool {
-            Some(tool) => (input.coupling, self.held(input, tool, holder, output)),
+        let (coupling, wanted, press) = match self.tool {
+            Some(tool) => (input.coupling, self.held(input, tool, holder, output), None),
             None => self.pressed(input, holder, scan, output),
         };
         let (device, last) = self.last.unwrap_or((None, output.spring));
@@ -266,6 +268,7 @@ impl Needle {
             // the tool stays where it is between two ticks
             output.sticks = true;
         }
+        press
     }
 
     /// The spring of a needle that is in [mm]: to the tool, and back with it where the proxy is
@@ -296,7 +299,7 @@ impl Needle {
         holder: Option<u8>,
         scan: NeedleScan<'_, impl TissueMap>,
         output: &TickOutput,
-    ) -> (Coupling, DVec3) {
+    ) -> (Coupling, DVec3, Option<Press>) {
         self.forces = NeedleForces::default();
         let coupling = if output.coupling.stiffness > 0.0 {
             output.coupling
@@ -309,7 +312,7 @@ impl Needle {
         let pressed = holder.filter(|_| self.on && depth > 0.0);
         let Some(place) = pressed.and_then(|segment| self.tissues.place_of(segment)) else {
             self.forces.wall = k * depth;
-            return (coupling, hard);
+            return (coupling, hard, None);
         };
         let push = Line {
             entry: input.device + hard,
@@ -327,7 +330,7 @@ impl Needle {
         let layer = ahead.first().filter(|layer| layer.has(place));
         let layer = layer.unwrap_or(alone);
         let Some((segment, tissue)) = self.tissues.top(layer) else {
-            return (coupling, hard);
+            return (coupling, hard, None);
         };
         let deflection = deflection(&tissue, depth, k);
         let end = ahead
@@ -353,7 +356,8 @@ impl Needle {
             let punctured = self.tissues.segments_of(layer).collect();
             self.insertion = Some(Insertion::new(line, end * share, punctured));
         }
-        (coupling, push.direction * (end - depth))
+        let press = Press { push, depth: end };
+        (coupling, push.direction * (end - depth), Some(press))
     }
 
     fn end(&mut self) {

@@ -11,6 +11,7 @@ from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
 from palpate.pictures.session_pictures import Fineness, SessionPictures
 from palpate.session.edited_values import EditedValues
+from palpate.session.needle import TISSUES
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.material import Material
@@ -134,3 +135,37 @@ def test_a_pressed_block_is_drawn_where_it_stands() -> None:
     assert seen.max() - seen.min() > 0.8
     # without a model tissue is at rest
     np.testing.assert_allclose(still, untouched, atol=0.02)
+
+
+def test_tissue_dimples_under_a_needle_and_comes_back_at_the_puncture() -> None:
+    liver = TISSUES["liver"]
+    path = ScriptedPath((*MIDDLE, 30.0)).move((*MIDDLE, TOP - 5.0), seconds=1.0)
+    path = path.move((*MIDDLE, TOP - 5.0), seconds=0.5).move((*MIDDLE, TOP - 8.0), seconds=0.5)
+    with Session(soft_block(), device=path, options=SessionOptions(real_time=False)) as session:
+        session.set_material(1, Material(young=5.5e3, poisson=0.45, friction=0.0))
+        session.set_deformation("lattice")
+        session.set_tool("needle", radius=0.5, segment_ids=[1], tissues=[liver])
+        session.stroke(on=True)
+        pictures = SessionPictures(session)
+        untouched = depths(pictures)
+        force = session.run(1.4).forces[-1][2]
+        pressed = depths(pictures) - untouched
+        assert not session.needle_events()
+        last = pressed
+        while not session.needle_events():
+            last = depths(pictures) - untouched
+            session.run(0.02)
+        session.run(0.02)
+        punctured = depths(pictures) - untouched
+    # l x + q x² = force
+    linear, quadratic = liver.linear, liver.quadratic
+    deflection = (math.sqrt(linear**2 + 4.0 * quadratic * force) - linear) / (2.0 * quadratic)
+    assert deflection > 2.0
+    tip = pressed[WIDE // 2, WIDE // 2]
+    assert abs(tip / deflection - 1.0) < 0.15
+    # a funnel around the tip
+    assert tip == pressed.max()
+    assert np.all(np.diff(pressed[WIDE // 2, WIDE // 2 :]) < 0.05)
+    assert pressed[0, 0] < 0.5 * tip
+    # from the force of the puncture to that of cutting
+    assert punctured.max() < 0.8 * last.max()

@@ -7,6 +7,7 @@
 
 use super::coarse::CoarseFactor;
 use super::conjugate::{Conjugate, Easing, unbalanced};
+use super::driven::Driven;
 use super::node_contacts::NodeContacts;
 use super::nodes::Lattice;
 use super::tool_contact::{ContactNode, LatticeTool, ToolForce, ToolReach};
@@ -73,8 +74,10 @@ pub struct Relaxer {
     pub(super) problem: Conjugate,
     reaches: Vec<ToolReach>,
     contacts: NodeContacts,
+    /// Nodes that are led beside what tools push.
+    pub(super) driven: Driven,
     felt: Vec<ToolForce>,
-    /// Nodes that tools push now.
+    /// Nodes that tools push now, and those that are led.
     touched: Vec<ContactNode>,
     /// Evaluations of all forces since this was last taken.
     pub(super) evaluations: u64,
@@ -143,6 +146,7 @@ impl Relaxer {
         for (reach, tool) in self.reaches.iter().zip(tools) {
             self.felt.push(reach.push(lattice, tool, &mut self.touched));
         }
+        self.driven.pull(lattice, &mut self.touched);
     }
 
     /// Finds the step of Newton, and gives how often it has evaluated forces.

@@ -3,13 +3,15 @@
 //!
 //! Frame: scene, which is the patient's; segments that were moved are rigid.
 
+mod needle;
+
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::Duration;
 
 use glam::{DMat3, DQuat, DVec3};
 use palpate_deform::at_rest::AtRest;
 use palpate_deform::model::{
-    DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
+    DeformationModel, DisplacementField, ModelEvent, ModelReport, ToolShape, ToolState,
 };
 use palpate_deform::registry::ModelOptions;
 use palpate_haptics::soft_contact::STALE_SECS;
@@ -18,7 +20,9 @@ use palpate_volume::material::LocalContact;
 use palpate_volume::segment_set::SegmentSet;
 
 use crate::deformable::deformable_segments::{DeformableSegments, soft_segments};
-use crate::deformable::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};
+use crate::deformable::deformation_loop::{
+    DeformationAnswer, DeformationJob, DeformationLoop, ModelVoxels, MovedBy, Press,
+};
 use crate::scene::Scene;
 use crate::servo::{DeformableContact, ServoStatus};
 
@@ -89,7 +93,7 @@ pub struct Outcome {
 #[derive(Debug)]
 pub struct Deformation {
     jobs: Sender<DeformationJob>,
-    answers: Receiver<ModelAnswer>,
+    answers: Receiver<DeformationAnswer>,
     /// None where every answer is to take the same work.
     patience: Option<Duration>,
     model: Option<&'static str>,
@@ -102,6 +106,9 @@ pub struct Deformation {
     known: Option<u64>,
     reset: bool,
     asked: Option<Asked>,
+    /// Whether a needle's tissue is asked for, and whether it was seen moved last.
+    needle_asked: bool,
+    needle_seen: bool,
     /// Where the model had the tool last [mm].
     tool: Option<DVec3>,
     last_time: f64,
@@ -136,6 +143,8 @@ impl Deformation {
             known: None,
             reset: false,
             asked: None,
+            needle_asked: false,
+            needle_seen: false,
             tool: None,
             last_time: 0.0,
             now: DeformationStatus::default(),
@@ -247,7 +256,7 @@ impl Deformation {
     }
 
     fn take_answer(&mut self, scene: &Scene) -> Outcome {
-        let Ok(answer) = self.answers.try_recv() else {
+        let Ok(DeformationAnswer::Model(answer)) = self.answers.try_recv() else {
             return Outcome::default();
         };
         let Some(asked) = self.asked.take() else {
@@ -319,17 +328,9 @@ impl Deformation {
         if self.model.is_none() || !is_needed || !is_known {
             return;
         }
-        let edit = scene.voxels().edit_number();
-        let voxels = if self.known == Some(edit) {
-            ModelVoxels::Followed
-        } else {
-            ModelVoxels::Anew(Box::new(scene.voxels().clone()))
-        };
-        let job = DeformationJob {
+        let press = Press {
             model: self.new_model.take(),
             reset: std::mem::take(&mut self.reset),
-            voxels,
-            materials: self.matter.materials(scene),
             tool: (!leaves).then_some(ToolState {
                 id: 0,
                 shape: ToolShape::Ball(radius),
@@ -337,19 +338,38 @@ impl Deformation {
                 orientation: DQuat::IDENTITY,
             }),
             dt: (status.time - self.last_time).max(0.0),
-            patience: self.patience,
         };
-        self.last_time = status.time;
-        if self.jobs.send(job).is_ok() {
-            self.known = Some(edit);
+        if self.send(scene, status, MovedBy::Tool(press)) {
             self.tool = Some(tool);
             self.asked = Some(Asked {
                 segments,
                 tool,
                 radius,
-                edit,
+                edit: scene.voxels().edit_number(),
             });
         }
+    }
+
+    /// Sends a job with the voxels and materials as they are; whether anybody is there to do it.
+    fn send(&mut self, scene: &Scene, status: &ServoStatus, by: MovedBy) -> bool {
+        let edit = scene.voxels().edit_number();
+        let voxels = if self.known == Some(edit) {
+            ModelVoxels::Followed
+        } else {
+            ModelVoxels::Anew(Box::new(scene.voxels().clone()))
+        };
+        let job = DeformationJob {
+            voxels,
+            materials: self.matter.materials(scene),
+            patience: self.patience,
+            by,
+        };
+        self.last_time = status.time;
+        let is_sent = self.jobs.send(job).is_ok();
+        if is_sent {
+            self.known = Some(edit);
+        }
+        is_sent
     }
 }
 

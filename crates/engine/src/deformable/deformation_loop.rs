@@ -1,4 +1,5 @@
-//! The loop of the deformation model, at its own pace: one job, one answer.
+//! The loop of the deformation model, and of the tissue around a needle, at its own pace: one job, one
+//! answer.
 //!
 //! The model works on voxels of its own, which share their bricks with the true ones: they are
 //! sent anew only where something else than the model changed the true ones.
@@ -7,8 +8,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
+use palpate_deform::lattice::{NeedleDrag, NeedleInput, NeedleTissue};
 use palpate_deform::material::Materials;
-use palpate_deform::model::{Budget, DeformationModel, ModelAnswer, ModelInput, ToolState};
+use palpate_deform::model::{
+    Budget, DeformationModel, DisplacementField, ModelAnswer, ModelInput, ToolState,
+};
 use palpate_volume::edit::Edit;
 use palpate_volume::voxels::Voxels;
 
@@ -26,27 +30,53 @@ pub enum ModelVoxels {
 /// Something to work out.
 #[derive(Debug)]
 pub struct DeformationJob {
-    /// A model in the place of the one before.
-    pub model: Option<Box<dyn DeformationModel>>,
-    /// Whether displacements are forgotten.
-    pub reset: bool,
     /// What is solid.
     pub voxels: ModelVoxels,
     /// What it is made of.
     pub materials: Arc<Materials>,
+    /// How long the answer may take; without it, it is always the same work.
+    pub patience: Option<Duration>,
+    /// By what tissue is moved.
+    pub by: MovedBy,
+}
+
+/// By what tissue is moved.
+#[derive(Debug)]
+pub enum MovedBy {
+    /// A tool, in the model.
+    Tool(Press),
+    /// A needle, for the eye alone; none where its tissue is to come back.
+    Needle(Option<NeedleDrag>),
+}
+
+/// What a model is asked.
+#[derive(Debug)]
+pub struct Press {
+    /// A model in the place of the one before.
+    pub model: Option<Box<dyn DeformationModel>>,
+    /// Whether displacements are forgotten.
+    pub reset: bool,
     /// Where the tool is; none where tissue is to come back.
     pub tool: Option<ToolState>,
     /// Since the last job [s].
     pub dt: f64,
-    /// How long the model may take; without it, it always does the same work.
-    pub patience: Option<Duration>,
+}
+
+/// What came of a job.
+#[derive(Debug)]
+pub enum DeformationAnswer {
+    /// What the model says.
+    Model(Box<ModelAnswer>),
+    /// Where tissue is seen around a needle; none where its voxels are.
+    Needle(Option<DisplacementField>),
 }
 
 /// Jobs on one side, answers on the other.
 #[derive(Debug)]
 pub struct DeformationLoop {
     jobs: Receiver<DeformationJob>,
-    answers: Sender<ModelAnswer>,
+    answers: Sender<DeformationAnswer>,
+    needle: NeedleTissue,
     model: Option<Box<dyn DeformationModel>>,
     voxels: Option<Box<Voxels>>,
     /// Of the last answer; the next job tells whether the true voxels took it.
@@ -82,10 +112,11 @@ const ITERATIONS: u32 = 80;
 impl DeformationLoop {
     /// A loop without a model.
     #[must_use]
-    pub fn new(jobs: Receiver<DeformationJob>, answers: Sender<ModelAnswer>) -> Self {
+    pub fn new(jobs: Receiver<DeformationJob>, answers: Sender<DeformationAnswer>) -> Self {
         Self {
             jobs,
             answers,
+            needle: NeedleTissue::default(),
             model: None,
             voxels: None,
             edit: None,
@@ -130,11 +161,39 @@ impl DeformationLoop {
 
     fn answer(&mut self, job: DeformationJob) {
         let began = Instant::now();
-        if let Some(model) = job.model {
-            self.model = Some(model);
+        self.follow_voxels(job.voxels);
+        let budget = Budget {
+            iterations: self.iterations,
+            deadline: job.patience.map(|patience| began + patience),
+        };
+        let answer = match job.by {
+            MovedBy::Tool(press) => self.press(press, &job.materials, budget),
+            MovedBy::Needle(drag) => self.voxels.as_deref().map(|voxels| {
+                DeformationAnswer::Needle(self.needle.advance(&NeedleInput {
+                    voxels,
+                    materials: &job.materials,
+                    drag,
+                    budget,
+                }))
+            }),
+        };
+        let Some(answer) = answer else {
+            return;
+        };
+        let is_of_model = matches!(answer, DeformationAnswer::Model(_));
+        // whoever asked may have gone
+        let _ = self.answers.send(answer);
+        (self.wake_up.0)();
+        if let Some(model) = self.model.as_ref().filter(|_| is_of_model)
+            && self.view.is_wanted()
+        {
+            self.view.put(ShownParts::of(&model.parts()));
         }
+    }
+
+    fn follow_voxels(&mut self, voxels: ModelVoxels) {
         let edit = self.edit.take();
-        match job.voxels {
+        match voxels {
             ModelVoxels::Anew(voxels) => self.voxels = Some(voxels),
             ModelVoxels::Followed => {
                 if let (Some(voxels), Some(edit)) = (&mut self.voxels, edit) {
@@ -143,28 +202,30 @@ impl DeformationLoop {
                 }
             }
         }
-        let (Some(model), Some(voxels)) = (&mut self.model, &self.voxels) else {
-            return;
-        };
-        if job.reset {
+    }
+
+    /// The answer of the model; none where there is none.
+    fn press(
+        &mut self,
+        press: Press,
+        materials: &Materials,
+        budget: Budget,
+    ) -> Option<DeformationAnswer> {
+        if let Some(model) = press.model {
+            self.model = Some(model);
+        }
+        let (model, voxels) = (self.model.as_mut()?, self.voxels.as_ref()?);
+        if press.reset {
             model.reset();
         }
         let answer = model.advance(&ModelInput {
             voxels,
-            materials: &job.materials,
-            tools: job.tool.as_slice(),
-            dt: job.dt,
-            budget: Budget {
-                iterations: self.iterations,
-                deadline: job.patience.map(|patience| began + patience),
-            },
+            materials,
+            tools: press.tool.as_slice(),
+            dt: press.dt,
+            budget,
         });
         self.edit.clone_from(&answer.edit);
-        // whoever asked may have gone
-        let _ = self.answers.send(answer);
-        (self.wake_up.0)();
-        if self.view.is_wanted() {
-            self.view.put(ShownParts::of(&model.parts()));
-        }
+        Some(DeformationAnswer::Model(Box::new(answer)))
     }
 }

@@ -26,17 +26,15 @@ pub struct Displacements {
 }
 
 impl Displacements {
-    /// What the picture draws of a field; none where nothing has moved enough to be seen.
+    /// What the picture draws of a field, no node farther than `farthest` [mm]; none where nothing has
+    /// moved enough to be seen.
     #[must_use]
-    pub fn of(field: &DisplacementField, grid: &Grid) -> Option<Self> {
+    pub fn of(field: &DisplacementField, grid: &Grid, farthest: f64) -> Option<Self> {
         let axes_from_patient = grid.direction().transpose().as_mat3();
         let along_axes = |moved: &Vec3| {
             let moved = axes_from_patient * *moved;
-            // nodes in the empty space beside a face may go farther than matter ever is beside its
-            // voxels; the picture follows no more than that
-            let farthest = grid.spacing().max_element() as f32;
             if moved.is_finite() {
-                moved.clamp_length_max(farthest)
+                moved.clamp_length_max(farthest as f32)
             } else {
                 Vec3::ZERO
             }
@@ -124,7 +122,8 @@ mod tests {
 
     #[test]
     fn nodes_and_displacements_are_told_in_the_frame_of_the_grid() {
-        let displacements = Displacements::of(&field(Vec3::new(0.0, 0.6, 0.3)), &grid()).unwrap();
+        let displacements =
+            Displacements::of(&field(Vec3::new(0.0, 0.6, 0.3)), &grid(), 4.0).unwrap();
         assert!(displacements.origin.distance(DVec3::splat(10.5)) < 1e-12);
         assert_eq!(displacements.step, DVec3::new(2.0, 1.0, 0.5));
         assert_eq!(displacements.size, UVec3::new(2, 1, 1));
@@ -133,9 +132,9 @@ mod tests {
 
     #[test]
     fn what_has_not_moved_enough_is_not_told() {
-        assert!(Displacements::of(&field(Vec3::X * 0.009), &grid()).is_none());
-        assert!(Displacements::of(&field(Vec3::NAN), &grid()).is_none());
-        let one = Displacements::of(&field(Vec3::X), &grid()).unwrap();
+        assert!(Displacements::of(&field(Vec3::X * 0.009), &grid(), 4.0).is_none());
+        assert!(Displacements::of(&field(Vec3::NAN), &grid(), 4.0).is_none());
+        let one = Displacements::of(&field(Vec3::X), &grid(), 4.0).unwrap();
         let mut other = one.clone();
         other.moved[1].x += 0.009;
         assert!(!other.differs(&one, &grid()));
@@ -163,7 +162,7 @@ mod tests {
         for (number, expected) in cases {
             assert_eq!(half(number), expected, "{number}");
         }
-        let displacements = Displacements::of(&field(Vec3::NEG_Y), &grid()).unwrap();
+        let displacements = Displacements::of(&field(Vec3::NEG_Y), &grid(), 4.0).unwrap();
         // x of the first node, the patient's -y, is its first number
         assert_eq!(displacements.packed()[..2], 0xbc00_u16.to_le_bytes());
         assert_eq!(displacements.packed().len(), 16);

@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use palpate_haptics::force::LocalForce;
+use palpate_haptics::needle::press::Press;
 use palpate_haptics::tick::TickOutput;
 
 use super::ServoLoop;
@@ -43,10 +44,11 @@ impl ServoLoop {
     }
 
     /// While a needle is felt, and once more when it no longer is; before the status, as poses.
-    pub(super) fn publish_needle(&mut self) {
+    pub(super) fn publish_needle(&mut self, press: Option<Press>) {
         let is_felt = self.state.needle.is_felt();
         if std::mem::replace(&mut self.had_needle, is_felt) || is_felt {
-            self.ends.needle.write(NeedleStatus::of(&self.state.needle));
+            let status = NeedleStatus::of(&self.state.needle, press);
+            self.ends.needle.write(status);
         }
     }
 

@@ -144,8 +144,10 @@ impl Simulation {
     }
 
     fn ask_on(&mut self) {
-        // a needle has a law of its own, and moves no tissue
-        if self.touch.needle().on {
+        if self.has_needle() {
+            let drag = self.touch.needle().drag;
+            self.deformation
+                .go_on_with_needle(&self.scene, self.touch.status(), drag);
             return;
         }
         if let Some(hard) = self.deformation.go_on(&self.scene, self.touch.status()) {
@@ -153,13 +155,26 @@ impl Simulation {
         }
     }
 
+    /// Whether tissue is moved by a needle, for the eye alone: a needle has a law of its own.
+    fn has_needle(&self) -> bool {
+        self.touch.needle().on || self.deformation.shows_needle()
+    }
+
+    fn take_needle_answer(&mut self) {
+        // what is seen is of the tool before
+        if !self.deformation.shows_needle() && self.displacements.is_some() {
+            self.forget_deformation();
+        }
+        if let Some(field) = self.deformation.take_needle() {
+            self.show_needle_drag(field.as_ref());
+        }
+    }
+
     /// Takes the model's answer, if one has come; whether it changed voxels. What it moves from
     /// contact to release is one step of undo.
     fn take_answer(&mut self) -> bool {
-        if self.touch.needle().on {
-            if self.displacements.is_some() {
-                self.forget_deformation();
-            }
+        if self.has_needle() {
+            self.take_needle_answer();
             return false;
         }
         let outcome = self.deformation.take(&self.scene, self.touch.status());

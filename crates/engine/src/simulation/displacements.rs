@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use palpate_deform::lattice::DEEPEST;
 use palpate_deform::model::DisplacementField;
 
 use super::Simulation;
@@ -23,13 +24,31 @@ impl Simulation {
         }
     }
 
-    /// What the picture is to be told of a field; nothing where that looks as before.
+    /// What the picture is to be told of a field that voxels follow; nothing where that looks as before.
     pub(super) fn displacement_update(
         &mut self,
         field: Option<&DisplacementField>,
     ) -> Option<SceneUpdate> {
+        // nodes in the empty space beside a face may go farther than matter ever is beside its
+        // voxels; the picture follows no more than that
+        let farthest = self.voxels().grid().spacing().max_element();
+        self.field_update(field, farthest)
+    }
+
+    /// Shows tissue where a needle drags it, which no voxel follows.
+    pub(super) fn show_needle_drag(&mut self, field: Option<&DisplacementField>) {
+        if let Some(update) = self.field_update(field, DEEPEST) {
+            self.publish_update(update);
+        }
+    }
+
+    fn field_update(
+        &mut self,
+        field: Option<&DisplacementField>,
+        farthest: f64,
+    ) -> Option<SceneUpdate> {
         let grid = *self.voxels().grid();
-        let now = field.and_then(|field| Displacements::of(field, &grid));
+        let now = field.and_then(|field| Displacements::of(field, &grid, farthest));
         let is_other = match (&now, &self.displacements) {
             (Some(now), Some(before)) => now.differs(before, &grid),
             (now, before) => now.is_some() != before.is_some(),

@@ -5,8 +5,11 @@
 //! Frame: scene [mm] and grid; N, s.
 
 use glam::{DVec3, IVec3};
+use palpate_deform::lattice::NeedleDrag;
 use palpate_haptics::needle::approach::TIP_STICKS;
 use palpate_haptics::needle::events::{Events, NeedleEvent};
+use palpate_haptics::needle::insertion::Insertion;
+use palpate_haptics::needle::press::Press;
 use palpate_haptics::needle::stretches::NeedleBody;
 use palpate_haptics::needle::tissues::{Layered, Met, TissueMap, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
@@ -82,6 +85,8 @@ pub struct NeedleStatus {
     pub punctured: SegmentSet,
     /// What happened to it.
     pub events: Events,
+    /// What it does to the tissue around it, to be shown; none where it does nothing.
+    pub drag: Option<NeedleDrag>,
 }
 
 /// Where a needle is.
@@ -100,9 +105,9 @@ pub struct NeedlePlace {
 }
 
 impl NeedleStatus {
-    /// What it is now.
+    /// What it is now; `press`: how it presses tissue in that it is not in.
     #[must_use]
-    pub fn of(needle: &Needle) -> Self {
+    pub fn of(needle: &Needle, press: Option<Press>) -> Self {
         let place = needle.insertion().map(|insertion| NeedlePlace {
             entry: insertion.line.entry,
             direction: insertion.line.direction,
@@ -116,8 +121,34 @@ impl NeedleStatus {
             forces: needle.forces(),
             punctured: needle.punctured(),
             events: *needle.events(),
+            drag: match needle.insertion() {
+                Some(insertion) => drag_in(insertion),
+                None => press.map(drag_before),
+            },
         }
     }
+}
+
+/// What a needle does before the puncture.
+fn drag_before(press: Press) -> NeedleDrag {
+    NeedleDrag {
+        entry: press.push.entry,
+        direction: press.push.direction,
+        pressed: press.depth,
+        ..NeedleDrag::default()
+    }
+}
+
+/// What a needle does that is in; none where its tip is out.
+fn drag_in(insertion: &Insertion) -> Option<NeedleDrag> {
+    let shaft = insertion.shaft;
+    (!insertion.is_out()).then(|| NeedleDrag {
+        entry: insertion.line.entry,
+        direction: insertion.line.direction,
+        depth: shaft.tip.min(insertion.cut),
+        pressed: (shaft.tip - insertion.cut).max(0.0),
+        carried: shaft.tip - shaft.bristle,
+    })
 }
 
 /// The needle as the picture shows it.

@@ -5,6 +5,7 @@ mod floor;
 mod friction;
 mod late;
 mod lattice;
+mod needle;
 mod probe_size;
 mod regions;
 pub mod soft_block;
