@@ -3,11 +3,11 @@
 use palpate_haptics::needle::tissues::{Layered, Met, Tissues};
 use palpate_haptics::needle::track::Track;
 use palpate_volume::tissue::Tissue;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 /// As 0.1 wrote it: places without a layer too, and one number for layers that overlap.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct OldTrack {
     layers: [OldLayer; 32],
     count: u8,
@@ -15,14 +15,13 @@ struct OldTrack {
     wall: Option<(f64, u8)>,
 }
 
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 struct OldLayer {
     from: f64,
     met: OldMet,
 }
 
-#[derive(Clone, Copy, Serialize)]
-#[expect(dead_code, reason = "stands for the names that 0.1 wrote")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum OldMet {
     Nothing,
     Tissue(u16),
@@ -56,6 +55,12 @@ fn a_track_of_0_1_is_read_with_all_its_layers() {
     assert_eq!((track.seen(), track.wall()), (7.0, Some((7.0, 4))));
     let again: Track = read(&track);
     assert_eq!(again, track);
+    // and 0.1 reads what is written
+    let old: OldTrack = read(&track);
+    assert_eq!(
+        (old.count, old.layers[1].met),
+        (2, OldMet::Tissue(1 << 15 | 1))
+    );
 }
 
 #[test]
@@ -69,6 +74,10 @@ fn tissues_of_0_1_are_read_and_all_segments_are_written() {
         (Some(0), Some(1))
     );
     assert_eq!(tissues.segments().count(), 2);
+    let written: [Option<(u8, Tissue)>; 16] = read(&tissues);
+    assert_eq!(written, old);
+    let many = Layered::of(3).with(200);
+    assert_eq!(read::<Layered>(&many), many);
     let all = Tissues::of((1..=255).map(|segment| (segment, Tissue::FAT)));
     assert_eq!(read::<Tissues>(&all), all);
     assert_eq!(all.segments().count(), 255);

@@ -10,12 +10,14 @@ use super::stretches::NeedleBody;
 
 /// Most segments that a needle can puncture: as many as a scan has.
 const MAX_SEGMENTS: usize = 255;
+/// Places in a file of 0.1: a table that fits is written as it was, and read there.
+const PLACES_BEFORE: usize = 16;
 /// The place of a segment that is in no table.
 const NO_PLACE: u8 = u8::MAX;
 
 /// Segments, by number, that a needle can puncture, each with its tissue.
 ///
-/// On file a list of numbers with tissues, so that a short one stays short.
+/// On file a list of numbers with tissues.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Vec<Option<(u8, Tissue)>>", into = "Vec<Option<(u8, Tissue)>>")]
 pub struct Tissues {
@@ -102,28 +104,39 @@ impl From<Vec<Option<(u8, Tissue)>>> for Tissues {
 
 impl From<Tissues> for Vec<Option<(u8, Tissue)>> {
     fn from(tissues: Tissues) -> Self {
-        tissues.segments().map(Some).collect()
+        let mut all: Self = tissues.segments().map(Some).collect();
+        all.resize(all.len().max(PLACES_BEFORE), None);
+        all
     }
 }
 
 /// Tissues that overlap, one bit for each place in [`Tissues`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "LayeredOnFile")]
+#[serde(from = "LayeredOnFile", into = "LayeredOnFile")]
 pub struct Layered([u64; 4]);
 
-/// As 0.1 wrote it, for 16 places, or all of it.
-#[derive(Deserialize)]
+/// As 0.1 wrote it, where that has room for all places, or as it is.
+#[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum LayeredOnFile {
-    Few(u64),
+    Few(u16),
     All([u64; 4]),
 }
 
 impl From<LayeredOnFile> for Layered {
     fn from(file: LayeredOnFile) -> Self {
         match file {
-            LayeredOnFile::Few(bits) => Self([bits, 0, 0, 0]),
+            LayeredOnFile::Few(bits) => Self([bits.into(), 0, 0, 0]),
             LayeredOnFile::All(bits) => Self(bits),
+        }
+    }
+}
+
+impl From<Layered> for LayeredOnFile {
+    fn from(Layered(bits): Layered) -> Self {
+        match (u16::try_from(bits[0]), bits) {
+            (Ok(few), [_, 0, 0, 0]) => Self::Few(few),
+            _ => Self::All(bits),
         }
     }
 }

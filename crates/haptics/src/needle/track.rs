@@ -13,6 +13,8 @@ use super::tissues::{Layered, Met, TissueMap, Tissues, World};
 
 /// Layers that are told apart; what lies beyond counts to the last of them.
 const MAX_LAYERS: usize = 256;
+/// Layers in a file of 0.1.
+const LAYERS_BEFORE: usize = 32;
 /// Voxels looked up in each grid in a tick, at most: so far ahead a tip can come in one.
 const MAX_VOXELS: u32 = 24;
 /// Length of what is looked at again in a tick [smallest spacings of all grids].
@@ -100,7 +102,7 @@ impl PartialEq for Track {
     }
 }
 
-/// A track in a file: only layers that there are, where 0.1 wrote places without any too.
+/// A track in a file. One of few layers is written as by 0.1, with places for all that it knew, and read there.
 #[derive(Serialize, Deserialize)]
 struct TrackOnFile {
     layers: Vec<Layer>,
@@ -128,7 +130,7 @@ impl From<TrackOnFile> for Track {
 impl From<Track> for TrackOnFile {
     fn from(track: Track) -> Self {
         Self {
-            layers: track.known().to_vec(),
+            layers: track.layers[..usize::from(track.count).max(LAYERS_BEFORE)].to_vec(),
             count: track.count,
             seen: track.seen,
             wall: track.wall,
