@@ -200,6 +200,29 @@ fn a_needle_that_is_put_away_lets_tissue_go_bit_by_bit_and_a_probe_presses_again
 }
 
 #[test]
+fn of_a_model_that_was_late_nothing_is_told_while_a_needle_is_in_the_hand() {
+    let mut rig = lattice_rig();
+    press(&mut rig, 30.0, 19.0, 1200);
+    for tick in 0..500 {
+        rig.tick_at(DVec3::new(20.2, 20.3, 19.0));
+        // the model does not answer any more
+        if tick % 10 == 9 {
+            rig.simulation.step();
+        }
+    }
+    let before = rig.simulation.deformation();
+    assert!(before.late && before.force.length() > 0.0, "{before:?}");
+    rig.simulation.set_tool(Some(needle())).unwrap();
+    rig.simulation.stroke(true).unwrap();
+    for _ in 0..20 {
+        rig.tick_at(DVec3::new(20.2, 20.3, 19.0));
+        rig.simulation.step();
+    }
+    let now = rig.simulation.deformation();
+    assert!(!now.late && now.force == DVec3::ZERO, "{now:?}");
+}
+
+#[test]
 fn tissue_that_a_probe_pressed_before_comes_to_rest_as_ever() {
     let mut rig = lattice_rig();
     let all = soft_voxels(&rig);

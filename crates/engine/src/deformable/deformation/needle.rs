@@ -1,5 +1,6 @@
 //! Tissue that a needle drags, for the eye alone: no force and no voxel follows it.
 
+use glam::DVec3;
 use palpate_deform::lattice::NeedleDrag;
 use palpate_deform::model::DisplacementField;
 
@@ -20,6 +21,9 @@ impl Deformation {
     /// Takes where tissue is seen around a needle, if an answer has come: the field, or none where its
     /// voxels are. What a tool pressed before is not taken any more.
     pub fn take_needle(&mut self) -> Option<Option<DisplacementField>> {
+        // nothing is felt of the model, and so nothing is late
+        self.now.force = DVec3::ZERO;
+        self.now.late = false;
         match self.answers.try_recv().ok()? {
             DeformationAnswer::Needle(field) => {
                 self.needle_asked = false;
