@@ -53,6 +53,7 @@ def offered(state: Path) -> int | None:
 
 OTHER = """
 import sys
+import time
 from pathlib import Path
 from made_scans import make_ball
 from palpate.saved.journal import Journal
@@ -64,7 +65,13 @@ with Session(make_ball(), options=SessionOptions(real_time=False)) as session:
     print("ready", journal.offer is not None, flush=True)
     sys.stdin.readline()
     journal.decide(bring_back=True)
+    before = journal.path.stat().st_size
     session.fill_box(1, low=(18, 18, 25), high=(22, 22, 27), solid=False)
+    # a change is written within a moment, by a thread of its own
+    for _ in range(1200):
+        if journal.path.stat().st_size > before:
+            break
+        time.sleep(0.05)
     print("changed", journal.is_running, flush=True)
     sys.stdin.readline()
 """
