@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+from made_gel import GEL, TOP, gel_scene
 from numpy.typing import NDArray
 from palpate.pictures.appearance import Appearance
 from palpate.pictures.camera import Camera
@@ -15,11 +16,7 @@ from palpate.session.needle import TISSUES
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.material import Material
-from palpate.volumes.scene import Scene
-from palpate.volumes.volume import Volume, VolumeTraits
 
-TOP = 24
-"""Voxels of the soft block, from below."""
 ISO = -475.0
 MIDDLE = (24.3, 24.4)
 WIDE = 15
@@ -27,13 +24,6 @@ WIDE = 15
 AWAY = 100.0
 """From the plane of the picture to the block's upper face [mm]."""
 Array = NDArray[np.float64]
-
-
-def soft_block() -> Scene:
-    values = np.full((48, 48, 48), -1000, dtype=np.int16)
-    values[:TOP] = 50
-    volume = Volume(values, spacing=(1.0, 1.0, 1.0), traits=VolumeTraits(unit="HU"))
-    return Scene(volume, [volume.threshold(0.0, 100.0, name="gel")])
 
 
 def depths(pictures: SessionPictures) -> Array:
@@ -111,12 +101,12 @@ def edited(session: Session) -> NDArray[np.int16]:
 def test_a_pressed_block_is_drawn_where_it_stands() -> None:
     path = ScriptedPath((*MIDDLE, 30.0)).move((*MIDDLE, TOP - 1.6), seconds=1.0)
     path = path.move((*MIDDLE, TOP - 1.6), seconds=0.5)
-    with Session(soft_block(), device=path, options=SessionOptions(real_time=False)) as session:
+    with Session(gel_scene(), device=path, options=SessionOptions(real_time=False)) as session:
         pictures = SessionPictures(session)
         untouched = depths(pictures)
         np.testing.assert_allclose(untouched, AWAY + 0.5, atol=0.02)
         session.picture_changes()
-        session.set_material(1, Material(young=2.0e4, poisson=0.45, friction=0.0))
+        session.set_material(1, GEL)
         session.set_deformation("lattice")
         session.run(1.4)
         displaced: Any = session.whole_surfaces()["displaced"]
@@ -141,7 +131,7 @@ def test_tissue_dimples_under_a_needle_and_comes_back_at_the_puncture() -> None:
     liver = TISSUES["liver"]
     path = ScriptedPath((*MIDDLE, 30.0)).move((*MIDDLE, TOP - 5.0), seconds=1.0)
     path = path.move((*MIDDLE, TOP - 5.0), seconds=0.5).move((*MIDDLE, TOP - 8.0), seconds=0.5)
-    with Session(soft_block(), device=path, options=SessionOptions(real_time=False)) as session:
+    with Session(gel_scene(), device=path, options=SessionOptions(real_time=False)) as session:
         session.set_material(1, Material(young=5.5e3, poisson=0.45, friction=0.0))
         session.set_deformation("lattice")
         session.set_tool("needle", radius=0.5, segment_ids=[1], tissues=[liver])

@@ -3,41 +3,26 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from palpate import protocol
+from made_gel import GEL, TOP, gel_scene
 from palpate.base.errors import OptionError
-from palpate.server.messages.soft_tissue import material_of, wanted_material
 from palpate.session.edited_values import EditedValues
-from palpate.session.model_options import ModelOptions, Prony, deformation_models, offered_models
+from palpate.session.model_options import ModelOptions, Prony
 from palpate.session.recording import Recording
 from palpate.session.scripted_path import ScriptedPath
 from palpate.session.session import Session, SessionOptions
 from palpate.session.touch_settings import TouchSettings
-from palpate.volumes.material import LinearMaterial, Material, Region, material_presets
-from palpate.volumes.scene import Scene
-from palpate.volumes.volume import Volume, VolumeTraits
+from palpate.volumes.material import LinearMaterial, Material, Region
 
-TOP = 24.0
-"""Upper end of the soft block [mm]."""
 DEEP = 1.5
 """How far it is pressed [mm]."""
 BALL = 3.0
 """Radius of the probe [mm]: soft tissue is pressed by no smaller one."""
 OFFLINE = SessionOptions(real_time=False)
 """Every run of the same session gives the same."""
-GEL = Material(young=2.0e4, poisson=0.45, friction=0.0)
-"""Soft, and never breaks."""
-
-
-def scene(unit: str = "HU") -> Scene:
-    values = np.full((48, 48, 48), -1000, dtype=np.int16)
-    values[: int(TOP)] = 50
-    volume = Volume(values, spacing=(1.0, 1.0, 1.0), traits=VolumeTraits(unit=unit))
-    return Scene(volume, [volume.threshold(0.0, 100.0, name="gel")])
 
 
 def pressed(
@@ -46,7 +31,7 @@ def pressed(
     path = ScriptedPath((24.3, 24.4, TOP + BALL + 6.0))
     path = path.move((24.3, 24.4, TOP + BALL - DEEP), seconds=1.0)
     path = path.move((24.3, 24.4, TOP + BALL - DEEP), seconds=0.6)
-    with Session(scene(), device=path, options=OFFLINE) as session:
+    with Session(gel_scene(), device=path, options=OFFLINE) as session:
         session.settings(TouchSettings(probe_radius=BALL))
         session.set_material(1, material)
         session.set_deformation(model)
@@ -71,7 +56,7 @@ def test_a_point_presses_soft_tissue_as_a_ball_and_hard_tissue_as_a_point() -> N
     for depth in (2.0, 4.0, 6.0, 8.0):
         path = path.move((24.3, 24.4, TOP + BALL - depth), seconds=0.1)
         path = path.move((24.3, 24.4, TOP + BALL - depth), seconds=0.4)
-    with Session(scene(), device=path, options=OFFLINE) as session:
+    with Session(gel_scene(), device=path, options=OFFLINE) as session:
         assert session.frame()["probe_radius"] == 0.0
         session.set_material(1, GEL)
         session.set_deformation("lattice")
@@ -88,7 +73,7 @@ def test_files_hold_pressed_tissue_at_rest() -> None:
     path = ScriptedPath((24.3, 24.4, TOP + BALL + 6.0))
     path = path.move((24.3, 24.4, TOP + BALL - 3.0), seconds=1.0)
     path = path.move((24.3, 24.4, TOP + BALL - 3.0), seconds=0.6)
-    given = scene()
+    given = gel_scene()
     values, mask = given.volume.array.copy(), next(iter(given)).segment.mask().copy()
     with Session(given, device=path, options=OFFLINE) as session:
         session.settings(TouchSettings(probe_radius=BALL))
@@ -141,7 +126,7 @@ def test_the_friction_of_a_material_holds_a_sliding_probe_back_and_is_replayed()
         along, _, up = recording.forces[-1]
         return float(-along / up)
 
-    with Session(scene(), device=path, options=OFFLINE) as session:
+    with Session(gel_scene(), device=path, options=OFFLINE) as session:
         assert held(session.run(0.6)) == pytest.approx(0.0, abs=0.01)
         session.set_material(1, GEL._replace(friction=0.5))
         rough = session.run(0.3)
@@ -156,7 +141,7 @@ def test_the_friction_of_a_material_holds_a_sliding_probe_back_and_is_replayed()
 
 
 def test_what_is_felt_of_soft_matter_can_be_chosen() -> None:
-    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
+    with Session(gel_scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
         assert session.deformation()["force_source"] == "matter"
         session.set_force_source("voxels")
         assert session.deformation()["force_source"] == "voxels"
@@ -173,7 +158,7 @@ def test_a_dent_comes_back_and_parts_can_be_rigid() -> None:
     path = path.move((24.3, 24.4, 34.0), seconds=0.7)
     forces, moved = [], []
     for regions, removed in (([], False), ([rigid], False), ([rigid], True)):
-        with Session(scene(), device=path, options=OFFLINE) as session:
+        with Session(gel_scene(), device=path, options=OFFLINE) as session:
             session.set_material(1, GEL)
             session.set_regions(1, regions)
             if removed:
@@ -191,98 +176,6 @@ def test_a_dent_comes_back_and_parts_can_be_rigid() -> None:
     assert min(forces[1:]) > 1.2 * forces[0] > 0.0
 
 
-@pytest.mark.parametrize(
-    ("region", "message"),
-    [
-        (Region("soft"), '"soft" given; allowed: deformable, rigid, empty'),  # type: ignore[arg-type]
-        (Region("rigid", box=((0, 0, 0), (1, 1, 1)), shared_with=1), "one of them"),
-        (Region("rigid", shared_with=9), "segment 9"),
-    ],
-)
-def test_what_is_no_region_is_refused(region: Region, message: str) -> None:
-    with (
-        Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session,
-        pytest.raises(OptionError, match=message),
-    ):
-        session.set_regions(1, [region])
-
-
-def test_regions_are_known_and_come_back_with_their_segment() -> None:
-    whole, shared = Region("rigid"), Region("empty", shared_with=2)
-    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
-        other = session.add_segment(session.segment(1))
-        assert (session.regions(1), session.regions(other)) == ((), ())
-        session.set_regions(1, [whole, shared])
-        with pytest.raises(OptionError, match="segment 9"):
-            session.set_regions(1, [Region("rigid", shared_with=9)])
-        assert session.regions(1) == (whole, shared)
-        session.remove_segment(1)
-        session.run(0.1)
-        assert session.undo()
-        assert session.regions(1) == (whole, shared)
-        made = session.add_segment(session.segment(other))
-        session.set_regions(made, [whole])
-        assert session.undo()
-        # another change ends what redo could bring back: a new segment under its number has none
-        session.fill_box(other, low=(0, 0, 0), high=(2, 2, 2), solid=False)
-        again = session.add_segment(session.segment(other))
-        assert (again, session.regions(again)) == (made, ())
-
-
-def test_the_table_of_presets_is_that_of_the_code() -> None:
-    page = (Path(__file__).parents[3] / "docs/understand/deformation.md").read_text()
-    soft = [
-        preset
-        for preset in material_presets()
-        if not preset.needs_hounsfield and preset.high.young < 1e7
-    ]
-    assert len(soft) == 13
-    for preset in soft:
-        young, poisson, density, fracture_energy, _, stiffening = preset.low
-        low, high = preset.young_range
-        assumed = ", assumed" if preset.source.endswith("assumed") else ""
-        row = (
-            f"| `{preset.name}` | {young / 1e3:g} | {low / 1e3:g} to {high / 1e3:g} "
-            f"| {poisson:g} | {density / 1e3:g} | {fracture_energy:g}{assumed} "
-            f"| {stiffening:g} |"
-        )
-        assert row in page, row
-
-
-def test_materials_are_named_with_their_sources() -> None:
-    presets = {preset.name: preset.source for preset in material_presets()}
-    assert {"liver", "skin", "cortical-bone", "thesis-bone"} <= set(presets)
-    assert all(presets.values())
-    models = {model.name: model for model in offered_models()}
-    assert list(models) == deformation_models()
-    assert set(models) == {"lattice", "fcc-lj", "cuboid-lj", "global-lj"}
-    assert [name for name, model in models.items() if model.bonded] == ["lattice"]
-    # more would be cut off in the page's panel
-    assert max(len(model.title) for model in models.values()) < 26
-    assert models["lattice"].boxes == (9, 21, 41)
-    assert models["lattice"].fades == ((0.01, 0.95), (0.01, 1000.0))
-    assert models["lattice"].yields == (0.005, 0.5)
-    assert (models["fcc-lj"].fades, models["fcc-lj"].yields) == (None, None)
-    assert models["fcc-lj"].binding == (0.0, 0.0, 2.0)
-    assert models["fcc-lj"].walls
-    particles = {
-        name: (model.layers, model.calibration, model.motion) for name, model in models.items()
-    }
-    assert particles == {
-        "lattice": (None, False, False),
-        "fcc-lj": (8, True, True),
-        # it has no energy to be at rest in
-        "cuboid-lj": (8, True, False),
-        "global-lj": (None, True, False),
-    }
-    assert models["global-lj"].boxes is None
-    assert models["global-lj"].binding == (0.01, 0.3, 2.0)
-    bone = next(preset for preset in material_presets() if preset.name == "thesis-bone")
-    # 5.28.3
-    assert bone.needs_hounsfield
-    assert (bone.low.young, bone.high.young) == pytest.approx((5e9, 21e9))
-
-
 def pressing(deep: float = DEEP) -> Session:
     """A session that presses the gel for 1.6 s, and is away from it 0.6 s later."""
     path = ScriptedPath((24.3, 24.4, 30.0))
@@ -290,7 +183,7 @@ def pressing(deep: float = DEEP) -> Session:
     path = path.move((24.3, 24.4, TOP - deep), seconds=0.6)
     path = path.move((24.3, 24.4, TOP + 20.0), seconds=0.4)
     path = path.move((24.3, 24.4, TOP + 20.0), seconds=0.6)
-    session = Session(scene(), device=path, options=OFFLINE)
+    session = Session(gel_scene(), device=path, options=OFFLINE)
     session.set_material(1, GEL)
     session.set_deformation("lattice")
     session.picture_changes()
@@ -357,7 +250,7 @@ def test_the_parts_of_a_model_are_shown_on_request_alone() -> None:
 
 
 def test_a_model_takes_the_boxes_that_it_offers() -> None:
-    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
+    with Session(gel_scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
         session.set_material(1, GEL)
         session.set_deformation("lattice", ModelOptions(edge=9))
         session.run(0.2)
@@ -418,7 +311,7 @@ def test_a_model_takes_the_boxes_that_it_offers() -> None:
 def test_what_a_model_does_not_offer_is_refused(
     model: str, options: ModelOptions, message: str
 ) -> None:
-    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
+    with Session(gel_scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
         with pytest.raises(OptionError, match=message):
             session.set_deformation(model, options)
         assert session.deformation()["model"] is None
@@ -451,7 +344,7 @@ def test_what_yields_stays_dented_as_one_step_of_undo() -> None:
     path = path.move((14.3, 24.4, TOP - 2 * DEEP), seconds=1.0)
     path = path.move((34.3, 24.4, TOP - 2 * DEEP), seconds=2.0)
     path = path.move((34.3, 24.4, 34.0), seconds=0.7)
-    with Session(scene(), device=path, options=OFFLINE) as session:
+    with Session(gel_scene(), device=path, options=OFFLINE) as session:
         session.settings(TouchSettings(probe_radius=3.0))
         session.set_material(1, GEL)
         session.set_deformation("lattice", ModelOptions(yield_strain=0.05), undoable=False)
@@ -528,73 +421,3 @@ def test_walls_keep_particles_out_of_empty_voxels() -> None:
     # voxel below the top, and what rests below it may come up to it
     assert highest(ModelOptions()) > TOP
     assert highest(ModelOptions(walls=True)) < TOP - 0.25
-
-
-def test_segments_say_what_they_are_made_of() -> None:
-    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session:
-        assert material_of(session.segments()[0]) is None
-        session.set_material(1, "liver")
-        liver = material_of(session.segments()[0])
-        assert liver is not None
-        assert liver.preset == "liver"
-        assert liver.low.young == pytest.approx(5500.0)
-        wanted = protocol.SetMaterial(
-            1,
-            None,
-            protocol.Constants(7000.0, 0.3, 1000.0, None, friction=0.1, stiffening=3.0),
-            undoable=True,
-        )
-        session.set_material(1, wanted_material(wanted))
-        own = material_of(session.segments()[0])
-        assert own is not None
-        assert own.preset is None
-        assert own.low == own.high
-        assert (own.low.poisson, own.low.fracture_energy, own.low.stiffening) == (0.3, None, 3.0)
-        session.set_material(1, wanted_material(protocol.SetMaterial(1, None, None, undoable=True)))
-        assert material_of(session.segments()[0]) is None
-        # each of them is a step of undo; what a page asks for by itself is none
-        session.set_material(1, "fat", undoable=False)
-        session.set_deformation("lattice")
-        assert session.undo()
-        assert session.deformation()["model"] is None
-        assert session.undo()
-        own = material_of(session.segments()[0])
-        assert own is not None
-        assert own.low.young == 7000.0
-
-
-@pytest.mark.parametrize("material", ["thesis-bone", LinearMaterial((0.0, 900.0), GEL, GEL)])
-def test_what_follows_hu_is_refused_where_values_are_not_known_to_be_hu(
-    material: LinearMaterial | str,
-) -> None:
-    name = material if isinstance(material, str) else "LinearMaterial"
-    with Session(scene(unit=""), options=OFFLINE) as session:
-        refused = f"{name}.* not known to be HU; allowed: .* liver, .*`unit=HU`"
-        with pytest.raises(OptionError, match=refused):
-            session.set_material(1, material)
-        assert session.segments()[0]["material"] is None
-        session.set_material(1, "liver")
-    with Session(scene(), options=OFFLINE) as session:
-        session.set_material(1, material)
-        assert session.segments()[0]["material"] is not None
-
-
-@pytest.mark.parametrize(
-    ("material", "message"),
-    [
-        ("cheese", 'material "cheese" given; allowed: thesis-bone,'),
-        (Material(young=-1.0), "Young's modulus -1 Pa given"),
-        (Material(young=1e4, poisson=0.5), "Poisson's ratio 0.5 given"),
-        (LinearMaterial((60.0, 10.0), GEL, GEL), "intensities from 60 to 10 given"),
-    ],
-)
-def test_what_is_no_material_is_refused(
-    material: Material | LinearMaterial | str, message: str
-) -> None:
-    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session:
-        with pytest.raises(OptionError, match=message):
-            session.set_material(1, material)
-        with pytest.raises(OptionError, match="segment 7"):
-            session.set_material(7, "liver")
-        with pytest.raises(OptionError, match='"jelly" given; allowed: lattice'):
-            session.set_deformation("jelly")
