@@ -293,14 +293,14 @@ class SegmentList:
     def _show_moved_as_surface(self, state: SegmentState) -> None:
         """Shows a moved segment as a surface, since voxels are drawn where the scan has them."""
         segment_id, pose, has_own_grid = state["id"], state["pose"], state["grid"] is not None
-        look = self._appearance_of(segment_id)
-        stands_there = (pose is None or pose == UNMOVED) and not has_own_grid
-        if stands_there or look.shown_as == "surface":
+        if (pose is None or pose == UNMOVED) and not has_own_grid:
             return
-        look = replace(look, shown_as="surface")
-        self._show(segment_id, look)
+        # at once: another thread may be giving it a name
         with self._lock:
-            self._appearances[segment_id] = look
+            look = self._appearance_of(segment_id)
+            if look.shown_as == "surface":
+                return
+            self._appearances[segment_id] = replace(look, shown_as="surface")
             why = "has a grid of its own" if has_own_grid else "was moved"
             self._notices.append(
                 f"{look.name} {why}: it is shown as a surface from now on, since voxels "
