@@ -42,6 +42,7 @@ mod stiffening;
 mod structure;
 mod tangent;
 mod tool_contact;
+mod turning;
 mod vectors;
 mod volume_forces;
 mod whole_body;

@@ -92,8 +92,10 @@ fn an_answer_builds_only_what_is_new_and_looks_only_at_what_moves() {
     }
     let face = NODES * NODES;
     let all = NODES * face;
-    // the first one builds the box: its nodes, and what is behind its faces
-    assert!(efforts[0].sampled > all && efforts[0].built == all);
+    // the first one builds the box, its nodes and what is behind its faces, and leads it into the tissue
+    let first = efforts[0];
+    assert!(first.sampled > all && first.sampled < 3 * all / 2);
+    assert!(first.built > all && first.built < 3 * all / 2);
     let goes: Vec<_> = efforts[1..]
         .iter()
         .filter(|effort| effort.built > 0)

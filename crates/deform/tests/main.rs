@@ -4,6 +4,7 @@ mod cuboid_compression;
 mod examples;
 mod global_effort;
 mod global_particles;
+mod lattice_box;
 mod lattice_depth;
 mod lattice_effort;
 mod lattice_elastic;

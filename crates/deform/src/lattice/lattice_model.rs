@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use glam::{DVec3, IVec3};
+use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::damage::Damage;
@@ -24,8 +25,13 @@ use crate::observed_voxels::ObservedVoxels;
 use crate::voxel_ledger::{Ledger, Wanted};
 use crate::work_time::WorkTime;
 
-/// How far the tool may be from the middle of the box before the box follows [nodes].
+/// How far the middle of the box may be from where it is to be before the box follows [nodes].
 const LEASH: i32 = 2;
+/// How far from the tool's middle toward the tissue the middle of the box is to be, in parts of the tool's
+/// smallest half axis, and at most, in parts of half the box: with the tool's middle in its own, a part of
+/// it would be empty, and the load that its border stands for outside of the tissue.
+const AHEAD: f64 = 0.85;
+const FARTHEST_AHEAD: f64 = 0.4;
 /// Unbalanced force from which on nodes count as at rest, in parts of the tolerance.
 pub(super) const AT_REST: f64 = 10.0;
 /// Unbalanced force from which on a tool's tissue yields, as a share of the tools' force: a little too
@@ -53,6 +59,8 @@ pub struct LatticeModel {
     /// The segment behind the box; none where nothing goes on behind it, or where it is not asked for.
     whole: Option<WholeBody>,
     pub(super) relaxer: Relaxer,
+    /// Direction in which the first tool presses, along the axes of the grid; none where it feels nothing.
+    pressed: Option<DVec3>,
     /// Finds where tissue stays that has yielded.
     pub(super) unloaded: Relaxer,
     damage: Damage,
@@ -101,38 +109,69 @@ impl LatticeModel {
     /// made of.
     fn follow(&mut self, input: &ModelInput<'_>, tools: &[&ToolState]) -> u64 {
         let asked = self.follow_edits(input);
-        let mut matter = self.matter.take();
-        if let Some(before) = &matter
-            && !before.fits(&self.rest_voxels(input, 0))
-        {
-            matter = None;
-        }
+        let known = self.matter.take();
+        let known = known.filter(|matter| matter.fits(&self.rest_voxels(input, 0)));
         let Some(tool) = tools.first() else {
-            self.matter = matter;
+            self.matter = known;
             return asked;
         };
-        let grid = input.voxels.grid();
-        let spacing = self.settings.spacing.unwrap_or(grid.smallest_spacing());
-        let half = self.settings.nodes as i32 / 2;
-        let origin = node_near(grid_mm(grid, tool.position), spacing) - half;
-        let goes = |matter: &MovingBox| (origin - matter.origin).abs().max_element() > LEASH;
-        let goes = matter.as_ref().is_some_and(goes);
-        if let Some(matter) = matter.as_mut().filter(|_| goes) {
-            self.leave(matter, origin, input, tools);
-            self.damage.keep(matter);
+        let begins = known.is_none();
+        let rest = self.rest_voxels(input, asked);
+        let mut matter = known.unwrap_or_else(|| self.new_box(&rest, tool));
+        let asked = rest.asked.get();
+        let origin = self.origin_for(tool, Some(&matter), input.voxels.grid());
+        let far = (origin - matter.origin).abs().max_element();
+        if far <= if begins { 0 } else { LEASH } {
+            self.matter = Some(matter);
+            return asked;
+        }
+        if !begins {
+            self.leave(&mut matter, origin, input, tools);
+            self.damage.keep(&matter);
         }
         let rest = self.rest_voxels(input, asked);
-        let LatticeSettings {
-            nodes, inelastic, ..
-        } = self.settings;
-        let mut matter =
-            matter.unwrap_or_else(|| MovingBox::new(&rest, nodes, spacing, inelastic, origin));
-        if goes {
-            matter.go(&rest, origin, &self.damage);
-        }
+        matter.go(&rest, origin, &self.damage);
         let asked = rest.asked.get();
         self.matter = Some(matter);
         asked
+    }
+
+    /// A box at rest around a tool.
+    fn new_box(&self, rest: &RestVoxels<'_>, tool: &ToolState) -> MovingBox {
+        let grid = rest.voxels.grid();
+        let LatticeSettings {
+            nodes, inelastic, ..
+        } = self.settings;
+        let origin = self.origin_for(tool, None, grid);
+        MovingBox::new(rest, nodes, self.spacing(grid), inelastic, origin)
+    }
+
+    /// Between nodes [mm].
+    fn spacing(&self, grid: &Grid) -> f64 {
+        self.settings.spacing.unwrap_or(grid.smallest_spacing())
+    }
+
+    /// The first node of the box that a tool is to have, counted from the corner of the grid. The middle of
+    /// the box stands where the tool presses, or will, so that the box is full of what it presses.
+    fn origin_for(&self, tool: &ToolState, matter: Option<&MovingBox>, grid: &Grid) -> IVec3 {
+        let place = grid_mm(grid, tool.position);
+        let (spacing, half) = (self.spacing(grid), self.settings.nodes / 2);
+        let toward_tissue = self
+            .pressed
+            .or_else(|| (matter?.middle_of_tissue()? - place).try_normalize());
+        let most = FARTHEST_AHEAD * spacing * f64::from(half);
+        let ahead = (AHEAD * tool.shape.half_axes().min_element()).min(most);
+        let middle = place + toward_tissue.unwrap_or_default() * ahead;
+        node_near(middle, spacing) - half as i32
+    }
+
+    /// Notes where the first tool presses; where tissue is not at rest yet, that is as it was.
+    fn note_pressed(&mut self, report: &ModelReport) {
+        let felt = self.relaxer.felt().first().map(|felt| -felt.force);
+        let pressed = felt.and_then(DVec3::try_normalize);
+        if pressed.is_none() || report.residual <= AT_REST * self.settings.tolerance {
+            self.pressed = pressed;
+        }
     }
 
     /// Has the border of the box give as the whole segment does.
@@ -401,6 +440,7 @@ impl DeformationModel for LatticeModel {
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
             self.relax(input, &time, &tools, &mut answer);
+            self.note_pressed(&answer.report);
         }
         self.follow_whole(input, &time, &answer.report);
         let is_late = || time.is_over(EASED);
@@ -439,6 +479,7 @@ impl DeformationModel for LatticeModel {
     fn reset(&mut self) {
         self.matter = None;
         self.whole = None;
+        self.pressed = None;
         self.damage = Damage::default();
         self.left_behind.clear();
         self.ledger.settle_plastic();

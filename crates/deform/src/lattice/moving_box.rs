@@ -209,6 +209,15 @@ impl MovingBox {
         Some(self.corner() + lattice.rest_place(nearest))
     }
 
+    /// The mean place at rest of all its tissue, mm along the axes of the grid from its corner.
+    pub fn middle_of_tissue(&self) -> Option<DVec3> {
+        let nodes = self.lattice.matter_nodes();
+        let (count, sum) = nodes.fold((0.0, DVec3::ZERO), |(count, sum), node| {
+            (count + 1.0, sum + self.lattice.rest_place(node))
+        });
+        (count > 0.0).then(|| self.corner() + sum / count)
+    }
+
     /// Its lower and upper corner, mm along the axes of the grid from its corner.
     pub fn ends(&self) -> [DVec3; 2] {
         [self.corner(), self.corner() + 2.0 * self.half_width()]

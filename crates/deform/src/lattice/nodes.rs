@@ -7,6 +7,7 @@ use super::border::{Border, Frame, Ground};
 use super::coarse::Coarse;
 use super::layout::{FAMILY_COUNT, Layout};
 use super::stiffening::Stiffening;
+use super::turning::Turning;
 use super::vectors::{Field, vector_at, zero_field};
 use super::volume_forces::{Cells, add_volume_forces, volume_energy};
 use crate::material::Solid;
@@ -54,6 +55,8 @@ pub struct Lattice {
     pub(super) cells: Cells,
     pub(super) ground: Vec<Ground>,
     pub(super) border: Border,
+    /// What holds the border back from turning as one.
+    pub(super) turning: Turning,
     /// The body behind the border, as one.
     pub(super) frame: Frame,
     /// Forces from elsewhere, each on a node [N].
@@ -106,6 +109,7 @@ impl Lattice {
             cells: Cells::none(&layout),
             ground: Vec::new(),
             border,
+            turning: Turning::default(),
             frame: Frame::HELD,
             loads: Vec::new(),
             cut: vec![0; length],
@@ -253,6 +257,7 @@ impl Lattice {
                 force[axis][node] -= pull[axis];
             }
         }
+        self.turning.add_forces(&self.ground, behind, moved, force);
         for &(node, load) in &self.loads {
             for axis in 0..3 {
                 force[axis][node as usize] += load[axis];
@@ -274,5 +279,6 @@ impl Lattice {
         bonds
             + volume_energy(&self.layout, self.spacing, &self.cells, &self.moved)
             + self.ground.iter().map(ground).sum::<f64>()
+            + self.turning.energy(&self.ground, &self.moved)
     }
 }

@@ -10,6 +10,7 @@ use super::moduli::LatticeModuli;
 use super::nodes::{Lattice, NodeMaterial};
 use super::pressure_easing::EASED_FROM;
 use super::stiffening::Stiffening;
+use super::turning::{Turning, TurningNode, turning_stiffness};
 use super::vectors::zero_field;
 use super::volume_forces::corners;
 use crate::material::{Solid, pair_stiffness};
@@ -188,6 +189,7 @@ impl Lattice {
     /// Ties border nodes to the body behind.
     fn ground_border(&mut self) {
         self.ground.clear();
+        let mut turning = Vec::new();
         for (_, index) in self.layout.nodes() {
             if self.cut[index] == 0 || !self.is_mobile(index) {
                 continue;
@@ -200,7 +202,11 @@ impl Lattice {
                     }
                 }
                 Border::Endless { load } => {
-                    let stiffness = self.spring_behind(index, self.cut[index], load);
+                    let (stiffness, node) = self.held_behind(index, load);
+                    turning.push(TurningNode {
+                        ground: self.ground.len() as u32,
+                        ..node
+                    });
                     self.ground.push(Ground {
                         node: index as u32,
                         stiffness,
@@ -209,26 +215,35 @@ impl Lattice {
                 }
             }
         }
+        self.turning = Turning::new(turning);
     }
 
-    /// The springs of all cut faces of a border node.
-    fn spring_behind(&self, index: usize, cut: u8, load: DVec3) -> DMat3 {
-        let NodeMaterial::Deformable(solid) = self.matter[index] else {
-            return DMat3::ZERO;
-        };
-        let poisson = LatticeModuli::of(&solid, self.spacing).poisson;
-        let solid = Solid { poisson, ..solid };
-        let from_load = self.rest_place(index) - load;
+    /// The springs of all cut faces of a border node, and what holds it back from turning.
+    fn held_behind(&self, index: usize, load: DVec3) -> (DMat3, TurningNode) {
+        let arm = self.rest_place(index) - load;
         // a load in the border itself would be held by an endless spring
-        let from_load = from_load * (self.spacing / from_load.length().max(1e-9)).max(1.0);
-        let mut spring = DMat3::ZERO;
-        for face in (0..6).filter(|face| cut >> face & 1 == 1) {
-            // an edge of the box belongs by half to each of its faces
-            let others = (cut & !(1 << face)).count_ones();
-            let area = self.spacing * self.spacing * 0.5f64.powi(others as i32);
-            spring += spring_of_endless_body(&solid, from_load, outward(face).as_dvec3()) * area;
+        let arm = arm * (self.spacing / arm.length().max(1e-9)).max(1.0);
+        let (mut spring, mut stiffness) = (DMat3::ZERO, 0.0);
+        if let NodeMaterial::Deformable(solid) = self.matter[index] {
+            let poisson = LatticeModuli::of(&solid, self.spacing).poisson;
+            let solid = Solid { poisson, ..solid };
+            let turning = turning_stiffness(solid.shear(), poisson, arm.length());
+            let cut = self.cut[index];
+            for face in (0..6).filter(|face| cut >> face & 1 == 1) {
+                // an edge of the box belongs by half to each of its faces
+                let others = (cut & !(1 << face)).count_ones();
+                let area = self.spacing * self.spacing * 0.5f64.powi(others as i32);
+                let outward = outward(face).as_dvec3();
+                spring += spring_of_endless_body(&solid, arm, outward) * area;
+                stiffness += turning * area * arm.normalize_or_zero().dot(outward).max(0.0);
+            }
         }
-        spring
+        let turning = TurningNode {
+            ground: 0,
+            arm,
+            stiffness,
+        };
+        (spring, turning)
     }
 
     /// Works out what follows from bonds and cells: stiffening, masses, free nodes, chunks in use.

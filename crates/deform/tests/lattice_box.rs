@@ -1,0 +1,159 @@
+//! A box holds only what is around the tool, and stands for the whole body all the same.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DQuat, DVec3, UVec3};
+use palpate_deform::lattice::{LatticeModel, LatticeSettings};
+use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, SolidSi};
+use palpate_deform::model::{
+    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
+};
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::Voxels;
+
+/// Upper face of the block [mm].
+const TOP: i32 = 48;
+/// Ball in voxels: as a finger of 3 mm in a scan of 0.7 mm.
+const RADIUS: f64 = 4.3;
+
+/// A block of soft tissue in voxels of 1 mm, and a model that presses it.
+struct Block {
+    voxels: Voxels,
+    materials: Materials,
+    model: LatticeModel,
+}
+
+impl Block {
+    fn new(poisson: f64, nodes: u32) -> Self {
+        let dimensions = UVec3::splat(72);
+        let grid =
+            Grid::new(dimensions, DVec3::ONE, DVec3::splat(0.5), DMat3::IDENTITY).expect("a grid");
+        let values: Arc<[i16]> = vec![0; grid.voxel_count()].into();
+        let values = Intensities::new(dimensions, values, 1.0, 0.0).expect("intensities");
+        let mut voxels = Voxels::new(grid, values).expect("one grid");
+        let block = Segment::from_fn(dimensions, |voxel| voxel.z < TOP);
+        let segment = voxels.add_segment(block).expect("a free number");
+        let soft = SolidSi {
+            young: 5500.0,
+            poisson,
+            density: 1060.0,
+            fracture_energy: f64::INFINITY,
+            friction: 0.0,
+            stiffening: 0.0,
+        };
+        Self {
+            voxels,
+            materials: Materials {
+                segments: vec![SegmentMaterial {
+                    segment,
+                    law: MaterialLaw::constant(soft).expect("matter"),
+                    regions: Vec::new(),
+                }],
+            },
+            model: LatticeModel::new(LatticeSettings {
+                nodes,
+                ..LatticeSettings::default()
+            }),
+        }
+    }
+
+    /// An answer with the ball so deep below the face, somewhere beside the middle of a voxel.
+    fn answer(&mut self, depth: f64) -> ModelAnswer {
+        let tool = ToolState {
+            id: 1,
+            shape: ToolShape::Ball(RADIUS),
+            position: DVec3::new(36.3, 36.4, f64::from(TOP) + RADIUS - depth),
+            orientation: DQuat::IDENTITY,
+        };
+        let answer = self.model.advance(&ModelInput {
+            voxels: &self.voxels,
+            materials: &self.materials,
+            tools: &[tool],
+            dt: 0.03,
+            budget: Budget::iterations(300),
+        });
+        if let Some(edit) = answer.edit.clone() {
+            self.voxels.apply(edit).expect("of this scan");
+        }
+        answer
+    }
+
+    /// Force at each half voxel down to a depth [N].
+    fn press(&mut self, deepest: f64) -> Vec<f64> {
+        (1..=(2.0 * deepest) as u32)
+            .map(|half| force(&self.answer(0.5 * f64::from(half))))
+            .collect()
+    }
+}
+
+fn force(answer: &ModelAnswer) -> f64 {
+    let contact = answer.contacts[0].contact;
+    contact.map_or(0.0, |contact| contact.force.z)
+}
+
+/// Largest difference of two presses from their second millimetre on, as a share.
+fn apart(one: &[f64], other: &[f64]) -> f64 {
+    let pairs = one.iter().zip(other).skip(1);
+    pairs.fold(0.0, |most, (one, other)| {
+        f64::max(most, (one / other - 1.0).abs())
+    })
+}
+
+#[test]
+fn a_ball_feels_in_its_box_what_it_feels_in_a_far_larger_one() {
+    for poisson in [0.45, 0.49] {
+        // to 1.4 times its radius
+        let large = Block::new(poisson, 41).press(6.0);
+        let usual = Block::new(poisson, 21).press(6.0);
+        let error = apart(&usual, &large);
+        assert!(error < 0.03, "ν {poisson}: {error}\n{usual:?}\n{large:?}");
+    }
+}
+
+/// Nearly incompressible tissue gives way to a turn as easily as its border lets it.
+#[test]
+fn tissue_does_not_roll_out_from_below_the_ball() {
+    let mut block = Block::new(0.49, 21);
+    let forces = block.press(6.0);
+    assert!(
+        forces.windows(2).all(|pair| pair[1] > pair[0]),
+        "{forces:?}"
+    );
+    let parts = block.model.parts().places;
+    let middle = DVec3::new(36.3, 36.4, 0.0);
+    for axis in [DVec3::X, DVec3::Y] {
+        let beside = |[rest, now]: &[DVec3; 2]| (*now - *rest).dot(axis);
+        let below = parts.iter().filter(|[rest, _]| {
+            let from = (*rest - middle).truncate();
+            from.length() < 2.0 && rest.z < f64::from(TOP) - 8.0
+        });
+        let (sum, count) = below.fold((0.0, 0.0), |(sum, count), part| {
+            (sum + beside(part), count + 1.0)
+        });
+        assert!(
+            count > 0.0 && f64::abs(sum / count) < 0.1,
+            "{axis}: {}",
+            sum / count
+        );
+    }
+}
+
+#[test]
+fn a_box_that_goes_on_starts_its_new_tissue_near_where_it_comes_to_rest() {
+    for nodes in [13, 21] {
+        let mut block = Block::new(0.45, nodes);
+        let mut last = 0.0;
+        let mut goes = 0;
+        for half in 1..=24 {
+            let answer = block.answer(0.5 * f64::from(half));
+            goes += u32::from(answer.report.effort.built > 0);
+            assert!(answer.report.residual < 0.01, "{:?}", answer.report);
+            let now = force(&answer);
+            assert!(now < 2.0 * last + 0.02, "{last} N, then {now}");
+            last = now;
+        }
+        assert!(goes > 2, "the box went on");
+    }
+}
