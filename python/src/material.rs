@@ -300,6 +300,8 @@ pub fn deformation_dict<'py>(
         "slips": now.slips,
         "iterations": now.report.iterations,
         "residual": now.report.residual,
+        "settling": now.report.settling,
+        "small_box": now.report.small_box,
         "nodes": now.report.nodes,
         "moved_voxels": now.report.moved_voxels,
         "lasting_voxels": now.report.plastic_voxels,

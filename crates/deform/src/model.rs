@@ -78,6 +78,9 @@ pub struct Budget {
     /// Time at which to stop although not at rest; none off-line and in tests. What works on one thread
     /// may take the time until then as processor time of its own.
     pub deadline: Option<Instant>,
+    /// Nodes along each edge of the box at most, odd; none for the model's own. The lattice follows it, also
+    /// while it is pressed.
+    pub edge: Option<u32>,
 }
 
 impl Budget {
@@ -87,6 +90,7 @@ impl Budget {
         Self {
             iterations,
             deadline: None,
+            edge: None,
         }
     }
 
@@ -206,6 +210,10 @@ pub struct ModelReport {
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
     pub work_broken: f64,
+    /// Whether tissue is not at rest yet: the next call brings it nearer.
+    pub settling: bool,
+    /// Whether the box is smaller than the model's own, for the budget's sake.
+    pub small_box: bool,
     /// What the call has done, by what takes time; zero where a model does not count.
     pub effort: Effort,
 }

@@ -48,6 +48,7 @@ fn outer_layer_moves_in_time() -> f64 {
         budget: Budget {
             iterations: u32::MAX,
             deadline: Some(Instant::now() + Duration::from_millis(100)),
+            edge: None,
         },
     });
     outer(&model)

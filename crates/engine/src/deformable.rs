@@ -2,6 +2,7 @@
 //!
 //! Frames: scene mm (LPS), the grid of the scan; N, s.
 
+mod box_pace;
 mod deformable_segments;
 mod deformable_view;
 mod deformation;

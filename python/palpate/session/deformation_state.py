@@ -69,9 +69,13 @@ class DeformationReport(TypedDict):
     slips: int
     """Answers in which particles slipped."""
     iterations: int
-    """Of the last answer, as are the next three."""
+    """Of the last answer, as are the next five."""
     residual: float
     """Unbalanced force, relative to the contact force."""
+    settling: bool
+    """Whether the tissue is not at rest yet, so that the force still changes (lattice only)."""
+    small_box: bool
+    """Whether the computer is too slow for the model's box, and a smaller one is used."""
     nodes: int
     """Nodes or particles that took part."""
     moved_voxels: int

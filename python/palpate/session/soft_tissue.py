@@ -145,7 +145,8 @@ class SessionSoftTissue:
             ``force`` of the tissue on the tool [N, scene], whether it is sent or not, ``answers``
             so far, ``slips`` (answers in which particles slipped), and whether the next answer is
             ``late`` (a hand at rest feels the last one then). Of the last answer: ``iterations``,
-            ``residual`` (unbalanced force relative to the contact force), ``nodes``,
+            ``residual`` (unbalanced force relative to the contact force), whether the tissue is
+            still ``settling`` or computed in a ``small_box`` on a slow computer, ``nodes``,
             ``moved_voxels`` (displaced from rest) and ``lasting_voxels`` (those of them that stay
             displaced). Since the start: ``bonds_broken`` and ``work_broken`` [N·mm].
         """

@@ -201,7 +201,7 @@ def test_a_stiffer_lump_below_a_flat_face_is_found_by_what_the_ball_feels() -> N
     assert felt.lump.aside is not None
     # a quarter of the way from place to place
     assert felt.lump.aside < 3.5
-    assert felt.lump.times > 1.5
+    assert felt.lump.times > 1.3
     # far from the lump it feels like liver, of 5.5 kPa
     far = [press.young for press in felt.presses if press.along > 20.0]
     assert far == pytest.approx([5.5] * 3, rel=0.3)

@@ -489,7 +489,8 @@ export interface ModelOptions {
  *
  * `force` is that of the tissue on the tool [N, scene], sent where `force_source` says so;
  * `answers` counts the model's answers. While the next one is `late`, a hand at rest feels
- * the last one. `nodes` take part in the last answer; since the start `bonds_broken` bonds
+ * the last one. After an answer tissue may be `settling` still, so that the force changes, or its
+ * box a `small_box` because the computer is too slow for the usual one. `nodes` take part in the last answer; since the start `bonds_broken` bonds
  * broke, which took `work_broken` [mJ].
  */
 export interface MatterState {
@@ -499,6 +500,8 @@ export interface MatterState {
   readonly force: Vector;
   readonly answers: number;
   readonly late: boolean;
+  readonly settling: boolean;
+  readonly small_box: boolean;
   readonly nodes: number;
   readonly bonds_broken: number;
   readonly work_broken: number;
@@ -2191,6 +2194,8 @@ const isMatterState = record({
   force: isVector,
   answers: whole(),
   late: flag,
+  settling: flag,
+  small_box: flag,
   nodes: whole(),
   bonds_broken: whole(),
   work_broken: real({ ge: 0 }),

@@ -121,6 +121,11 @@ impl Lattice {
         self.frame = Frame::new(&self.ground, compliance, free);
     }
 
+    /// The body behind the border is that behind another one, and has moved as far.
+    pub(super) fn take_frame(&mut self, other: &Self) {
+        self.set_frame(other.frame.compliance, other.frame.free);
+    }
+
     /// The frame anew, where the springs are others.
     pub(super) fn settle_frame(&mut self) {
         self.set_frame(self.frame.compliance, self.frame.free);

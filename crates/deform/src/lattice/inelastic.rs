@@ -203,6 +203,24 @@ impl Inelastic {
         way.abs()
     }
 
+    /// How it works.
+    pub(super) fn settings(&self) -> InelasticSettings {
+        self.settings
+    }
+
+    /// Has the bonds of a node rest as long, and have faded as much, as those of a node in another box.
+    pub(super) fn fade_as(
+        &mut self,
+        lattice: &mut Lattice,
+        to: usize,
+        (other, theirs, from): (&Self, &Lattice, usize),
+    ) {
+        for family in 0..FAMILY_COUNT {
+            self.creep[family][to] = other.creep[family][from];
+            lattice.bonds.rest[family][to] = theirs.bonds.rest[family][from];
+        }
+    }
+
     /// Goes with a lattice that has gone `offset` nodes on.
     pub(super) fn go(&mut self, lattice: &Lattice, offset: IVec3) {
         let layout = lattice.layout();

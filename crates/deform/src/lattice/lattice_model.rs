@@ -25,8 +25,8 @@ use crate::observed_voxels::ObservedVoxels;
 use crate::voxel_ledger::{Ledger, Wanted};
 use crate::work_time::WorkTime;
 
-/// How far the middle of the box may be from where it is to be before the box follows [nodes].
-const LEASH: i32 = 2;
+/// How far the middle of the box may be from where it is to be before the box follows, in parts of its edge.
+const LEASH: f64 = 0.1;
 /// How far from the tool's middle toward the tissue the middle of the box is to be, in parts of the tool's
 /// smallest half axis, and at most, in parts of half the box: with the tool's middle in its own, a part of
 /// it would be empty, and the load that its border stands for outside of the tissue.
@@ -55,6 +55,8 @@ const WHOLE_WORK: [u32; 2] = [8, 40];
 #[derive(Debug, Default)]
 pub struct LatticeModel {
     pub(super) settings: LatticeSettings,
+    /// Nodes along each edge of the box now.
+    edge: u32,
     pub(super) matter: Option<MovingBox>,
     /// The segment behind the box; none where nothing goes on behind it, or where it is not asked for.
     whole: Option<WholeBody>,
@@ -95,6 +97,7 @@ impl LatticeModel {
         assert!(spacing > 0.0 && spacing.is_finite(), "spacing {spacing} mm");
         Self {
             settings,
+            edge: nodes,
             ..Self::default()
         }
     }
@@ -116,17 +119,27 @@ impl LatticeModel {
             return asked;
         };
         let begins = known.is_none();
+        self.edge = input
+            .budget
+            .edge
+            .unwrap_or(u32::MAX)
+            .min(self.settings.nodes);
         let rest = self.rest_voxels(input, asked);
         let mut matter = known.unwrap_or_else(|| self.new_box(&rest, tool));
         let asked = rest.asked.get();
+        if matter.edge() != self.edge {
+            matter = self.resized(matter, input, tools);
+        }
         let origin = self.origin_for(tool, Some(&matter), input.voxels.grid());
         let far = (origin - matter.origin).abs().max_element();
-        if far <= if begins { 0 } else { LEASH } {
+        let leash = LEASH * f64::from(self.edge);
+        if far <= if begins { 0 } else { leash as i32 } {
             self.matter = Some(matter);
             return asked;
         }
         if !begins {
-            self.leave(&mut matter, origin, input, tools);
+            let left = matter.region_from(origin);
+            self.leave(&matter, &left, input, tools);
             self.damage.keep(&matter);
         }
         let rest = self.rest_voxels(input, asked);
@@ -139,11 +152,26 @@ impl LatticeModel {
     /// A box at rest around a tool.
     fn new_box(&self, rest: &RestVoxels<'_>, tool: &ToolState) -> MovingBox {
         let grid = rest.voxels.grid();
-        let LatticeSettings {
-            nodes, inelastic, ..
-        } = self.settings;
         let origin = self.origin_for(tool, None, grid);
-        MovingBox::new(rest, nodes, self.spacing(grid), inelastic, origin)
+        let inelastic = self.settings.inelastic;
+        MovingBox::new(rest, self.edge, self.spacing(grid), inelastic, origin)
+    }
+
+    /// A box of another size around the same middle: what both hold goes on as it is.
+    fn resized(
+        &mut self,
+        before: MovingBox,
+        input: &ModelInput<'_>,
+        tools: &[&ToolState],
+    ) -> MovingBox {
+        self.damage.keep(&before);
+        let rest = self.rest_voxels(input, 0);
+        let matter = before.resized(&rest, self.edge, &self.damage);
+        self.leave(&before, &matter.region(), input, tools);
+        // their scratch is of the size of the box
+        self.relaxer = Relaxer::default();
+        self.unloaded = Relaxer::default();
+        matter
     }
 
     /// Between nodes [mm].
@@ -155,7 +183,7 @@ impl LatticeModel {
     /// the box stands where the tool presses, or will, so that the box is full of what it presses.
     fn origin_for(&self, tool: &ToolState, matter: Option<&MovingBox>, grid: &Grid) -> IVec3 {
         let place = grid_mm(grid, tool.position);
-        let (spacing, half) = (self.spacing(grid), self.settings.nodes / 2);
+        let (spacing, half) = (self.spacing(grid), self.edge / 2);
         let toward_tissue = self
             .pressed
             .or_else(|| (matter?.middle_of_tissue()? - place).try_normalize());
@@ -284,7 +312,7 @@ impl LatticeModel {
     ) {
         let voxels = input.voxels;
         let region = self.matter.as_ref();
-        let region = region.map_or(VoxelBox::EMPTY, |matter| matter.region_from(matter.origin));
+        let region = region.map_or(VoxelBox::EMPTY, MovingBox::region);
         self.left_behind.retain(|key, (matter, _)| {
             let voxel = IVec3::from_array(*key);
             !region.contains(voxel) && voxels.state(voxel) != Some(*matter)
@@ -453,6 +481,9 @@ impl DeformationModel for LatticeModel {
             self.matter = None;
             answer.events.push(ModelEvent::Reset);
         }
+        answer.report.settling =
+            self.yields || answer.report.residual > AT_REST * self.settings.tolerance;
+        answer.report.small_box = self.edge < self.settings.nodes;
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
         self.report_contacts(input, &time, &mut answer);

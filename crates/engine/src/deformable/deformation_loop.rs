@@ -16,6 +16,7 @@ use palpate_deform::model::{
 use palpate_volume::edit::Edit;
 use palpate_volume::voxels::Voxels;
 
+use crate::deformable::box_pace::BoxPace;
 use crate::deformable::deformable_view::{DeformableView, ShownParts};
 
 /// What the model is to look at.
@@ -85,6 +86,7 @@ pub struct DeformationLoop {
     view: Arc<DeformableView>,
     /// For one answer, at most.
     iterations: u32,
+    pace: BoxPace,
     wake_up: WakeUp,
 }
 
@@ -122,6 +124,7 @@ impl DeformationLoop {
             edit: None,
             view: Arc::default(),
             iterations: ITERATIONS,
+            pace: BoxPace::default(),
             wake_up: WakeUp::new(|| {}),
         }
     }
@@ -165,6 +168,8 @@ impl DeformationLoop {
         let budget = Budget {
             iterations: self.iterations,
             deadline: job.patience.map(|patience| began + patience),
+            // who has all the time has the box that was chosen
+            edge: job.patience.and(self.pace.edge()),
         };
         let answer = match job.by {
             MovedBy::Tool(press) => self.press(press, &job.materials, budget),
@@ -181,6 +186,11 @@ impl DeformationLoop {
             return;
         };
         let is_of_model = matches!(answer, DeformationAnswer::Model(_));
+        if let DeformationAnswer::Model(answer) = &answer {
+            let is_pressed = answer.contacts.iter().any(|tool| tool.contact.is_some());
+            self.pace
+                .note(began.elapsed(), answer.report.iterations, is_pressed);
+        }
         // whoever asked may have gone
         let _ = self.answers.send(answer);
         (self.wake_up.0)();

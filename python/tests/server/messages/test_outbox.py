@@ -69,7 +69,17 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         tool=NO_TOOL,
         needle=NO_NEEDLE,
         matter=protocol.MatterState(
-            None, USUAL, "matter", ZERO, 0, late=False, nodes=0, bonds_broken=0, work_broken=0.0
+            None,
+            USUAL,
+            "matter",
+            ZERO,
+            0,
+            late=False,
+            settling=False,
+            small_box=False,
+            nodes=0,
+            bonds_broken=0,
+            work_broken=0.0,
         ),
         rates=protocol.Rates(RATE, RATE, RATE, RATE, real_time=False),
         safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on", None),
