@@ -37,6 +37,15 @@ impl WorkTime {
         }
     }
 
+    /// The same time, from now on.
+    pub fn anew(self) -> Self {
+        Self {
+            began: thread_time(),
+            wall: Instant::now(),
+            ..self
+        }
+    }
+
     /// Whether this share of the time is over.
     pub fn is_over(&self, share: f64) -> bool {
         let Some(given) = self.given.map(|given| given.mul_f64(share)) else {
@@ -111,6 +120,21 @@ mod tests {
             ..Budget::iterations(1)
         };
         assert!(WorkTime::begin(&late).is_over(0.5));
+    }
+
+    #[test]
+    fn time_that_begins_anew_is_whole_again() {
+        let budget = Budget {
+            deadline: Some(Instant::now() + Duration::from_secs(60)),
+            ..Budget::iterations(1)
+        };
+        let begun = WorkTime::begin(&budget);
+        let spent = WorkTime {
+            began: None,
+            wall: begun.wall.checked_sub(Duration::from_secs(90)).unwrap(),
+            ..begun
+        };
+        assert!(spent.is_over(1.0) && !spent.anew().is_over(0.5));
     }
 
     #[test]

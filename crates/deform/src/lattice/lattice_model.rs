@@ -464,6 +464,8 @@ impl DeformationModel for LatticeModel {
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
         answer.report.effort.sampled = self.follow(input, &usable);
+        // a box that went on needs all its time to come to rest
+        let time = time.anew();
         self.report_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();

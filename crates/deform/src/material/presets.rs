@@ -15,11 +15,9 @@
 //! is the one with which the lattice's own curve (`lattice/stiffening.rs`) is nearest to that
 //! figure. Fat does not: its modulus is constant over the strains of Krouskop et al., Ultrason. Imaging
 //! 20 (1998), abstract. Skin does (Ní Annaidh et al., J. Mech. Behav. Biomed. Mater. 5 (2012), abstract: from a
-//! slope of 1.18 MPa to 21.6 MPa at a strain of 54 %, about an exponent of 4) and its preset does not:
-//! a thin layer of it over fat would come to rest too slowly.
-//! Muscle does too (Bosboom et al., J. Biomech. 34 (2001), abstract: pressed rat muscle by Ogden's law with
-//! α = 21.4 ± 5.7, about an exponent of 8 up to 30 %), and its preset does not: forces of scenarios are
-//! compared with linear theory in it, and were not measured with stiffening.
+//! slope of 1.18 MPa to 21.6 MPa at a strain of 54 %, about an exponent of 4), and muscle (Bosboom et al.,
+//! J. Biomech. 34 (2001), abstract: pressed rat muscle by Ogden's law with α = 21.4 ± 5.7, about an exponent
+//! of 8 up to 30 %).
 
 use super::{MaterialError, MaterialLaw, SolidSi};
 
@@ -120,9 +118,11 @@ pub const PRESETS: &[Preset] = &[
         name: "skin",
         source: "E: Agache et al., Arch. Dermatol. Res. 269 (1980), 0.42 MPa in the young as cited, \
                  doubled with age by its abstract; fracture energy: 1.1 kJ/m² by needles, 1.7 to \
-                 30 kJ/m² by scissors and tears, in the table of Chin. J. Mech. Eng. 35 (2022) 96",
+                 30 kJ/m² by scissors and tears, in the table of Chin. J. Mech. Eng. 35 (2022) 96; \
+                 stiffening: Ní Annaidh et al., J. Mech. Behav. Biomed. Mater. 5 (2012), pulled, from a slope \
+                 of 1.18 to 21.6 MPa at 54 % (abstract)",
         young_range: [4.2e5, 8.4e5],
-        law: || MaterialLaw::constant(solid(4.2e5, 0.45, 1090.0, 2500.0, 0.4)),
+        law: || MaterialLaw::constant(stiffens(solid(4.2e5, 0.45, 1090.0, 2500.0, 0.4), 4.0)),
     },
     Preset {
         name: "fat",
@@ -138,9 +138,10 @@ pub const PRESETS: &[Preset] = &[
         source: "E: Gennisson et al., Ultrasound Med. Biol. 36 (2010), at rest across the fibres \
                  (shear modulus about 4 kPa), as cited; 11.1 ± 4.1 kPa in the calf by shear waves (Arda et al., \
                  AJR 197 (2011), abstract) agrees; fracture energy: 0.55 to 8 kJ/m² in the \
-                 table of Chin. J. Mech. Eng. 35 (2022) 96, their middle",
+                 table of Chin. J. Mech. Eng. 35 (2022) 96, their middle; stiffening: Bosboom et al., J. \
+                 Biomech. 34 (2001), pressed rat muscle, Ogden's law with α = 21.4 ± 5.7 (abstract)",
         young_range: [7.0e3, 1.52e4],
-        law: || MaterialLaw::constant(solid(1.2e4, 0.45, 1050.0, 2000.0, 0.2)),
+        law: || MaterialLaw::constant(stiffens(solid(1.2e4, 0.45, 1050.0, 2000.0, 0.2), 8.0)),
     },
     Preset {
         name: "cartilage",

@@ -39,6 +39,13 @@ const STILL: f64 = 0.01;
 /// comes to hard voxels nor falls into tissue that counts as air [radii of the tool].
 const FOLLOWED: f64 = 0.5;
 
+/// Unbalanced force, as a share of the contact force, from which on an answer may be far from rest.
+const UNBALANCED: f64 = 0.1;
+/// How far the force of such an answer may be from what the last law has there: as a share, and in any case
+/// [N]. One that is farther off does not count: a tool that follows it leaps, and the next is no better.
+const LEAP: f64 = 0.5;
+const SMALL_LEAP: f64 = 0.5;
+
 /// A model and the name that it goes by.
 pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
 
@@ -63,7 +70,7 @@ pub struct DeformationStatus {
     pub source: ForceSource,
     /// Force of the tissue on the tool [N], felt or not.
     pub force: DVec3,
-    /// Answers so far.
+    /// Answers so far that told the force.
     pub answers: u64,
     /// Of these, answers in which particles slipped: there the force may jump.
     pub slips: u64,
@@ -109,6 +116,8 @@ pub struct Deformation {
     /// Whether a needle's tissue is asked for, and whether it was seen moved last.
     needle_asked: bool,
     needle_seen: bool,
+    /// Contact of the last answer that counted; none without contact.
+    law: Option<LocalContact>,
     /// Where the model had the tool last [mm].
     tool: Option<DVec3>,
     last_time: f64,
@@ -145,6 +154,7 @@ impl Deformation {
             asked: None,
             needle_asked: false,
             needle_seen: false,
+            law: None,
             tool: None,
             last_time: 0.0,
             now: DeformationStatus::default(),
@@ -234,6 +244,7 @@ impl Deformation {
         }
         self.was_deformable = false;
         self.now.force = DVec3::ZERO;
+        self.law = None;
         Some(DeformableContact::default())
     }
 
@@ -263,12 +274,22 @@ impl Deformation {
             return Outcome::default();
         };
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
-        self.now.answers += 1;
         self.now.report = answer.report;
         let slipped = |event: &ModelEvent| matches!(event, ModelEvent::Slipped { .. });
         self.now.slips += u64::from(answer.events.iter().any(slipped));
-        self.now.force = contact.map_or(DVec3::ZERO, |contact| contact.force);
         self.was_deformable = true;
+        let force = contact.map_or(DVec3::ZERO, |contact| contact.force);
+        let unbalanced = answer.report.settling && answer.report.residual > UNBALANCED;
+        let leaps = |law: LocalContact| {
+            let expected = law.force + law.stiffness * (asked.tool - law.position);
+            force.distance(expected) > (LEAP * expected.length()).max(SMALL_LEAP)
+        };
+        let counts = !(unbalanced && self.law.is_some_and(leaps));
+        if counts {
+            self.now.answers += 1;
+            self.now.force = force;
+            self.law = contact;
+        }
         // built from voxels that are others by now: the model looks again
         let is_current = scene.voxels().edit_number() == asked.edit;
         let edit = answer.edit.filter(|edit| is_current && !edit.is_empty());
@@ -292,7 +313,7 @@ impl Deformation {
         Outcome {
             edit,
             at_rest: answer.at_rest.filter(|_| is_current),
-            deformable_contact: Some(deformable_contact),
+            deformable_contact: counts.then_some(deformable_contact),
             displacement: answer.displacement,
             events: answer.events,
         }

@@ -18,11 +18,16 @@ pub const SOFT: SegmentId = SegmentId(1);
 
 /// A soft block pressed by the default model.
 pub fn lattice_rig() -> Rig {
+    lattice_rig_of(2e4)
+}
+
+/// The same of another Young's modulus [Pa].
+pub fn lattice_rig_of(young: f64) -> Rig {
     let mut rig = Rig::new(SIZE, DVec3::new(20.0, 20.0, 30.0));
     let soft = box_segment(SIZE, IVec3::ZERO, IVec3::new(40, 40, TOP as i32));
     rig.simulation.add_segment(soft, OBSTACLE, true).unwrap();
     let gel = SolidSi {
-        young: 2e4,
+        young,
         poisson: 0.45,
         density: 1050.0,
         fracture_energy: f64::INFINITY,
