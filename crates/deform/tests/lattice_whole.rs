@@ -189,7 +189,7 @@ fn a_body_that_is_all_in_the_box_is_pressed_as_before() {
 }
 
 /// A layer over bone that the box does not reach: the whole segment knows of it. The truth is a box that
-/// holds all of the layer. A border that moves as one leaves most of the error (35 % and 25 %).
+/// holds all of the layer (without the whole segment 15 % too little, with it 3 % too much).
 #[test]
 fn bone_that_only_the_whole_segment_reaches_is_felt() {
     let force = |whole: bool, nodes: u32| {
@@ -202,5 +202,6 @@ fn bone_that_only_the_whole_segment_reaches_is_felt() {
     };
     let [alone, joined, truth] = [force(false, 11), force(true, 11), force(false, 41)];
     println!("alone {alone:.4}, joined {joined:.4}, all in the box {truth:.4} N");
-    assert!((joined / truth - 1.0).abs() < 0.8 * (alone / truth - 1.0).abs());
+    assert!((joined / truth - 1.0).abs() < 0.05, "{joined} {truth} N");
+    assert!(alone / truth < 0.9, "{alone} {truth} N");
 }
