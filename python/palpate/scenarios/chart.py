@@ -29,8 +29,11 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
     """Plots the force of a run, and below it what caused it."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 7.0 if run.hole is None else 10.0), layout="constrained")
-    if run.hole is None:
+    size = (9.0, 7.0) if run.hole is None else (9.0, 10.0)
+    figure = Figure(figsize=size if run.lump is None else (11.0, 5.0), layout="constrained")
+    if run.lump is not None:
+        upper, lower = figure.subplots(1, 2)
+    elif run.hole is None:
         upper, lower = figure.subplots(2, 1, sharex=not run.presses)
     else:
         upper, lower, below = figure.subplots(3, 1)
@@ -55,14 +58,8 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
         figure.suptitle(title)
     for panel in (upper, lower):
         panel.spines[["top", "right"]].set_visible(False)
-        is_map = run.lump is not None and panel is upper
-        # above the panel, or beside a map, where it hides nothing
-        panel.legend(
-            frameon=False,
-            loc="center right" if is_map else "lower right",
-            bbox_to_anchor=(-0.2, 0.5) if is_map else (1.0, 1.0),
-            ncols=1 if is_map else 4,
-        )
+        # above the panel, where it hides nothing
+        panel.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4)
     with whole_file(path) as unfinished:
         figure.savefig(unfinished, dpi=150)
 
