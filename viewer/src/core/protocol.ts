@@ -489,8 +489,9 @@ export interface ModelOptions {
  *
  * `force` is that of the tissue on the tool [N, scene], sent where `force_source` says so;
  * `answers` counts the model's answers. While the next one is `late`, a hand at rest feels
- * the last one. After an answer tissue may be `settling` still, so that the force changes, or its
- * box a `small_box` because the computer is too slow for the usual one. `nodes` take part in the last answer; since the start `bonds_broken` bonds
+ * the last one. After an answer tissue may be `settling` still, so that the force changes, or
+ * its box a `small_box` because the computer is too slow for the usual one. `nodes` take part
+ * in the last answer; since the start `bonds_broken` bonds
  * broke, which took `work_broken` [mJ].
  */
 export interface MatterState {
