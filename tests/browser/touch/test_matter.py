@@ -6,7 +6,11 @@ an outline of the liver, over many rows of pixels.
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -272,6 +276,9 @@ def test_a_pressed_liver_gives_way_on_the_page_and_comes_back(page: Browser) -> 
     page.wait(f"Math.hypot(...{MATTER}.force) > 0.005 && window.palpate.displaced !== null")
     page.shows("matter-force", "parseFloat(text) > 0")
     page.shows("matter-rate", "parseFloat(text) > 0")
+    # a hand that stands still feels tissue at rest
+    page.wait(f"!{MATTER}.settling")
+    page.shows("matter-force", "!text.includes('settling')")
     # its nodes on request
     page.do("click", testid="show-parts")
     page.wait("window.palpate.parts > 1000")
@@ -287,6 +294,32 @@ def test_a_pressed_liver_gives_way_on_the_page_and_comes_back(page: Browser) -> 
     # above the probe, which stands elsewhere now
     above = slice(0, still.shape[0] // 3)
     assert is_alike(page.picture(OUTPUT / "matter_after.png")[above], still[above])
+    assert page.complaints == []
+
+
+def test_a_busy_computer_has_a_small_box_and_the_page_says_so(page: Browser) -> None:
+    tell(page, NOTHING)
+    start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
+    page.do("choose", testid="material-1", value="liver")
+    page.wait(f"{MATTER}.model === 'lattice'")
+    page.read(f"window.palpate.place({[start[0], start[1] - 6.0, start[2]]})")
+    page.all_done()
+    with ExitStack() as stack:
+        for _ in range(6 * (os.cpu_count() or 1)):
+            busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+            stack.callback(busy.wait)
+            stack.callback(busy.kill)
+        # each way is some answers' work
+        for way in range(40):
+            depth = 1.0 + 3.0 * (way % 2)
+            page.read(f"window.palpate.hand({[start[0], start[1] + depth, start[2]]})")
+            page.read("new Promise((done) => setTimeout(done, 300))")
+            if page.read(f"{MATTER}.small_box"):
+                break
+        page.shows("matter-small-box", "text.includes('smaller box')")
+    page.read(f"window.palpate.place({[start[0], start[1] - 6.0, start[2]]})")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null", seconds=240)
     assert page.complaints == []
 
 
