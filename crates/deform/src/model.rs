@@ -79,7 +79,7 @@ pub struct Budget {
     /// may take the time until then as processor time of its own.
     pub deadline: Option<Instant>,
     /// Nodes along each edge of the box at most, odd; none for the model's own. The lattice follows it, also
-    /// while it is pressed.
+    /// while it is pressed, but for tissue that yields.
     pub edge: Option<u32>,
 }
 

@@ -224,6 +224,20 @@ fn a_box_gets_smaller_under_the_tool_and_larger_without_it() {
 }
 
 #[test]
+fn tissue_that_yields_keeps_its_box() {
+    let settings = LatticeSettings {
+        inelastic: InelasticSettings {
+            yield_strain: Some(0.02),
+            ..InelasticSettings::default()
+        },
+        ..LatticeSettings::default()
+    };
+    let mut block = Block::with(0.45, f64::INFINITY, settings);
+    let report = block.answer_within(2.0, SMALL).report;
+    assert!(!report.small_box && report.nodes > 13 * 13 * 13);
+}
+
+#[test]
 fn what_broke_in_a_large_box_stays_broken_in_a_small_one_and_back() {
     let mut block = Block::with(0.3, 0.05, LatticeSettings::default());
     for half in 1..=12 {

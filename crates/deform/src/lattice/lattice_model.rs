@@ -119,11 +119,10 @@ impl LatticeModel {
             return asked;
         };
         let begins = known.is_none();
-        self.edge = input
-            .budget
-            .edge
-            .unwrap_or(u32::MAX)
-            .min(self.settings.nodes);
+        // dents stay, and must not be of another size on another day
+        let yields = self.settings.inelastic.yield_strain.is_some();
+        let most = input.budget.edge.filter(|_| !yields);
+        self.edge = most.unwrap_or(u32::MAX).min(self.settings.nodes);
         let rest = self.rest_voxels(input, asked);
         let mut matter = known.unwrap_or_else(|| self.new_box(&rest, tool));
         let asked = rest.asked.get();

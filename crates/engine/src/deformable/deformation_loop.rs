@@ -223,6 +223,7 @@ impl DeformationLoop {
     ) -> Option<DeformationAnswer> {
         if let Some(model) = press.model {
             self.model = Some(model);
+            self.pace = BoxPace::default();
         }
         let (model, voxels) = (self.model.as_mut()?, self.voxels.as_ref()?);
         if press.reset {
