@@ -15,7 +15,8 @@ const SLOW: f64 = 1.0 / 15.0;
 const QUICK: f64 = 0.25 * SLOW;
 /// Weight of the last answer in the mean over answers.
 const NEWEST: f64 = 0.25;
-/// Answers with fewer iterations had nothing to do, and tell nothing of how long one takes.
+/// Answers with fewer iterations had little to do, and where they were quick tell nothing of how long one
+/// takes.
 const WORKED: u32 = 10;
 
 /// How fast answers come, and how large the box is for that.
@@ -33,11 +34,12 @@ impl BoxPace {
         self.is_small.then_some(SMALL)
     }
 
-    /// Takes note of how long an answer took, and how many iterations it needed. The box gets smaller while
+    /// Takes note of how long an answer took, and how many iterations it needed. The box may get smaller while
     /// a tool presses, and larger only when none does, so that nobody feels the change twice.
     pub fn note(&mut self, took: Duration, iterations: u32, is_pressed: bool) {
-        if is_pressed && iterations >= WORKED {
-            self.mean += NEWEST * (took.as_secs_f64() - self.mean);
+        let took = took.as_secs_f64();
+        if iterations >= WORKED || took > SLOW {
+            self.mean += NEWEST * (took - self.mean);
             if self.mean > SLOW {
                 *self = Self {
                     mean: 0.0,
@@ -85,11 +87,19 @@ mod tests {
     }
 
     #[test]
-    fn answers_of_tissue_at_rest_tell_nothing() {
+    fn quick_answers_of_tissue_at_rest_tell_nothing_but_slow_ones_do() {
         let mut pace = BoxPace::default();
+        pressed(&mut pace, 60, 100);
         for _ in 0..100 {
-            pace.note(Duration::from_millis(200), 1, true);
+            pace.note(Duration::from_millis(1), 1, true);
         }
-        assert_eq!(pace.edge(), None);
+        // as slow as before
+        pressed(&mut pace, 90, 2);
+        assert_eq!(pace.edge(), Some(SMALL));
+        let mut pace = BoxPace::default();
+        for _ in 0..4 {
+            pace.note(Duration::from_millis(200), 1, false);
+        }
+        assert_eq!(pace.edge(), Some(SMALL));
     }
 }
