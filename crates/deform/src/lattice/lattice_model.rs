@@ -142,7 +142,7 @@ impl LatticeModel {
             self.damage.keep(&matter);
         }
         let rest = self.rest_voxels(input, asked);
-        matter.go(&rest, origin, &self.damage);
+        matter.go(&rest, origin, &self.damage, self.pressed.is_some());
         let asked = rest.asked.get();
         self.matter = Some(matter);
         asked

@@ -79,13 +79,16 @@ impl MovingBox {
     }
 
     /// Stands elsewhere: what both places share goes on as it is, what does not come back is as in
-    /// `damage`.
-    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, damage: &Damage) {
+    /// `damage`. What is new starts at rest, or where a tool presses as far as what is near.
+    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, damage: &Damage, is_pressed: bool) {
         let offset = origin - self.origin;
         let spacing = self.lattice.spacing();
         let matter = |node: IVec3| rest.matter_of_node(spacing, origin + node);
         self.origin = origin;
         self.lattice.go(offset, &matter);
+        if is_pressed {
+            self.lattice.move_along(offset);
+        }
         self.inelastic.go(&self.lattice, offset);
         let layout = *self.lattice.layout();
         for axis in self.plastic.iter_mut().chain(&mut self.unloaded) {

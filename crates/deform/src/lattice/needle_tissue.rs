@@ -131,7 +131,7 @@ impl NeedleTissue {
             matter.follow_edits(&rest);
         }
         if (origin - matter.origin).abs().max_element() > LEASH {
-            matter.go(&rest, origin, &Damage::default());
+            matter.go(&rest, origin, &Damage::default(), false);
         }
         matter
     }

@@ -33,13 +33,12 @@ impl Lattice {
             }
         }
         self.hold_anew(&mut near);
-        self.move_along(offset);
         self.connect(&near, Some(offset));
     }
 
     /// Has tissue that is new in the box start where what is nearest to it has moved, less by the distance
     /// as far from a force: at rest beside nodes that have moved far, it would be torn at and push back.
-    fn move_along(&mut self, offset: IVec3) {
+    pub(super) fn move_along(&mut self, offset: IVec3) {
         let layout = self.layout;
         let last = layout.size().as_ivec3() - 1;
         let middle = last.as_dvec3() * 0.5;
