@@ -82,10 +82,10 @@ fn the_force_comes_to_the_same_where_answers_are_cut_off_before_tissue_is_at_res
 #[test]
 fn a_stiff_body_holds_a_hand_while_its_answers_are_cut_off() {
     let mut rig = lattice_rig_of(4.2e5);
-    rig.deformation.set_iterations(14);
+    rig.deformation.set_iterations(16);
     let forces = pressed(&mut rig, 12.0, 30);
     let least = forces.iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(least > 6.0, "{least} N");
+    assert!(least > 4.0, "{least} N");
     assert_eq!(rig.violations(), 0);
 }
 
