@@ -297,6 +297,32 @@ def test_a_pressed_liver_gives_way_on_the_page_and_comes_back(page: Browser) -> 
     assert page.complaints == []
 
 
+def test_a_busy_computer_has_a_small_box_and_the_page_says_so(page: Browser) -> None:
+    tell(page, NOTHING)
+    start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
+    page.do("choose", testid="material-1", value="liver")
+    page.wait(f"{MATTER}.model === 'lattice'")
+    page.read(f"window.palpate.place({[start[0], start[1] - 6.0, start[2]]})")
+    page.all_done()
+    with ExitStack() as stack:
+        for _ in range(6 * (os.cpu_count() or 1)):
+            busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+            stack.callback(busy.wait)
+            stack.callback(busy.kill)
+        # each way is some answers' work
+        for way in range(40):
+            depth = 1.0 + 3.0 * (way % 2)
+            page.read(f"window.palpate.hand({[start[0], start[1] + depth, start[2]]})")
+            page.read("new Promise((done) => setTimeout(done, 300))")
+            if page.read(f"{MATTER}.small_box"):
+                break
+        page.shows("matter-small-box", "text.includes('smaller box')")
+    page.read(f"window.palpate.place({[start[0], start[1] - 6.0, start[2]]})")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null", seconds=240)
+    assert page.complaints == []
+
+
 def test_matter_that_yields_keeps_its_dent_until_it_is_undone(page: Browser) -> None:
     tell(page, NOTHING)
     start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
@@ -372,32 +398,6 @@ def test_the_engine_draws_a_pressed_liver_as_the_browser_does(page: Browser) -> 
     off = np.abs(drawn["engine"] - drawn["browser"])[liver]
     assert off.mean() <= 4 / 255
     page.read(f"window.palpate.place({before})")
-    page.do("click", testid="reset-matter")
-    page.wait(f"{MATTER}.model === null", seconds=240)
-    assert page.complaints == []
-
-
-def test_a_busy_computer_has_a_small_box_and_the_page_says_so(page: Browser) -> None:
-    tell(page, NOTHING)
-    start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
-    page.do("choose", testid="material-1", value="liver")
-    page.wait(f"{MATTER}.model === 'lattice'")
-    page.read(f"window.palpate.place({[start[0], start[1] - 6.0, start[2]]})")
-    page.all_done()
-    with ExitStack() as stack:
-        for _ in range(6 * (os.cpu_count() or 1)):
-            busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
-            stack.callback(busy.wait)
-            stack.callback(busy.kill)
-        # each way is some answers' work
-        for way in range(40):
-            depth = 1.0 + 3.0 * (way % 2)
-            page.read(f"window.palpate.hand({[start[0], start[1] + depth, start[2]]})")
-            page.read("new Promise((done) => setTimeout(done, 300))")
-            if page.read(f"{MATTER}.small_box"):
-                break
-        page.shows("matter-small-box", "text.includes('smaller box')")
-    page.read(f"window.palpate.place({[start[0], start[1] - 6.0, start[2]]})")
     page.do("click", testid="reset-matter")
     page.wait(f"{MATTER}.model === null", seconds=240)
     assert page.complaints == []
