@@ -82,13 +82,13 @@ pub struct DeformationStatus {
 }
 
 /// What came of an answer.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Outcome {
     /// Voxels that moved.
     pub edit: Option<Edit>,
     /// What all moved voxels are without a tool; none where that is not known, or as before.
     pub at_rest: Option<AtRest>,
-    /// What the servo is to follow.
+    /// What the servo is to follow; none where that is the last one still.
     pub deformable_contact: Option<DeformableContact>,
     /// Where tissue stands beside its voxels.
     pub displacement: Option<DisplacementField>,
@@ -222,9 +222,9 @@ impl Deformation {
         }
     }
 
-    /// Takes an answer, if one has come. Its edit is to be applied, and told of by
+    /// Takes an answer; none where none has come. Its edit is to be applied, and told of by
     /// [`Self::followed`], before the next question.
-    pub fn take(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
+    pub fn take(&mut self, scene: &Scene, status: &ServoStatus) -> Option<Outcome> {
         let outcome = self.take_answer(scene);
         self.matter.follow(scene);
         self.now.late = self.asked.is_some() && status.time - self.last_time > STALE_SECS;
@@ -266,13 +266,11 @@ impl Deformation {
         self.known == Some(edit_number)
     }
 
-    fn take_answer(&mut self, scene: &Scene) -> Outcome {
+    fn take_answer(&mut self, scene: &Scene) -> Option<Outcome> {
         let Ok(DeformationAnswer::Model(answer)) = self.answers.try_recv() else {
-            return Outcome::default();
+            return None;
         };
-        let Some(asked) = self.asked.take() else {
-            return Outcome::default();
-        };
+        let asked = self.asked.take()?;
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
         self.now.report = answer.report;
         let slipped = |event: &ModelEvent| matches!(event, ModelEvent::Slipped { .. });
@@ -310,13 +308,13 @@ impl Deformation {
             },
             ForceSource::Voxels => DeformableContact::default(),
         };
-        Outcome {
+        Some(Outcome {
             edit,
             at_rest: answer.at_rest.filter(|_| is_current),
             deformable_contact: counts.then_some(deformable_contact),
             displacement: answer.displacement,
             events: answer.events,
-        }
+        })
     }
 
     /// Where tissue meets the tool. What stands on its voxels alone would press nothing: as the
@@ -349,9 +347,14 @@ impl Deformation {
         if self.model.is_none() || !is_needed || !is_known {
             return;
         }
+        let (model, reset) = (self.new_model.take(), std::mem::take(&mut self.reset));
+        if reset || model.is_some() {
+            // it was of other tissue
+            self.law = None;
+        }
         let press = Press {
-            model: self.new_model.take(),
-            reset: std::mem::take(&mut self.reset),
+            model,
+            reset,
             tool: (!leaves).then_some(ToolState {
                 id: 0,
                 shape: ToolShape::Ball(radius),
