@@ -17,6 +17,7 @@
 
 mod bond_forces;
 mod border;
+mod box_place;
 mod coarse;
 mod conjugate;
 mod contact_law;

@@ -3,16 +3,15 @@
 use std::cell::Cell;
 
 use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::damage::Damage;
 use super::measured_stiffness::measured;
 use super::moduli::POISSON_RANGE;
-use super::moving_box::{MovingBox, grid_mm};
+use super::moving_box::MovingBox;
 use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
-use super::resample::{RestVoxels, node_near};
+use super::resample::RestVoxels;
 use super::settings::LatticeSettings;
 use super::tool_contact::LatticeTool;
 use super::whole_body::{WholeBody, Work};
@@ -25,13 +24,6 @@ use crate::observed_voxels::ObservedVoxels;
 use crate::voxel_ledger::{Ledger, Wanted};
 use crate::work_time::WorkTime;
 
-/// How far the middle of the box may be from where it is to be before the box follows, in parts of its edge.
-const LEASH: f64 = 0.1;
-/// How far from the tool's middle toward the tissue the middle of the box is to be, in parts of the tool's
-/// smallest half axis, and at most, in parts of half the box: with the tool's middle in its own, a part of
-/// it would be empty, and the load that its border stands for outside of the tissue.
-const AHEAD: f64 = 0.85;
-const FARTHEST_AHEAD: f64 = 0.4;
 /// Unbalanced force from which on nodes count as at rest, in parts of the tolerance.
 pub(super) const AT_REST: f64 = 10.0;
 /// Unbalanced force from which on a tool's tissue yields, as a share of the tools' force: a little too
@@ -55,17 +47,15 @@ const WHOLE_WORK: [u32; 2] = [8, 40];
 #[derive(Debug, Default)]
 pub struct LatticeModel {
     pub(super) settings: LatticeSettings,
-    /// Nodes along each edge of the box now.
-    edge: u32,
     pub(super) matter: Option<MovingBox>,
     /// The segment behind the box; none where nothing goes on behind it, or where it is not asked for.
     whole: Option<WholeBody>,
     pub(super) relaxer: Relaxer,
     /// Direction in which the first tool presses, along the axes of the grid; none where it feels nothing.
-    pressed: Option<DVec3>,
+    pub(super) pressed: Option<DVec3>,
     /// Finds where tissue stays that has yielded.
     pub(super) unloaded: Relaxer,
-    damage: Damage,
+    pub(super) damage: Damage,
     pub(super) ledger: Ledger,
     /// What voxels are to be that the box has left, until they are.
     pub(super) left_behind: Wanted,
@@ -97,7 +87,6 @@ impl LatticeModel {
         assert!(spacing > 0.0 && spacing.is_finite(), "spacing {spacing} mm");
         Self {
             settings,
-            edge: nodes,
             ..Self::default()
         }
     }
@@ -106,99 +95,6 @@ impl LatticeModel {
     #[must_use]
     pub fn lattice(&self) -> Option<&Lattice> {
         self.matter.as_ref().map(|matter| &matter.lattice)
-    }
-
-    /// Follows the voxels, the materials and the first tool; how often it has asked what a place is
-    /// made of.
-    fn follow(&mut self, input: &ModelInput<'_>, tools: &[&ToolState]) -> u64 {
-        let asked = self.follow_edits(input);
-        let known = self.matter.take();
-        let known = known.filter(|matter| matter.fits(&self.rest_voxels(input, 0)));
-        let Some(tool) = tools.first() else {
-            self.matter = known;
-            return asked;
-        };
-        let begins = known.is_none();
-        // dents stay, and must not be of another size on another day
-        let yields = self.settings.inelastic.yield_strain.is_some();
-        let most = input.budget.edge.filter(|_| !yields);
-        self.edge = most.unwrap_or(u32::MAX).min(self.settings.nodes);
-        let rest = self.rest_voxels(input, asked);
-        let mut matter = known.unwrap_or_else(|| self.new_box(&rest, tool));
-        let asked = rest.asked.get();
-        if matter.edge() != self.edge {
-            matter = self.resized(matter, input, tools);
-        }
-        let origin = self.origin_for(tool, Some(&matter), input.voxels.grid());
-        let far = (origin - matter.origin).abs().max_element();
-        let leash = LEASH * f64::from(self.edge);
-        if far <= if begins { 0 } else { leash as i32 } {
-            self.matter = Some(matter);
-            return asked;
-        }
-        if !begins {
-            let left = matter.region_from(origin);
-            self.leave(&matter, &left, input, tools);
-            self.damage.keep(&matter);
-        }
-        let rest = self.rest_voxels(input, asked);
-        matter.go(&rest, origin, &self.damage, self.pressed.is_some());
-        let asked = rest.asked.get();
-        self.matter = Some(matter);
-        asked
-    }
-
-    /// A box at rest around a tool.
-    fn new_box(&self, rest: &RestVoxels<'_>, tool: &ToolState) -> MovingBox {
-        let grid = rest.voxels.grid();
-        let origin = self.origin_for(tool, None, grid);
-        let inelastic = self.settings.inelastic;
-        MovingBox::new(rest, self.edge, self.spacing(grid), inelastic, origin)
-    }
-
-    /// A box of another size around the same middle: what both hold goes on as it is.
-    fn resized(
-        &mut self,
-        before: MovingBox,
-        input: &ModelInput<'_>,
-        tools: &[&ToolState],
-    ) -> MovingBox {
-        self.damage.keep(&before);
-        let rest = self.rest_voxels(input, 0);
-        let matter = before.resized(&rest, self.edge, &self.damage);
-        self.leave(&before, &matter.region(), input, tools);
-        // their scratch is of the size of the box
-        self.relaxer = Relaxer::default();
-        self.unloaded = Relaxer::default();
-        matter
-    }
-
-    /// Between nodes [mm].
-    fn spacing(&self, grid: &Grid) -> f64 {
-        self.settings.spacing.unwrap_or(grid.smallest_spacing())
-    }
-
-    /// The first node of the box that a tool is to have, counted from the corner of the grid. The middle of
-    /// the box stands where the tool presses, or will, so that the box is full of what it presses.
-    fn origin_for(&self, tool: &ToolState, matter: Option<&MovingBox>, grid: &Grid) -> IVec3 {
-        let place = grid_mm(grid, tool.position);
-        let (spacing, half) = (self.spacing(grid), self.edge / 2);
-        let toward_tissue = self
-            .pressed
-            .or_else(|| (matter?.middle_of_tissue()? - place).try_normalize());
-        let most = FARTHEST_AHEAD * spacing * f64::from(half);
-        let ahead = (AHEAD * tool.shape.half_axes().min_element()).min(most);
-        let middle = place + toward_tissue.unwrap_or_default() * ahead;
-        node_near(middle, spacing) - half as i32
-    }
-
-    /// Notes where the first tool presses; where tissue is not at rest yet, that is as it was.
-    fn note_pressed(&mut self, report: &ModelReport) {
-        let felt = self.relaxer.felt().first().map(|felt| -felt.force);
-        let pressed = felt.and_then(DVec3::try_normalize);
-        if pressed.is_none() || report.residual <= AT_REST * self.settings.tolerance {
-            self.pressed = pressed;
-        }
     }
 
     /// Has the border of the box give as the whole segment does.
@@ -249,7 +145,7 @@ impl LatticeModel {
         }
     }
 
-    fn rest_voxels<'a>(&'a self, input: &ModelInput<'a>, asked: u64) -> RestVoxels<'a> {
+    pub(super) fn rest_voxels<'a>(&'a self, input: &ModelInput<'a>, asked: u64) -> RestVoxels<'a> {
         RestVoxels {
             voxels: input.voxels,
             materials: input.materials,
@@ -275,7 +171,7 @@ impl LatticeModel {
 
     /// Follows what others have changed of the voxels. Tissue that moved and was cut where it
     /// stands is gone where it is at rest too.
-    fn follow_edits(&mut self, input: &ModelInput<'_>) -> u64 {
+    pub(super) fn follow_edits(&mut self, input: &ModelInput<'_>) -> u64 {
         let voxels = input.voxels;
         let observed = self.observed.replace(ObservedVoxels::now(voxels));
         if observed.is_some_and(|observed| observed.explains(voxels)) {
@@ -311,7 +207,7 @@ impl LatticeModel {
     ) {
         let voxels = input.voxels;
         let region = self.matter.as_ref();
-        let region = region.map_or(VoxelBox::EMPTY, MovingBox::region);
+        let region = region.map_or(VoxelBox::EMPTY, |matter| matter.region_from(matter.origin));
         self.left_behind.retain(|key, (matter, _)| {
             let voxel = IVec3::from_array(*key);
             !region.contains(voxel) && voxels.state(voxel) != Some(*matter)
@@ -484,7 +380,8 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.settling =
             self.yields || answer.report.residual > AT_REST * self.settings.tolerance;
-        answer.report.small_box = self.edge < self.settings.nodes;
+        let edge = self.matter.as_ref().map(MovingBox::edge);
+        answer.report.small_box = edge.is_some_and(|edge| edge < self.settings.nodes);
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
         self.report_contacts(input, &time, &mut answer);

@@ -98,8 +98,8 @@ impl MovingBox {
         self.rest_border();
     }
 
-    /// A box of `nodes` along each edge around the same middle: what both hold goes on as it is, what does not
-    /// come back is as in `damage`.
+    /// A box of `nodes` along each edge around the same middle, of tissue that has not yielded: what both hold
+    /// goes on as it is, what broke is as in `damage`.
     pub fn resized(&self, rest: &RestVoxels<'_>, nodes: u32, damage: &Damage) -> Self {
         let inward = (self.edge() as i32 - nodes as i32) / 2;
         let (spacing, origin) = (self.lattice.spacing(), self.origin + inward);
@@ -109,16 +109,11 @@ impl MovingBox {
         for (node, to) in layout.nodes() {
             if let Some(from) = self.lattice.layout().index_of(node.as_ivec3() + inward) {
                 new.lattice.set_moved(to, self.lattice.moved(from));
-                for axis in 0..3 {
-                    new.plastic[axis][to] = self.plastic[axis][from];
-                    new.unloaded[axis][to] = self.unloaded[axis][from];
-                }
                 new.inelastic
                     .fade_as(&mut new.lattice, to, (&self.inelastic, &self.lattice, from));
             }
         }
         new.lattice.take_frame(&self.lattice);
-        new.rest_border();
         new
     }
 
@@ -152,11 +147,6 @@ impl MovingBox {
     /// feels more.
     pub fn small_force(&self) -> f64 {
         SMALL_STRAIN * self.lattice.softest_bond() * self.lattice.spacing()
-    }
-
-    /// Voxels that its nodes reach.
-    pub fn region(&self) -> VoxelBox {
-        self.region_from(self.origin)
     }
 
     /// Voxels that its nodes reach where it begins at a node.

@@ -7,7 +7,6 @@
 //! more touched until a tool presses their tissue again, or somebody cuts it.
 
 use glam::IVec3;
-use palpate_volume::voxel_box::VoxelBox;
 
 use super::lattice_model::{AT_REST, LatticeModel};
 use super::moving_box::MovingBox;
@@ -18,12 +17,12 @@ use crate::model::{ModelInput, ModelReport, ToolState};
 const UNLOADING_SHARE: u32 = 4;
 
 impl LatticeModel {
-    /// Before a box goes on to the voxels `after`: what it leaves of tissue that has yielded stays as it will
-    /// be without a tool, and does not come back.
+    /// Before a box goes to `origin`: what it leaves of tissue that has yielded stays as it will be
+    /// without a tool, and does not come back.
     pub(super) fn leave(
         &mut self,
-        matter: &MovingBox,
-        after: &VoxelBox,
+        matter: &mut MovingBox,
+        origin: IVec3,
         input: &ModelInput<'_>,
         tools: &[&ToolState],
     ) {
@@ -31,7 +30,7 @@ impl LatticeModel {
             return;
         }
         let field = matter.plastic_displacement();
-        let before = matter.region();
+        let [before, after] = [matter.origin, origin].map(|origin| matter.region_from(origin));
         let left = |voxel: IVec3| before.contains(voxel) && !after.contains(voxel);
         let mut wanted = self.rule(input, tools).left_behind(&field);
         wanted.retain(|key, _| left(IVec3::from_array(*key)));
