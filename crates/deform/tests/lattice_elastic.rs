@@ -1,6 +1,8 @@
 //! The lattice as an elastic body: moduli, isotropy, border.
 
 use crate::support::{ball, block, falls_of_energy, half_space, press, solid};
+use std::f64::consts::PI;
+
 use glam::{DMat3, DVec3, UVec3};
 use palpate_deform::lattice::{
     Border, Lattice, LatticeModuli, NodeMaterial, RelaxSettings, Relaxer,
@@ -117,6 +119,37 @@ fn forces_are_the_gradient_of_the_energy() {
         // the third order of the step, and rounding of an energy of about 1
         assert!((force.dot(axis) - fall).abs() < 1e-7, "{force} {fall}");
     });
+}
+
+/// A sphere that turns in an endless body takes a moment of 8 π μ a³ for its turn (Chwang & Wu 1974, by
+/// analogy). A cube lies between the spheres in it and around it.
+#[test]
+fn the_border_holds_a_turn_back_as_an_endless_body_does() {
+    for poisson in [0.25, 0.45, 0.49] {
+        let one = solid(poisson);
+        let half = 5.0;
+        let border = Border::Endless {
+            load: DVec3::splat(half),
+        };
+        let mut lattice = Lattice::new(UVec3::splat(11), 1.0, border, |_| {
+            NodeMaterial::Deformable(one)
+        });
+        for axis in [DVec3::Z, DVec3::new(0.6, 0.0, 0.8)] {
+            let turn = axis * 1e-4;
+            for index in lattice.matter_nodes().collect::<Vec<_>>() {
+                let arm = lattice.rest_place(index) - DVec3::splat(half);
+                lattice.set_moved(index, turn.cross(arm));
+            }
+            // half of moment times turn; the nodes inside keep their shape
+            let stiffness = 2.0 * lattice.energy() / turn.length_squared();
+            let sphere = |radius: f64| 8.0 * PI * one.shear() * radius.powi(3);
+            let [inner, outer] = [half, 3f64.sqrt() * half].map(sphere);
+            assert!(
+                (inner..outer).contains(&stiffness),
+                "ν {poisson}: {stiffness} of {inner} to {outer} N·mm"
+            );
+        }
+    }
 }
 
 #[test]

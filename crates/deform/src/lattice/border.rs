@@ -175,6 +175,6 @@ pub(super) fn spring_of_endless_body(solid: &Solid, from_load: DVec3, outward: D
 }
 
 /// The matrix a bᵀ.
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
+pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

@@ -9,11 +9,14 @@
 
 use glam::{DMat3, DVec3};
 
-use super::border::Ground;
+use super::border::{Ground, outer};
 use super::vectors::{Field, vector_at};
 
 /// Stress along the face over displacement, in parts of μ / r.
 const COUPLE: f64 = 3.0;
+
+/// Share of the stiffness against turns that is put on each axis, so that all of them have some.
+const SLIGHT: f64 = 1e-9;
 
 /// A border node, and what holds it back from turning.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +25,7 @@ pub(super) struct TurningNode {
     pub ground: u32,
     /// From the load to where it rests [mm].
     pub arm: DVec3,
-    /// [N/mm]
+    /// Along the face [N/mm].
     pub stiffness: f64,
 }
 
@@ -38,13 +41,14 @@ impl Turning {
     /// For the nodes of a border.
     pub fn new(nodes: Vec<TurningNode>) -> Self {
         let of = |node: &TurningNode| {
-            let arm = node.arm;
-            let along = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - along) * node.stiffness
+            let across = DMat3::IDENTITY * node.arm.length_squared() - outer(node.arm, node.arm);
+            across * node.stiffness
         };
         let by_turn: DMat3 = nodes.iter().map(of).sum();
-        let by_moment = by_turn.inverse();
-        // nodes in a line may turn about it
+        // nodes in a line with the load turn about it without a moment
+        let least = SLIGHT * (by_turn.x_axis.x + by_turn.y_axis.y + by_turn.z_axis.z);
+        let by_moment = (by_turn + DMat3::IDENTITY * least).inverse();
+        // none where nothing holds the border
         match by_moment.is_finite() {
             true => Self { nodes, by_moment },
             false => Self::default(),
