@@ -68,14 +68,20 @@ pub(super) struct Conjugate {
 }
 
 impl Conjugate {
-    /// The problem of the nodes as they stand, and the forces that they feel.
-    pub fn begin(&mut self, lattice: &Lattice, easing: &Easing<'_>) {
+    /// The problem of the nodes as they stand, and the forces that they feel, less those that are to
+    /// `stay`.
+    pub fn begin(&mut self, lattice: &Lattice, easing: &Easing<'_>, stay: Option<&Field>) {
         let length = lattice.layout.len();
         self.chunks = chunks_of(easing.mobility);
         self.pressures.prepare(lattice, easing.mobility);
         self.place.clone_from(&lattice.moved);
         self.force.clone_from(&lattice.force);
         self.left.clone_from(&lattice.force);
+        for (left, stay) in self.left.iter_mut().zip(stay.into_iter().flatten()) {
+            left.iter_mut()
+                .zip(stay)
+                .for_each(|(left, stay)| *left -= stay);
+        }
         for field in [
             &mut self.step,
             &mut self.direction,

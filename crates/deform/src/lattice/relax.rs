@@ -55,7 +55,7 @@ struct Taken {
 }
 
 /// Accuracy with which one step is to be found.
-pub(super) struct Wish {
+pub(super) struct Wish<'a> {
     /// Evaluations at most.
     pub most: u32,
     /// Unbalanced force that is good enough, as a share of the tools' force.
@@ -63,6 +63,8 @@ pub(super) struct Wish {
     /// Share of the forces that may be left.
     pub gain: f64,
     pub reference: f64,
+    /// Forces that the step is to leave as they are; none where all are to go.
+    pub stay: Option<&'a Field>,
 }
 
 /// Scratch of the relaxation, kept from call to call.
@@ -121,6 +123,7 @@ impl Relaxer {
                 residual: 0.5 * settings.tolerance,
                 gain: residual.clamp(GAINS[0], GAINS[1]),
                 reference: settings.reference,
+                stay: None,
             };
             iterations += self.find_step(lattice, tools, &wish, is_late);
             let most = settings.iterations.saturating_sub(iterations);
@@ -154,13 +157,13 @@ impl Relaxer {
         &mut self,
         lattice: &mut Lattice,
         tools: &[LatticeTool],
-        wish: &Wish,
+        wish: &Wish<'_>,
         is_late: &dyn Fn() -> bool,
     ) -> u32 {
         let factor = lattice.coarse.as_ref();
         self.factor = factor.map_or_else(Default::default, |c| c.factor(&self.touched));
         let easing = Easing::of(&self.mobility, lattice, &self.factor);
-        self.problem.begin(lattice, &easing);
+        self.problem.begin(lattice, &easing, wish.stay);
         for iteration in 1..=wish.most {
             self.problem.probe(lattice.spacing, &mut lattice.moved);
             self.evaluate(lattice, tools);

@@ -2,7 +2,9 @@
 //! against it and the nodes follow.
 //!
 //! One more linear problem of the kind that brings nodes to rest. Bone below, cracks and other
-//! tools are in it, as far as the box knows them.
+//! tools are in it, as far as the box knows them. Nodes need not be at rest: only what the tool's way adds to
+//! their forces is brought to zero. Iterations that are cut off have gained too little energy back, and find the
+//! contact too stiff (Nocedal & Wright, Numerical Optimization, 2006, theorem 5.2), never too soft.
 
 use super::nodes::Lattice;
 use super::relax::{Relaxer, Wish};
@@ -34,6 +36,8 @@ impl Relaxer {
         let mut nearer = tools.to_vec();
         nearer[which].centre -= way * normal;
 
+        self.evaluate(lattice, tools);
+        let before = lattice.force.clone();
         self.evaluate(lattice, &nearer);
         self.weigh(lattice);
         let wish = Wish {
@@ -41,6 +45,7 @@ impl Relaxer {
             residual: 0.0,
             gain: GAIN,
             reference: 0.0,
+            stay: Some(&before),
         };
         self.find_step(lattice, &nearer, &wish, is_late);
         self.problem.go(1.0, &mut lattice.moved);

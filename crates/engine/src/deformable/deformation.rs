@@ -39,13 +39,6 @@ const STILL: f64 = 0.01;
 /// comes to hard voxels nor falls into tissue that counts as air [radii of the tool].
 const FOLLOWED: f64 = 0.5;
 
-/// Unbalanced force, as a share of the contact force, from which on an answer may be far from rest.
-const UNBALANCED: f64 = 0.1;
-/// How far the force of such an answer may be from what the last law has there: as a share, and in any case
-/// [N]. One that is farther off does not count: a tool that follows it leaps, and the next is no better.
-const LEAP: f64 = 0.5;
-const SMALL_LEAP: f64 = 0.5;
-
 /// A model and the name that it goes by.
 pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
 
@@ -70,7 +63,7 @@ pub struct DeformationStatus {
     pub source: ForceSource,
     /// Force of the tissue on the tool [N], felt or not.
     pub force: DVec3,
-    /// Answers so far that told the force.
+    /// Answers so far.
     pub answers: u64,
     /// Of these, answers in which particles slipped: there the force may jump.
     pub slips: u64,
@@ -82,13 +75,13 @@ pub struct DeformationStatus {
 }
 
 /// What came of an answer.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Outcome {
     /// Voxels that moved.
     pub edit: Option<Edit>,
     /// What all moved voxels are without a tool; none where that is not known, or as before.
     pub at_rest: Option<AtRest>,
-    /// What the servo is to follow; none where that is the last one still.
+    /// What the servo is to follow.
     pub deformable_contact: Option<DeformableContact>,
     /// Where tissue stands beside its voxels.
     pub displacement: Option<DisplacementField>,
@@ -116,8 +109,6 @@ pub struct Deformation {
     /// Whether a needle's tissue is asked for, and whether it was seen moved last.
     needle_asked: bool,
     needle_seen: bool,
-    /// Contact of the last answer that counted; none without contact.
-    law: Option<LocalContact>,
     /// Where the model had the tool last [mm].
     tool: Option<DVec3>,
     last_time: f64,
@@ -154,7 +145,6 @@ impl Deformation {
             asked: None,
             needle_asked: false,
             needle_seen: false,
-            law: None,
             tool: None,
             last_time: 0.0,
             now: DeformationStatus::default(),
@@ -222,9 +212,9 @@ impl Deformation {
         }
     }
 
-    /// Takes an answer; none where none has come. Its edit is to be applied, and told of by
+    /// Takes an answer, if one has come. Its edit is to be applied, and told of by
     /// [`Self::followed`], before the next question.
-    pub fn take(&mut self, scene: &Scene, status: &ServoStatus) -> Option<Outcome> {
+    pub fn take(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
         let outcome = self.take_answer(scene);
         self.matter.follow(scene);
         self.now.late = self.asked.is_some() && status.time - self.last_time > STALE_SECS;
@@ -244,7 +234,6 @@ impl Deformation {
         }
         self.was_deformable = false;
         self.now.force = DVec3::ZERO;
-        self.law = None;
         Some(DeformableContact::default())
     }
 
@@ -266,28 +255,20 @@ impl Deformation {
         self.known == Some(edit_number)
     }
 
-    fn take_answer(&mut self, scene: &Scene) -> Option<Outcome> {
+    fn take_answer(&mut self, scene: &Scene) -> Outcome {
         let Ok(DeformationAnswer::Model(answer)) = self.answers.try_recv() else {
-            return None;
+            return Outcome::default();
         };
-        let asked = self.asked.take()?;
+        let Some(asked) = self.asked.take() else {
+            return Outcome::default();
+        };
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
+        self.now.answers += 1;
         self.now.report = answer.report;
         let slipped = |event: &ModelEvent| matches!(event, ModelEvent::Slipped { .. });
         self.now.slips += u64::from(answer.events.iter().any(slipped));
+        self.now.force = contact.map_or(DVec3::ZERO, |contact| contact.force);
         self.was_deformable = true;
-        let force = contact.map_or(DVec3::ZERO, |contact| contact.force);
-        let unbalanced = answer.report.settling && answer.report.residual > UNBALANCED;
-        let leaps = |law: LocalContact| {
-            let expected = law.force + law.stiffness * (asked.tool - law.position);
-            force.distance(expected) > (LEAP * expected.length()).max(SMALL_LEAP)
-        };
-        let counts = !(unbalanced && self.law.is_some_and(leaps));
-        if counts {
-            self.now.answers += 1;
-            self.now.force = force;
-            self.law = contact;
-        }
         // built from voxels that are others by now: the model looks again
         let is_current = scene.voxels().edit_number() == asked.edit;
         let edit = answer.edit.filter(|edit| is_current && !edit.is_empty());
@@ -308,13 +289,13 @@ impl Deformation {
             },
             ForceSource::Voxels => DeformableContact::default(),
         };
-        Some(Outcome {
+        Outcome {
             edit,
             at_rest: answer.at_rest.filter(|_| is_current),
-            deformable_contact: counts.then_some(deformable_contact),
+            deformable_contact: Some(deformable_contact),
             displacement: answer.displacement,
             events: answer.events,
-        })
+        }
     }
 
     /// Where tissue meets the tool. What stands on its voxels alone would press nothing: as the
@@ -347,14 +328,9 @@ impl Deformation {
         if self.model.is_none() || !is_needed || !is_known {
             return;
         }
-        let (model, reset) = (self.new_model.take(), std::mem::take(&mut self.reset));
-        if reset || model.is_some() {
-            // it was of other tissue
-            self.law = None;
-        }
         let press = Press {
-            model,
-            reset,
+            model: self.new_model.take(),
+            reset: std::mem::take(&mut self.reset),
             tool: (!leaves).then_some(ToolState {
                 id: 0,
                 shape: ToolShape::Ball(radius),

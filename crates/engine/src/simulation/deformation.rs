@@ -151,8 +151,7 @@ impl Simulation {
             return;
         }
         if let Some(hard) = self.deformation.go_on(&self.scene, self.touch.status()) {
-            self.give_way(hard);
-            self.show_moved(None, Vec::new());
+            self.give_way(hard, None, Vec::new());
         }
     }
 
@@ -178,9 +177,7 @@ impl Simulation {
             self.take_needle_answer();
             return false;
         }
-        let Some(outcome) = self.deformation.take(&self.scene, self.touch.status()) else {
-            return false;
-        };
+        let outcome = self.deformation.take(&self.scene, self.touch.status());
         // voxels that moved, and what they do not show yet, are seen at once
         let mut seen = Vec::new();
         let has_edit = outcome.edit.is_some();
@@ -201,9 +198,8 @@ impl Simulation {
             self.keep_what_stays(at_rest);
         }
         if let Some(deformable_contact) = outcome.deformable_contact {
-            self.give_way(deformable_contact);
+            self.give_way(deformable_contact, outcome.displacement.as_ref(), seen);
         }
-        self.show_moved(outcome.displacement.as_ref(), seen);
         for event in outcome.events {
             self.report_event(event);
         }
@@ -264,8 +260,13 @@ impl Simulation {
         }
     }
 
-    /// Has touch follow what is deformable.
-    fn give_way(&mut self, deformable_contact: DeformableContact) {
+    /// Has touch follow what is deformable, and tells the picture, with what it is to see at once.
+    fn give_way(
+        &mut self,
+        deformable_contact: DeformableContact,
+        displacement: Option<&DisplacementField>,
+        mut seen: Vec<SceneUpdate>,
+    ) {
         let released = deformable_contact
             .contact
             .is_none_or(|law| law.force == glam::DVec3::ZERO);
@@ -274,10 +275,6 @@ impl Simulation {
         }
         self.touch
             .send(ServoCommand::DeformableContact(deformable_contact));
-    }
-
-    /// Tells the picture where tissue stands beside its voxels, with what it is to see at once.
-    fn show_moved(&mut self, displacement: Option<&DisplacementField>, mut seen: Vec<SceneUpdate>) {
         seen.extend(self.displacement_update(displacement));
         if !seen.is_empty() {
             self.publish_update(SceneUpdate::Together(seen));

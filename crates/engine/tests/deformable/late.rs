@@ -2,8 +2,6 @@
 
 use glam::DVec3;
 
-use palpate_engine::picture::SceneUpdate;
-
 use super::soft_block::{RADIUS, TOP, lattice_rig, lattice_rig_of};
 use crate::common::Rig;
 
@@ -79,37 +77,24 @@ fn the_force_comes_to_the_same_where_answers_are_cut_off_before_tissue_is_at_res
     }
 }
 
-/// Of stiff tissue that is never quite at rest, an answer that leaps is no news: the tool would follow it and
-/// fall through.
+/// The law of an answer that is not at rest is no softer than the tissue, or the tool would fall through.
 #[test]
 fn a_stiff_body_holds_a_hand_while_its_answers_are_cut_off() {
-    let mut rig = lattice_rig_of(4.2e5);
-    rig.deformation.set_iterations(16);
-    let forces = pressed(&mut rig, 12.0, 30);
-    let least = forces.iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(least > 4.0, "{least} N");
-    assert_eq!(rig.violations(), 0);
-}
-
-/// An answer that tells no force moves voxels all the same, and the picture is told of each such edit.
-#[test]
-fn the_picture_follows_answers_that_tell_no_force_too() {
-    fn edits(update: SceneUpdate) -> Vec<u64> {
-        match update {
-            SceneUpdate::Edit(edit) => vec![edit.edit],
-            SceneUpdate::Together(several) => several.into_iter().flat_map(edits).collect(),
-            _ => Vec::new(),
-        }
+    let deepest = |iterations| {
+        let mut rig = lattice_rig_of(4.2e5);
+        rig.deformation.set_iterations(iterations);
+        let forces = pressed(&mut rig, 12.0, 30);
+        assert_eq!(rig.violations(), 0);
+        forces.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let at_rest = deepest(80);
+    for iterations in [12, 14, 16, 20] {
+        let least = deepest(iterations);
+        assert!(
+            least > 0.85 * at_rest,
+            "{iterations}: {least} of {at_rest} N"
+        );
     }
-    let mut rig = lattice_rig_of(4.2e5);
-    // so few that answers leap
-    rig.deformation.set_iterations(8);
-    let first = rig.simulation.voxels().edit_number();
-    pressed(&mut rig, 12.0, 30);
-    let last = rig.simulation.voxels().edit_number();
-    let told: Vec<u64> = rig.updates.try_iter().flat_map(edits).collect();
-    assert!(last > first + 20);
-    assert_eq!(told, (first + 1..=last).collect::<Vec<_>>());
 }
 
 /// Rest is rest to the bit while the model goes on: what it errs by does not go around.
