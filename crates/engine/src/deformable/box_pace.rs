@@ -1,8 +1,8 @@
 //! How large a box the model of deformation works on: a smaller one where the computer can't keep up.
 //!
 //! What the model needs is processor time, and other programs may leave it little. An answer from a small
-//! box takes a quarter of the work of one from a usual box, and its force is within 5 % as long as the tool
-//! presses no deeper than it is wide (`crates/deform/tests/lattice_box.rs`).
+//! box takes a quarter of the work of one from a usual box, and its force is within 6 % as long as the tool
+//! presses no deeper than its radius (`crates/deform/tests/lattice_box.rs`).
 
 use std::time::Duration;
 
