@@ -1,17 +1,17 @@
 //! What an answer of the thesis' global prototype costs, by counts: a ball in a body whose
 //! particles take tens of thousands of voxels along.
 
-use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};
+use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_deform::material::{Materials, SegmentMaterial, preset};
-use palpate_deform::model::{
-    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
-};
+use palpate_deform::model::{Budget, ModelAnswer};
 use palpate_deform::particles::{GlobalModel, GlobalSettings};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
+
+use crate::model_support::answer_to_ball;
 
 /// Voxels of the scan along each axis, and the face of the tissue in it.
 const SIZE: UVec3 = UVec3::new(120, 110, 84);
@@ -66,33 +66,21 @@ impl Scan {
     /// An answer to the ball's lowest point so deep below the face, its work held to what is
     /// promised; its edit is applied.
     fn answer(&mut self, along: f64, depth: f64) -> ModelAnswer {
-        let tool = ToolState {
-            id: 0,
-            shape: ToolShape::Ball(RADIUS),
-            position: DVec3::new(along, 55.0, f64::from(TOP) + RADIUS - depth),
-            orientation: DQuat::IDENTITY,
-        };
-        let answer = self.model.advance(&ModelInput {
-            voxels: &self.voxels,
-            materials: &self.materials,
-            tools: &[tool],
-            dt: 0.03,
-            budget: Budget::iterations(ITERATIONS),
-        });
+        let place = DVec3::new(along, 55.0, f64::from(TOP) + RADIUS - depth);
+        let (model, budget) = (&mut self.model, Budget::iterations(ITERATIONS));
+        let ball = (place, RADIUS);
+        let answer = answer_to_ball(model, &mut self.voxels, &self.materials, ball, budget);
         let effort = answer.report.effort;
         assert!(effort.looked_at <= LOOKED_AT, "{effort:?}");
         assert!(effort.followed <= FOLLOWED, "{effort:?}");
         assert!(effort.evaluations <= u64::from(ITERATIONS) + 1);
         let told = answer.displacement.as_ref();
         assert!(told.is_none_or(|field| field.moved.len() <= REPORTED));
-        if let Some(edit) = answer.edit.clone() {
-            assert!(
-                edit.dirty.size().max_element() <= CHANGED,
-                "{:?}",
-                edit.dirty
-            );
-            self.voxels.apply(edit).expect("of these voxels");
-        }
+        let changed = answer.edit.as_ref().map(|edit| edit.dirty.size());
+        assert!(
+            changed.is_none_or(|size| size.max_element() <= CHANGED),
+            "{changed:?}"
+        );
         answer
     }
 

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DQuat, DVec3, IVec3, UVec3};
+use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_deform::lattice::{InelasticSettings, LatticeModel, LatticeSettings, Prony};
 use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, SolidSi};
-use palpate_deform::model::{
-    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState,
-};
+use palpate_deform::model::{Budget, DeformationModel, ModelAnswer};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
+
+use crate::model_support::answer_to_ball;
 
 /// Upper face of the block [mm].
 const TOP: i32 = 48;
@@ -71,26 +71,13 @@ impl Block {
 
     /// The same from a box of so many nodes along each edge at most.
     fn answer_within(&mut self, depth: f64, edge: Option<u32>) -> ModelAnswer {
-        let tool = ToolState {
-            id: 1,
-            shape: ToolShape::Ball(RADIUS),
-            position: DVec3::new(36.3, 36.4, f64::from(TOP) + RADIUS - depth),
-            orientation: DQuat::IDENTITY,
+        let place = DVec3::new(36.3, 36.4, f64::from(TOP) + RADIUS - depth);
+        let budget = Budget {
+            edge,
+            ..Budget::iterations(300)
         };
-        let answer = self.model.advance(&ModelInput {
-            voxels: &self.voxels,
-            materials: &self.materials,
-            tools: &[tool],
-            dt: 0.03,
-            budget: Budget {
-                edge,
-                ..Budget::iterations(300)
-            },
-        });
-        if let Some(edit) = answer.edit.clone() {
-            self.voxels.apply(edit).expect("of this scan");
-        }
-        answer
+        let (model, ball) = (&mut self.model, (place, RADIUS));
+        answer_to_ball(model, &mut self.voxels, &self.materials, ball, budget)
     }
 
     /// Force at each half voxel down to a depth [N].

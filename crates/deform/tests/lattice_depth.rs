@@ -1,28 +1,16 @@
 //! How deep a ball may press before tissue slips around it.
 
-use glam::{DQuat, DVec3};
-use palpate_deform::model::{Budget, ModelInput, ToolShape, ToolState};
+use glam::DVec3;
+use palpate_deform::model::Budget;
 
-use crate::model_support::{Bench, LIVER, TOP};
+use crate::model_support::{Bench, LIVER, TOP, answer_to_ball};
 
 /// Force of a ball of a radius [mm] that is pressed in to a depth [mm], by half a voxel at a time.
 fn force_at(bench: &mut Bench, radius: f64, depth: f64) -> f64 {
-    let tool = ToolState {
-        id: 1,
-        shape: ToolShape::Ball(radius),
-        position: DVec3::new(18.0, 18.0, TOP + radius - depth),
-        orientation: DQuat::IDENTITY,
-    };
-    let answer = bench.model.advance(&ModelInput {
-        voxels: &bench.voxels,
-        materials: &bench.materials,
-        tools: &[tool],
-        dt: 0.03,
-        budget: Budget::iterations(300),
-    });
-    if let Some(edit) = answer.edit.clone() {
-        bench.voxels.apply(edit).expect("of this scan");
-    }
+    let place = DVec3::new(18.0, 18.0, TOP + radius - depth);
+    let (model, budget) = (bench.model.as_mut(), Budget::iterations(300));
+    let ball = (place, radius);
+    let answer = answer_to_ball(model, &mut bench.voxels, &bench.materials, ball, budget);
     answer.contacts[0].contact.map_or(0.0, |c| c.force.z)
 }
 

@@ -18,6 +18,7 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::edit::SegmentId;
 
 use super::border::Ground;
+use super::border::outer;
 use super::moving_box::MovingBox;
 use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
@@ -307,7 +308,7 @@ impl WholeBody {
         };
         let spring = |contact: &Contact| Ground {
             node: contact.node as u32,
-            stiffness: outer(contact.normal) * stiffness,
+            stiffness: outer(contact.normal, contact.normal) * stiffness,
             led: contact.normal * gap(contact),
         };
         self.body.ground.extend(self.contacts.iter().map(spring));
@@ -400,11 +401,6 @@ fn endless_compliance(endless: &mut Lattice, load: &[(u32, f64)]) -> DMat3 {
     });
     let compliance = DMat3::from_cols(columns[0], columns[1], columns[2]);
     (compliance + compliance.transpose()) * 0.5
-}
-
-/// The matrix n nᵀ.
-fn outer(normal: DVec3) -> DMat3 {
-    DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z)
 }
 
 /// The largest entry.

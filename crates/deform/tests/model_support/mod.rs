@@ -33,6 +33,33 @@ pub const BLOCK: SegmentId = SegmentId(1);
 /// The stored value and whether it is solid, for each voxel.
 pub type Picture = Vec<(i16, bool)>;
 
+/// One answer to a ball at a place and of a radius [mm]; its edit is applied, as a session does.
+pub fn answer_to_ball(
+    model: &mut dyn DeformationModel,
+    voxels: &mut Voxels,
+    materials: &Materials,
+    (position, radius): (DVec3, f64),
+    budget: Budget,
+) -> ModelAnswer {
+    let tool = ToolState {
+        id: 3,
+        shape: ToolShape::Ball(radius),
+        position,
+        orientation: DQuat::IDENTITY,
+    };
+    let answer = model.advance(&ModelInput {
+        voxels,
+        materials,
+        tools: &[tool],
+        dt: 0.03,
+        budget,
+    });
+    if let Some(edit) = answer.edit.clone() {
+        voxels.apply(edit).expect("of this scan");
+    }
+    answer
+}
+
 /// A block of 36 × 36 × 18 mm and what presses on it. A voxel reads ten times its layer.
 pub struct Bench {
     pub voxels: Voxels,
@@ -79,25 +106,17 @@ impl Bench {
         self.voxels.grid()
     }
 
-    /// One answer with the tool there; its edit is applied, as a session does.
+    /// One answer with the tool there.
     pub fn advance(&mut self, tool: DVec3) -> ModelAnswer {
-        let tool = ToolState {
-            id: 3,
-            shape: ToolShape::Ball(RADIUS),
-            position: tool,
-            orientation: DQuat::IDENTITY,
-        };
-        let answer = self.model.advance(&ModelInput {
-            voxels: &self.voxels,
-            materials: &self.materials,
-            tools: &[tool],
-            dt: 0.03,
-            budget: Budget::iterations(200),
-        });
-        if let Some(edit) = answer.edit.clone() {
-            self.voxels.apply(edit).expect("of this scan");
-        }
-        answer
+        let budget = Budget::iterations(200);
+        let model = self.model.as_mut();
+        answer_to_ball(
+            model,
+            &mut self.voxels,
+            &self.materials,
+            (tool, RADIUS),
+            budget,
+        )
     }
 
     /// Takes tissue away, as a drill does, and gives the inverse.
