@@ -43,6 +43,7 @@ mod stiffening;
 mod structure;
 mod tangent;
 mod tool_contact;
+mod tool_way;
 mod turning;
 mod vectors;
 mod volume_forces;

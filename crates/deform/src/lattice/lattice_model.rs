@@ -14,6 +14,7 @@ use super::relax::{RelaxSettings, Relaxer};
 use super::resample::RestVoxels;
 use super::settings::LatticeSettings;
 use super::tool_contact::LatticeTool;
+use super::tool_way::on_the_way;
 use super::whole_body::{WholeBody, Work};
 use super::write_back::WriteBack;
 use crate::model::{
@@ -31,6 +32,11 @@ pub(super) const AT_REST: f64 = 10.0;
 const NEARLY_AT_REST: f64 = 0.2;
 /// Relaxations in one call at most, where bonds break.
 const ROUNDS: u32 = 4;
+/// Unbalanced force from which on a tool goes on along its way, and evaluations for each step of it at most; all
+/// steps have no more than this share of them.
+const FOLLOWS: f64 = 0.2;
+const STEP_WORK: u32 = 12;
+const WAY_SHARE: u32 = 2;
 /// Displacement that is seen [spacings].
 const VISIBLE: f64 = 0.01;
 /// One in so many iterations is spent on the stiffness of the contact.
@@ -67,7 +73,8 @@ pub struct LatticeModel {
     reported_poisson: bool,
     /// Whether what yielded was seen without a tool, and nothing was pressed or cut since.
     pub(super) settled: bool,
-    /// Contacts of the last answer.
+    /// Tools and contacts of the last answer.
+    tools: Vec<ToolState>,
     reported: Vec<ToolContact>,
 }
 
@@ -235,6 +242,35 @@ impl LatticeModel {
         answer.report.plastic_voxels = self.ledger.plastic_len() as u32;
     }
 
+    /// Has nodes follow the tools along their way since the last answer.
+    fn go_along(
+        &mut self,
+        input: &ModelInput<'_>,
+        time: &WorkTime,
+        tools: &[&ToolState],
+        answer: &mut ModelAnswer,
+    ) {
+        let way = on_the_way(&self.tools, tools);
+        self.tools = tools.iter().map(|tool| **tool).collect();
+        let Some(matter) = &mut self.matter else {
+            return;
+        };
+        let each = input.budget.iterations / WAY_SHARE / (way.len() as u32).max(1);
+        for step in way {
+            let tools: Vec<_> = step.iter().map(|tool| matter.tool(tool)).collect();
+            let settings = RelaxSettings {
+                tolerance: FOLLOWS,
+                iterations: each.min(STEP_WORK),
+                reference: matter.small_force(),
+            };
+            let is_late = || time.is_over(RELAXED);
+            let report = self
+                .relaxer
+                .relax(&mut matter.lattice, &tools, &settings, &is_late);
+            answer.report.iterations += report.iterations;
+        }
+    }
+
     /// Relaxes, breaks, and relaxes again, within the budget.
     fn relax(
         &mut self,
@@ -362,6 +398,7 @@ impl DeformationModel for LatticeModel {
         // a box that went on needs all its time to come to rest
         let time = time.anew();
         self.report_poisson(&mut answer);
+        self.go_along(input, &time, &usable, &mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
             self.relax(input, &time, &tools, &mut answer);
@@ -413,6 +450,7 @@ impl DeformationModel for LatticeModel {
         self.left_behind.clear();
         self.ledger.settle_plastic();
         self.observed = None;
+        self.tools.clear();
         self.reported.clear();
     }
 }

@@ -77,6 +77,21 @@ fn the_force_comes_to_the_same_where_answers_are_cut_off_before_tissue_is_at_res
     }
 }
 
+/// Between two answers the hand goes farther than the radius of its ball.
+#[test]
+fn a_hand_that_goes_deep_between_slow_answers_does_not_fall_through() {
+    let at_rest = *pressed(&mut lattice_rig(), 9.0, 10).last().unwrap();
+    for each in [200, 300] {
+        let mut rig = lattice_rig();
+        let end = *pressed(&mut rig, 9.0, each).last().unwrap();
+        assert!(
+            (end / at_rest - 1.0).abs() < 0.02,
+            "each {each} ms: {end} of {at_rest} N"
+        );
+        assert_eq!(rig.violations(), 0);
+    }
+}
+
 /// The law of an answer that is not at rest is no softer than the tissue, or the tool would fall through.
 #[test]
 fn a_stiff_body_holds_a_hand_while_its_answers_are_cut_off() {
