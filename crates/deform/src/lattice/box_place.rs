@@ -1,10 +1,14 @@
 //! Where the lattice's box stands, and how large it is: around what the first tool presses.
+//!
+//! The box is a cube. Where the tool presses so deep that the face of the tissue would leave the cube, the box
+//! goes on to that face: dragged along and stretched there, tissue holds the tool as well, and a border in its
+//! place would hold the tissue as if nothing had moved it.
 
-use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
+use glam::{DVec3, IVec3, UVec3};
 
 use super::lattice_model::{AT_REST, LatticeModel};
 use super::moving_box::{MovingBox, grid_mm};
+use super::nodes::NodeMaterial;
 use super::relax::Relaxer;
 use super::resample::{RestVoxels, node_near};
 use crate::model::{Budget, ModelInput, ModelReport, ToolState};
@@ -18,6 +22,45 @@ const AHEAD: f64 = 0.85;
 const FARTHEST_AHEAD: f64 = 0.4;
 /// Nodes along each edge at least: fewer hold no contact.
 const FEWEST: u32 = 5;
+/// How far beyond its cube the box goes on at most to the face of the tissue, beside what it needs, and by how
+/// many nodes at once, so that it seldom changes [nodes].
+const MOST_ON: i32 = 24;
+const BESIDE: i32 = 2;
+const BY: i32 = 4;
+
+/// Where a box stands, and its shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BoxPlace {
+    /// First node, counted from the corner of the grid.
+    pub origin: IVec3,
+    /// Nodes along each axis.
+    pub size: UVec3,
+    /// Which of its nodes is in the middle of its cube.
+    pub middle: IVec3,
+}
+
+impl BoxPlace {
+    /// A cube of so many nodes along each edge around a node.
+    pub fn cube(middle: IVec3, edge: u32) -> Self {
+        let half = IVec3::splat(edge as i32 / 2);
+        Self {
+            origin: middle - half,
+            size: UVec3::splat(edge),
+            middle: half,
+        }
+    }
+
+    /// The same with so many nodes more at one face, whose outward normal is along an axis.
+    fn going_on(mut self, outward: IVec3, nodes: i32) -> Self {
+        let more = outward.abs() * nodes;
+        self.size += more.as_uvec3();
+        if outward.min_element() < 0 {
+            self.origin -= more;
+            self.middle += more;
+        }
+        self
+    }
+}
 
 impl LatticeModel {
     /// Follows the voxels, the materials and the first tool; how often it has asked what a place is
@@ -31,27 +74,27 @@ impl LatticeModel {
             return asked;
         };
         let edge = self.edge_within(&input.budget);
-        if let Some(other) = known.as_ref().filter(|matter| matter.edge() != edge) {
-            self.damage.keep(other);
-            // their scratch is of the size of the box
-            self.relaxer = Relaxer::default();
-            self.unloaded = Relaxer::default();
-        }
         let rest = self.rest_voxels(input, asked);
-        let leash = known.as_ref().map_or(0.0, |_| LEASH * f64::from(edge));
-        let mut matter = match known {
-            None => self.new_box(&rest, edge, tool),
-            Some(other) if other.edge() != edge => other.resized(&rest, edge, &self.damage),
-            Some(known) => known,
-        };
+        let is_new = known.is_none();
+        let mut matter = known.unwrap_or_else(|| self.new_box(&rest, edge, tool));
+        let place = self.place_for(tool, &matter, edge, is_new, &rest);
         let mut asked = rest.asked.get();
-        let origin = self.origin_for(tool, &matter, input.voxels.grid());
-        if f64::from((origin - matter.origin).abs().max_element()) > leash {
-            self.leave(&mut matter, origin, input, tools);
+        if place != matter.place() {
+            self.leave(&mut matter, place.origin, input, tools);
             self.damage.keep(&matter);
             let rest = self.rest_voxels(input, asked);
-            matter.go(&rest, origin, &self.damage, self.pressed.is_some());
+            let is_pressed = self.pressed.is_some();
+            let keeps_shape = place.size == matter.size();
+            match keeps_shape {
+                true => matter.go(&rest, place.origin, &self.damage, is_pressed),
+                false => matter = matter.reshaped(&rest, &place, &self.damage, is_pressed),
+            }
             asked = rest.asked.get();
+            if !keeps_shape {
+                // their scratch is of the size of the box
+                self.relaxer = Relaxer::default();
+                self.unloaded = Relaxer::default();
+            }
         }
         self.matter = Some(matter);
         asked
@@ -71,21 +114,71 @@ impl LatticeModel {
     fn new_box(&self, rest: &RestVoxels<'_>, edge: u32, tool: &ToolState) -> MovingBox {
         let grid = rest.voxels.grid();
         let spacing = self.settings.spacing.unwrap_or(grid.smallest_spacing());
-        let origin = node_near(grid_mm(grid, tool.position), spacing) - edge as i32 / 2;
-        MovingBox::new(rest, edge, spacing, self.settings.inelastic, origin)
+        let place = BoxPlace::cube(node_near(grid_mm(grid, tool.position), spacing), edge);
+        MovingBox::new(rest, &place, spacing, self.settings.inelastic)
     }
 
-    /// The first node of the box that a tool is to have, counted from the corner of the grid. The middle of
-    /// the box stands where the tool presses, or will, so that the box is full of what it presses.
-    fn origin_for(&self, tool: &ToolState, matter: &MovingBox, grid: &Grid) -> IVec3 {
-        let place = grid_mm(grid, tool.position);
+    /// Where a tool is to have its box: where it is, as long as it is of this edge and the tool is near its
+    /// middle.
+    fn place_for(
+        &self,
+        tool: &ToolState,
+        matter: &MovingBox,
+        edge: u32,
+        is_new: bool,
+        rest: &RestVoxels<'_>,
+    ) -> BoxPlace {
+        let now = matter.place();
+        let [wanted, middle] = [self.middle_for(tool, matter, edge), now.origin + now.middle];
+        // a box that gets smaller stays around its middle
+        let leash = LEASH * f64::from(edge.max(matter.edge()));
+        let leash = if is_new { 0.0 } else { leash };
+        let is_near = f64::from((wanted - middle).abs().max_element()) <= leash;
+        if is_near && matter.edge() == edge {
+            return now;
+        }
+        let cube = BoxPlace::cube(if is_near { middle } else { wanted }, edge);
+        match self.way_to_the_face(&cube, matter.lattice.spacing(), rest) {
+            Some((outward, nodes)) => cube.going_on(outward, nodes),
+            None => cube,
+        }
+    }
+
+    /// The node in the middle of the cube that a tool is to have, counted from the corner of the grid. It is where
+    /// the tool presses, or will, so that the box is full of what it presses.
+    fn middle_for(&self, tool: &ToolState, matter: &MovingBox, edge: u32) -> IVec3 {
+        let place = grid_mm(&matter.grid, tool.position);
         let toward_tissue = self
             .pressed
             .or_else(|| (matter.middle_of_tissue()? - place).try_normalize());
-        let most = FARTHEST_AHEAD * matter.half_width();
+        let spacing = matter.lattice.spacing();
+        let most = FARTHEST_AHEAD * 0.5 * spacing * f64::from(edge - 1);
         let ahead = (AHEAD * tool.shape.half_axes().min_element()).min(most);
         let middle = place + toward_tissue.unwrap_or_default() * ahead;
-        node_near(middle, matter.lattice.spacing()) - matter.edge() as i32 / 2
+        node_near(middle, spacing)
+    }
+
+    /// Where to and by how many nodes a box goes on beyond its cube to hold the face of the tissue from which the
+    /// tool came; none where the cube holds it, or it is too far. Tissue that yields, and the whole
+    /// segment behind the box, are known for cubes alone.
+    fn way_to_the_face(
+        &self,
+        cube: &BoxPlace,
+        spacing: f64,
+        rest: &RestVoxels<'_>,
+    ) -> Option<(IVec3, i32)> {
+        let is_cube = self.settings.inelastic.yield_strain.is_some() || self.settings.whole;
+        let pressed = self.pressed.filter(|_| !is_cube)?;
+        let axis = (0..3).max_by(|a, b| pressed[*a].abs().total_cmp(&pressed[*b].abs()))?;
+        let outward = -IVec3::AXES[axis] * pressed[axis].signum() as i32;
+        let middle = cube.origin + cube.middle;
+        let is_air = |nodes: &i32| {
+            rest.matter_of_node(spacing, middle + outward * *nodes) == NodeMaterial::Empty
+        };
+        let end = cube.middle.x;
+        let face = (end..=end + MOST_ON).find(is_air)?;
+        let missing = face - end;
+        (missing > 0).then(|| (outward, (missing + BESIDE + BY - 1) / BY * BY))
     }
 
     /// Notes where the first tool presses; where tissue is not at rest yet, that is as it was.

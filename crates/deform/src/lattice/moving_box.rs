@@ -6,6 +6,7 @@ use palpate_volume::material::LocalContact;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::border::Border;
+use super::box_place::BoxPlace;
 use super::damage::Damage;
 use super::inelastic::{Breaking, Inelastic, InelasticSettings};
 use super::layout::Layout;
@@ -44,30 +45,37 @@ pub(super) struct MovingBox {
     share: Vec<f64>,
     /// First node of the box, counted from the corner of the grid.
     pub origin: IVec3,
+    /// Which of its nodes is in the middle of its cube, where a load is expected.
+    pub middle: IVec3,
     pub grid: Grid,
     materials: Materials,
 }
 
 impl MovingBox {
-    /// A box of `nodes` along each edge from `origin` on, at rest.
+    /// A box at a place, at rest.
     pub fn new(
         rest: &RestVoxels<'_>,
-        nodes: u32,
+        place: &BoxPlace,
         spacing: f64,
         inelastic: InelasticSettings,
-        origin: IVec3,
     ) -> Self {
+        let BoxPlace {
+            origin,
+            size,
+            middle,
+        } = *place;
         let matter = |node| rest.matter_of_node(spacing, origin + node);
-        let load = DVec3::splat(f64::from(nodes / 2) * spacing);
+        let load = middle.as_dvec3() * spacing;
         let border = Border::Endless { load };
-        let mut lattice = Lattice::new(UVec3::splat(nodes), spacing, border, matter);
+        let mut lattice = Lattice::new(size, spacing, border, matter);
         Self {
             inelastic: Inelastic::new(&mut lattice, inelastic),
             plastic: zero_field(lattice.layout().len()),
             unloaded: zero_field(lattice.layout().len()),
-            share: shares(lattice.layout()),
+            share: shares(lattice.layout(), middle),
             lattice,
             origin,
+            middle,
             grid: *rest.voxels.grid(),
             materials: rest.materials.clone(),
         }
@@ -87,7 +95,9 @@ impl MovingBox {
         self.origin = origin;
         self.lattice.go(offset, &matter);
         if is_pressed {
-            self.lattice.move_along(offset);
+            let last = self.lattice.layout().size().as_ivec3() - 1;
+            self.lattice
+                .move_along([-offset, last - offset], self.middle);
         }
         self.inelastic.go(&self.lattice, offset);
         let layout = *self.lattice.layout();
@@ -98,28 +108,51 @@ impl MovingBox {
         self.rest_border();
     }
 
-    /// A box of `nodes` along each edge around the same middle, of tissue that has not yielded: what both hold
-    /// goes on as it is, what broke is as in `damage`.
-    pub fn resized(&self, rest: &RestVoxels<'_>, nodes: u32, damage: &Damage) -> Self {
-        let inward = (self.edge() as i32 - nodes as i32) / 2;
-        let (spacing, origin) = (self.lattice.spacing(), self.origin + inward);
-        let mut new = Self::new(rest, nodes, spacing, self.inelastic.settings(), origin);
+    /// A box of another size or shape, of tissue that has not yielded: what both hold goes on as it is, what
+    /// broke is as in `damage`. What is new starts as in [`Self::go`].
+    pub fn reshaped(
+        &self,
+        rest: &RestVoxels<'_>,
+        place: &BoxPlace,
+        damage: &Damage,
+        is_pressed: bool,
+    ) -> Self {
+        let (spacing, offset) = (self.lattice.spacing(), place.origin - self.origin);
+        let mut new = Self::new(rest, place, spacing, self.inelastic.settings());
         damage.recall(&mut new, |_| true);
         let layout = *new.lattice.layout();
         for (node, to) in layout.nodes() {
-            if let Some(from) = self.lattice.layout().index_of(node.as_ivec3() + inward) {
+            if let Some(from) = self.lattice.layout().index_of(node.as_ivec3() + offset) {
                 new.lattice.set_moved(to, self.lattice.moved(from));
                 new.inelastic
                     .fade_as(&mut new.lattice, to, (&self.inelastic, &self.lattice, from));
             }
         }
+        if is_pressed {
+            let last = self.lattice.layout().size().as_ivec3() - 1;
+            new.lattice.move_along([-offset, last - offset], new.middle);
+        }
         new.lattice.take_frame(&self.lattice);
         new
     }
 
-    /// Nodes along each edge.
+    /// Where it stands.
+    pub fn place(&self) -> BoxPlace {
+        BoxPlace {
+            origin: self.origin,
+            size: self.size(),
+            middle: self.middle,
+        }
+    }
+
+    /// Nodes along each axis.
+    pub fn size(&self) -> UVec3 {
+        self.lattice.layout().size()
+    }
+
+    /// Nodes along each edge of its cube.
     pub fn edge(&self) -> u32 {
-        self.lattice.layout().size().x
+        self.size().min_element()
     }
 
     /// Has a node that is new in the box stand where it stayed [mm from where it was at first].
@@ -215,9 +248,9 @@ impl MovingBox {
         }
     }
 
-    /// Half an edge of the box, from its middle to its outermost nodes [mm].
+    /// Half an edge of its cube, from the middle to its outermost nodes [mm].
     pub fn half_width(&self) -> f64 {
-        0.5 * self.lattice.spacing() * f64::from(self.lattice.layout().size().x - 1)
+        0.5 * self.lattice.spacing() * f64::from(self.edge() - 1)
     }
 
     /// Where its first node rests, mm along the axes of the grid from its corner.
@@ -247,7 +280,8 @@ impl MovingBox {
 
     /// Its lower and upper corner, mm along the axes of the grid from its corner.
     pub fn ends(&self) -> [DVec3; 2] {
-        [self.corner(), self.corner() + 2.0 * self.half_width()]
+        let size = self.size().as_dvec3() - 1.0;
+        [self.corner(), self.corner() + self.lattice.spacing() * size]
     }
 
     /// A tool in the lattice's frame.
@@ -341,12 +375,17 @@ impl MovingBox {
     }
 }
 
-/// 1 around the middle of a box, and smoothly 0 at its border.
-fn shares(layout: &Layout) -> Vec<f64> {
+/// 1 around the middle of a box, and smoothly 0 at its border; where it is longer than its cube, it ends in air.
+fn shares(layout: &Layout, middle: IVec3) -> Vec<f64> {
     let mut shares = vec![0.0; layout.len()];
-    let middle = 0.5 * (layout.size().as_dvec3() - 1.0);
+    let half = layout.size().min_element() as i32 / 2;
+    let above = layout.size().as_ivec3() - 1 - middle;
+    let [low, high] = [middle, above].map(|side| side.cmpeq(IVec3::splat(half)));
     for (node, index) in layout.nodes() {
-        let out = ((node.as_dvec3() - middle) / middle).abs().max_element();
+        let from = node.as_ivec3() - middle;
+        let faces = IVec3::select(from.cmplt(IVec3::ZERO) & low, -from, IVec3::ZERO)
+            .max(IVec3::select(high, from, IVec3::ZERO));
+        let out = f64::from(faces.max_element()) / f64::from(half);
         let share = ((1.0 - out) / FADING).min(1.0);
         shares[index] = share * share * (3.0 - 2.0 * share);
     }

@@ -7,6 +7,7 @@ use std::cell::Cell;
 
 use palpate_volume::voxels::Voxels;
 
+use super::box_place::BoxPlace;
 use super::damage::Damage;
 use super::driven::Driven;
 use super::inelastic::InelasticSettings;
@@ -121,17 +122,17 @@ impl NeedleTissue {
             ledger: &ledger,
             asked: Cell::new(0),
         };
-        let origin = node_near(grid_mm(grid, drag.tip()), SPACING) - NODES as i32 / 2;
+        let place = BoxPlace::cube(node_near(grid_mm(grid, drag.tip()), SPACING), NODES);
         let edit = std::mem::replace(&mut self.edit, input.voxels.edit_number());
         let known = self.matter.take().filter(|matter| matter.fits(&rest));
         let Some(mut matter) = known else {
-            return MovingBox::new(&rest, NODES, SPACING, InelasticSettings::default(), origin);
+            return MovingBox::new(&rest, &place, SPACING, InelasticSettings::default());
         };
         if edit != self.edit {
             matter.follow_edits(&rest);
         }
-        if (origin - matter.origin).abs().max_element() > LEASH {
-            matter.go(&rest, origin, &Damage::default(), false);
+        if (place.origin - matter.origin).abs().max_element() > LEASH {
+            matter.go(&rest, place.origin, &Damage::default(), false);
         }
         matter
     }

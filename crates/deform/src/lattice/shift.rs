@@ -37,19 +37,18 @@ impl Lattice {
     }
 
     /// Has tissue that is new in the box start where what is nearest to it has moved, less by the distance
-    /// as far from a force: at rest beside nodes that have moved far, it would be torn at and push back.
-    pub(super) fn move_along(&mut self, offset: IVec3) {
+    /// as far from a force in the `middle`: at rest beside nodes that have moved far, it would be torn at and
+    /// push back. `first` and `last` are the first and last node that the box had before.
+    pub(super) fn move_along(&mut self, [first, last]: [IVec3; 2], middle: IVec3) {
         let layout = self.layout;
-        let last = layout.size().as_ivec3() - 1;
-        let middle = last.as_dvec3() * 0.5;
         for (node, index) in layout.nodes() {
             let node = node.as_ivec3();
-            let nearest = (node + offset).clamp(IVec3::ZERO, last) - offset;
+            let nearest = node.clamp(first, last);
             if nearest == node || !self.is_mobile(index) {
                 continue;
             }
             if let Some(from) = layout.index_of(nearest) {
-                let distance = |node: IVec3| (node.as_dvec3() - middle).length();
+                let distance = |node: IVec3| (node - middle).as_dvec3().length();
                 let share = (distance(nearest) / distance(node)).min(1.0);
                 self.set_moved(index, self.moved(from) * share);
             }
