@@ -18,7 +18,7 @@ import pytest
 from browser import ROOT, TOOL, Browser, browser, palpate
 from planted_fault import faulty_tool
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.long]
 
 OUTPUT = ROOT / "tests" / "output"
 EDGE = 48

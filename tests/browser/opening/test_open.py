@@ -328,6 +328,7 @@ def test_a_large_scan_is_seen_coarsely_until_all_of_it_is_there(tmp_path: Path) 
         assert page.complaints == []
 
 
+@pytest.mark.long
 def test_what_has_arrived_of_a_large_scan_is_seen_while_the_rest_is_on_its_way(
     data_folder: Path, tmp_path: Path
 ) -> None:

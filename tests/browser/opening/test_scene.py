@@ -119,6 +119,7 @@ def test_a_damaged_scene_is_refused(tmp_path: Path) -> None:
     assert ended.stderr.count("\n") == 1
 
 
+@pytest.mark.long
 def test_the_autosave_of_a_damaged_scene_is_opened_from_the_page(
     data_folder: Path, tmp_path: Path
 ) -> None:

@@ -30,6 +30,7 @@ BRIGHTNESS = """(() => {
 VISIBLE = "document.querySelector('[data-testid=visible-1]').ariaPressed"
 
 
+@pytest.mark.long
 def test_two_pages_follow_one_another_and_lost_graphics_come_back(data_folder: Path) -> None:
     scan = data_folder / "cthead_stanford" / "CThead.mha"
     with (

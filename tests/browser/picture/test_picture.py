@@ -65,6 +65,7 @@ def test_a_mip_is_the_largest_value_on_each_ray_of_the_file(opened: Opened) -> N
     assert shown[grey == 0].mean() < 0.15
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_modes_are_remembered_and_look_as_they_are_called(opened: Opened) -> None:
     page = opened.page
@@ -207,6 +208,7 @@ def test_a_look_that_is_put_back_has_its_mode_too(opened: Opened) -> None:
     assert before != "emission"
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None:
     page = opened.page

@@ -41,6 +41,7 @@ def page(data_folder: Path) -> Iterator[Browser]:
         yield opened
 
 
+@pytest.mark.long
 @pytest.mark.data
 def test_a_view_that_turns_after_a_rest_begins_no_finer_than_it_goes_on(page: Browser) -> None:
     page.finish()

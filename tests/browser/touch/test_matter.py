@@ -324,6 +324,7 @@ def test_a_busy_computer_has_a_small_box_and_the_page_says_so(page: Browser) -> 
     assert page.complaints == []
 
 
+@pytest.mark.long
 def test_matter_that_yields_keeps_its_dent_until_it_is_undone(page: Browser) -> None:
     tell(page, NOTHING)
     start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
@@ -361,6 +362,7 @@ def test_matter_that_yields_keeps_its_dent_until_it_is_undone(page: Browser) -> 
     assert page.complaints == []
 
 
+@pytest.mark.long
 def test_the_engine_draws_a_pressed_liver_as_the_browser_does(page: Browser) -> None:
     tell(page, NOTHING)
     page.all_done()

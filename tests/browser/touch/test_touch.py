@@ -320,6 +320,7 @@ def test_the_ball_is_drawn_and_can_be_hidden(page: Browser) -> None:
     reset(page)
 
 
+@pytest.mark.long
 def test_the_way_of_the_probe_is_drawn_and_can_be_hidden(block: Path) -> None:
     # the engine stands still for the pictures, since the way of some seconds before is forgotten
     with palpate("open", block, *OPTIONS, "--port", "0") as command, browser() as page:

@@ -6,7 +6,7 @@ use glam::{DVec3, IVec3};
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::damage::Damage;
-use super::measured_stiffness::measured;
+use super::measured_stiffness::{measured, told_before};
 use super::moduli::POISSON_RANGE;
 use super::moving_box::MovingBox;
 use super::nodes::Lattice;
@@ -357,7 +357,12 @@ impl LatticeModel {
                     .stiffness(&mut matter.lattice, &tools, which, most, &is_late);
             let force = matter.grid.direction() * felt.force;
             let spacing = matter.lattice.spacing();
-            let stiffness = measured(&self.reported, tool, force, spacing).of(stiffness);
+            // far from rest none may be found at all
+            let stiffness = match stiffness > 0.0 {
+                true => measured(&self.reported, tool, force, spacing)
+                    .of(stiffness, !answer.report.settling),
+                false => told_before(&self.reported, tool),
+            };
             let own = answer.contacts.iter_mut().find(|own| own.tool == tool.id);
             if let Some(own) = own {
                 own.contact = matter.contact(tool, &felt, stiffness);

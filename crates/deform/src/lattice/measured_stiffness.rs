@@ -8,8 +8,10 @@ use crate::model::{ToolContact, ToolState};
 /// share of what was told, it counts.
 const MEASURED_WAY: f64 = 0.01;
 const MEASURED_SHARE: f64 = 0.7;
-/// Least fraction of the stiffness found that is reported.
+/// Least fraction of the stiffness found that is reported, of tissue that is at rest and of tissue that is not:
+/// there the force also changes because nodes go on, and a tool that followed it would fall through.
 const LEAST_SHARE: f64 = 0.02;
+const UNSURE_SHARE: f64 = 0.5;
 
 /// What the way of a tool since the last answer tells of its stiffness [N/mm].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,9 +26,14 @@ pub(super) enum Measured {
 
 impl Measured {
     /// The stiffness to be told where the linear problem found this.
-    pub fn of(self, found: f64) -> f64 {
+    pub fn of(self, found: f64, is_at_rest: bool) -> f64 {
+        let least = if is_at_rest {
+            LEAST_SHARE
+        } else {
+            UNSURE_SHARE
+        };
         match self {
-            Self::Stiffness(seen) if seen < MEASURED_SHARE * found => seen.max(LEAST_SHARE * found),
+            Self::Stiffness(seen) if seen < MEASURED_SHARE * found => seen.max(least * found),
             Self::AsBefore(reported) => found.min(reported),
             _ => found,
         }
@@ -55,4 +62,14 @@ pub(super) fn measured(
     } else {
         Measured::Nothing
     }
+}
+
+/// The stiffness of a contact along its force as it was told last [N/mm]; 0 where there was none.
+pub(super) fn told_before(reported: &[ToolContact], tool: &ToolState) -> f64 {
+    let last = reported.iter().find(|last| last.tool == tool.id);
+    let last = last.and_then(|last| last.contact);
+    last.map_or(0.0, |last| {
+        let normal = last.force.normalize_or_zero();
+        -normal.dot(last.stiffness * normal)
+    })
 }
