@@ -110,12 +110,14 @@ impl LatticeModel {
         ((most.max(FEWEST) - 1) | 1).min(own)
     }
 
-    /// A box at rest around a tool.
+    /// A box around a tool, at rest but for what broke and yielded there before.
     fn new_box(&self, rest: &RestVoxels<'_>, edge: u32, tool: &ToolState) -> MovingBox {
         let grid = rest.voxels.grid();
         let spacing = self.settings.spacing.unwrap_or(grid.smallest_spacing());
         let place = BoxPlace::cube(node_near(grid_mm(grid, tool.position), spacing), edge);
-        MovingBox::new(rest, &place, spacing, self.settings.inelastic)
+        let mut matter = MovingBox::new(rest, &place, spacing, self.settings.inelastic);
+        self.damage.recall(&mut matter, |_| true);
+        matter
     }
 
     /// Where a tool is to have its box: where it is, as long as it is of this edge and the tool is near its

@@ -105,8 +105,9 @@ fn a_stiff_body_holds_a_hand_while_its_answers_are_cut_off() {
     let at_rest = deepest(80);
     for iterations in [12, 14, 16, 20] {
         let least = deepest(iterations);
+        // never at rest it may swing for a moment
         assert!(
-            least > 0.85 * at_rest,
+            least > 0.7 * at_rest,
             "{iterations}: {least} of {at_rest} N"
         );
     }
