@@ -112,12 +112,19 @@ fn a_ball_feels_in_its_box_what_it_feels_in_a_far_larger_one() {
 
 /// Below some three radii the face of the tissue is beyond the cube of the box.
 #[test]
-fn force_grows_with_depth_down_to_four_radii() {
-    let forces = Block::new(0.45, 21).press(4.0 * RADIUS);
+fn force_grows_with_depth_down_to_four_radii_and_the_dent_is_seen_to_its_rim() {
+    let mut block = Block::new(0.45, 21);
+    let forces = block.press(4.0 * RADIUS);
     assert!(
         forces.windows(2).all(|pair| pair[1] > pair[0]),
         "{forces:?}"
     );
+    // voxels above the ball's lower end, in its axis, are air
+    let (_, segment) = block.voxels.segments().next().expect("the block");
+    let bottom = f64::from(TOP) - 4.0 * RADIUS;
+    let in_axis = |z: i32| segment.contains(IVec3::new(36, 36, z));
+    let highest = (0..TOP).rev().find(|z| in_axis(*z)).expect("tissue");
+    assert!((f64::from(highest + 1) - bottom).abs() <= 1.0, "{highest}");
 }
 
 #[test]
