@@ -104,10 +104,12 @@ fn apart(one: &[f64], other: &[f64]) -> f64 {
 
 #[test]
 fn a_ball_feels_in_its_box_what_it_feels_in_a_far_larger_one() {
-    // to 1.4 times its radius; the test of four radii is of ν 0.45
-    let [usual, large] = [21, 41].map(|nodes| Block::new(0.49, nodes).press(6.0));
-    let error = apart(&usual, &large);
-    assert!(error < 0.03, "{error}\n{usual:?}\n{large:?}");
+    for poisson in [0.45, 0.49] {
+        // to 1.4 times its radius
+        let [usual, large] = [21, 41].map(|nodes| Block::new(poisson, nodes).press(6.0));
+        let error = apart(&usual, &large);
+        assert!(error < 0.03, "ν {poisson}: {error}\n{usual:?}\n{large:?}");
+    }
 }
 
 /// Below some three radii the face of the tissue is beyond the cube of the box.
@@ -190,8 +192,11 @@ fn a_small_box_gives_nearly_the_same_force_down_to_the_radius_of_the_ball() {
     for poisson in [0.3, 0.45, 0.49] {
         let usual = Block::new(poisson, 21).press(RADIUS);
         let small = Block::new(poisson, 13).press(RADIUS);
-        let error = apart(&small, &usual);
-        assert!(error < 0.06, "ν {poisson}: {error}\n{small:?}\n{usual:?}");
+        // where few nodes are touched it matters a little where they stand in the box
+        for (from, most) in [(0, 0.06), (2, 0.05)] {
+            let error = apart(&small[from..], &usual[from..]);
+            assert!(error < most, "ν {poisson}: {error}\n{small:?}\n{usual:?}");
+        }
     }
 }
 
@@ -279,9 +284,11 @@ fn what_broke_in_a_large_box_stays_broken_in_a_small_one_and_back() {
     for _ in 0..10 {
         block.answer(-4.0);
     }
-    assert!(block.answer(-4.0).report.bonds_broken > 0);
+    let broken = block.answer(-4.0).report.bonds_broken;
+    assert!(broken > 0);
     let whole = pairs(&block);
-    assert!(block.answer_within(-4.0, SMALL).report.small_box);
+    let small = block.answer_within(-4.0, SMALL).report;
+    assert!(small.small_box && small.bonds_broken == broken);
     assert!(!block.answer(-4.0).report.small_box);
     assert_eq!(pairs(&block), whole);
 }

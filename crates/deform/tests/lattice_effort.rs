@@ -2,16 +2,16 @@
 
 use std::time::{Duration, Instant};
 
-use glam::{DMat3, DQuat, DVec3, UVec3};
+use glam::{DMat3, DVec3, UVec3};
 use palpate_deform::lattice::{LatticeModel, LatticeSettings};
 use palpate_deform::material::{MaterialLaw, Materials, SegmentMaterial, SolidSi};
-use palpate_deform::model::{
-    Budget, DeformationModel, Effort, ModelAnswer, ModelInput, ToolShape, ToolState,
-};
+use palpate_deform::model::{Budget, Effort, ModelAnswer};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
+
+use crate::model_support::answer_to_ball;
 
 /// Nodes along each edge of the box.
 const NODES: u64 = 21;
@@ -55,23 +55,8 @@ fn answer_at(
     along: f64,
     budget: Budget,
 ) -> ModelAnswer {
-    let tool = ToolState {
-        id: 0,
-        shape: ToolShape::Ball(2.0),
-        position: DVec3::new(along, 20.0, 20.5),
-        orientation: DQuat::IDENTITY,
-    };
-    let answer = model.advance(&ModelInput {
-        voxels,
-        materials,
-        tools: &[tool],
-        dt: 0.03,
-        budget,
-    });
-    if let Some(edit) = answer.edit.clone() {
-        voxels.apply(edit).expect("of these voxels");
-    }
-    answer
+    let ball = (DVec3::new(along, 20.0, 20.5), 2.0);
+    answer_to_ball(model, voxels, materials, ball, budget)
 }
 
 #[test]

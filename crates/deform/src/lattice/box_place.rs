@@ -80,7 +80,7 @@ impl LatticeModel {
         let place = self.place_for(tool, &matter, edge, is_new, &rest);
         let mut asked = rest.asked.get();
         if place != matter.place() {
-            self.leave(&mut matter, place.origin, input, tools);
+            self.leave(&matter, place.origin, input, tools);
             self.damage.keep(&matter);
             let rest = self.rest_voxels(input, asked);
             let is_pressed = self.pressed.is_some();

@@ -357,11 +357,12 @@ impl LatticeModel {
                     .stiffness(&mut matter.lattice, &tools, which, most, &is_late);
             let force = matter.grid.direction() * felt.force;
             let spacing = matter.lattice.spacing();
+            let last = self.reported.iter().find(|last| last.tool == tool.id);
+            let last = last.and_then(|last| last.contact);
             // far from rest none may be found at all
             let stiffness = match stiffness > 0.0 {
-                true => measured(&self.reported, tool, force, spacing)
-                    .of(stiffness, !answer.report.settling),
-                false => told_before(&self.reported, tool),
+                true => measured(last, tool, force, spacing).of(stiffness, !answer.report.settling),
+                false => told_before(last),
             };
             let own = answer.contacts.iter_mut().find(|own| own.tool == tool.id);
             if let Some(own) = own {

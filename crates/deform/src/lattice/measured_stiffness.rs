@@ -1,8 +1,9 @@
 //! How stiff a contact was while the tool moved.
 
 use glam::DVec3;
+use palpate_volume::material::LocalContact;
 
-use crate::model::{ToolContact, ToolState};
+use crate::model::ToolState;
 
 /// A tool that has moved by so much has measured its stiffness [spacings]; where that is less than this
 /// share of what was told, it counts.
@@ -43,13 +44,11 @@ impl Measured {
 /// Measures the stiffness of a contact by its force [N, patient]. Where tissue of very different
 /// stiffness comes to rest slowly, the linear problem finds it too stiff.
 pub(super) fn measured(
-    reported: &[ToolContact],
+    last: Option<LocalContact>,
     tool: &ToolState,
     force: DVec3,
     spacing: f64,
 ) -> Measured {
-    let last = reported.iter().find(|last| last.tool == tool.id);
-    let last = last.and_then(|last| last.contact);
     let (Some(last), Some(normal)) = (last, force.try_normalize()) else {
         return Measured::Nothing;
     };
@@ -58,18 +57,18 @@ pub(super) fn measured(
     if way > MEASURED_WAY * spacing {
         Measured::Stiffness((force - last.force).dot(normal) / way)
     } else if gone.length() <= MEASURED_WAY * spacing {
-        Measured::AsBefore(-normal.dot(last.stiffness * normal))
+        Measured::AsBefore(along(&last, normal))
     } else {
         Measured::Nothing
     }
 }
 
 /// The stiffness of a contact along its force as it was told last [N/mm]; 0 where there was none.
-pub(super) fn told_before(reported: &[ToolContact], tool: &ToolState) -> f64 {
-    let last = reported.iter().find(|last| last.tool == tool.id);
-    let last = last.and_then(|last| last.contact);
-    last.map_or(0.0, |last| {
-        let normal = last.force.normalize_or_zero();
-        -normal.dot(last.stiffness * normal)
-    })
+pub(super) fn told_before(last: Option<LocalContact>) -> f64 {
+    last.map_or(0.0, |last| along(&last, last.force.normalize_or_zero()))
+}
+
+/// The stiffness of a contact along a unit vector [N/mm].
+fn along(contact: &LocalContact, normal: DVec3) -> f64 {
+    -normal.dot(contact.stiffness * normal)
 }

@@ -95,9 +95,7 @@ impl MovingBox {
         self.origin = origin;
         self.lattice.go(offset, &matter);
         if is_pressed {
-            let last = self.lattice.layout().size().as_ivec3() - 1;
-            self.lattice
-                .move_along([-offset, last - offset], self.middle);
+            self.begin_along(offset, self.size());
         }
         self.inelastic.go(&self.lattice, offset);
         let layout = *self.lattice.layout();
@@ -129,11 +127,18 @@ impl MovingBox {
             }
         }
         if is_pressed {
-            let last = self.lattice.layout().size().as_ivec3() - 1;
-            new.lattice.move_along([-offset, last - offset], new.middle);
+            new.begin_along(offset, self.size());
         }
         new.lattice.take_frame(&self.lattice);
         new
+    }
+
+    /// Has tissue that is new in the box start as far moved as what is near: the box had so many nodes before,
+    /// and has gone `offset` nodes on.
+    fn begin_along(&mut self, offset: IVec3, before: UVec3) {
+        let last = before.as_ivec3() - 1;
+        self.lattice
+            .move_along([-offset, last - offset], self.middle);
     }
 
     /// Where it stands.

@@ -21,7 +21,7 @@ impl LatticeModel {
     /// without a tool, and does not come back.
     pub(super) fn leave(
         &mut self,
-        matter: &mut MovingBox,
+        matter: &MovingBox,
         origin: IVec3,
         input: &ModelInput<'_>,
         tools: &[&ToolState],

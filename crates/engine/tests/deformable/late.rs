@@ -102,14 +102,10 @@ fn a_stiff_body_holds_a_hand_while_its_answers_are_cut_off() {
         assert_eq!(rig.violations(), 0);
         forces.into_iter().fold(f64::INFINITY, f64::min)
     };
-    let at_rest = deepest(80);
+    // at rest it is 7.85 N; never at rest it may swing for a moment
     for iterations in [12, 14, 16, 20] {
         let least = deepest(iterations);
-        // never at rest it may swing for a moment
-        assert!(
-            least > 0.7 * at_rest,
-            "{iterations}: {least} of {at_rest} N"
-        );
+        assert!(least > 6.0, "{iterations}: {least} N");
     }
 }
 
