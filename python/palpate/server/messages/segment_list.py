@@ -5,7 +5,8 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import product
 from threading import Lock
 from typing import NamedTuple
@@ -56,6 +57,7 @@ class SegmentList:
         self._seen: tuple[int, ...] | None = None
         self._notices: list[str] = []
         self._appearances_version = 0
+        self._coming = 0
         self._labels = LabelsVersion()
         self._made: dict[int, MadeSurface | None] = {}
         self.message = self._make_message(voxels_version=0, edit=0)
@@ -149,18 +151,20 @@ class SegmentList:
 
     def add(self, segment: Segment, *, colour: Colour | None = None) -> None:
         """Adds a segment under its name, in a colour of its own where none is given."""
-        segment_id = self._session.add_segment(segment)
-        own = self._own_colour(segment_id, segment.name)
-        chosen = colour is not None and colour != own
-        new = new_appearance(segment.name, colour or own)
-        self._set_appearance(segment_id, with_colour_chosen(new, chosen=chosen))
+        with self._told_once_named():
+            segment_id = self._session.add_segment(segment)
+            own = self._own_colour(segment_id, segment.name)
+            chosen = colour is not None and colour != own
+            new = new_appearance(segment.name, colour or own)
+            self._set_appearance(segment_id, with_colour_chosen(new, chosen=chosen))
         self.keep()
 
     def add_preview(self, segment: Segment, *, colour: Colour) -> int:
         """Adds a segment that is not touched, for a person to look at; returns its number."""
-        segment_id = self._session.add_segment(segment, touchable=False)
-        look = with_colour_chosen(new_appearance(segment.name, colour), chosen=True)
-        self._set_appearance(segment_id, look)
+        with self._told_once_named():
+            segment_id = self._session.add_segment(segment, touchable=False)
+            look = with_colour_chosen(new_appearance(segment.name, colour), chosen=True)
+            self._set_appearance(segment_id, look)
         self.keep()
         return segment_id
 
@@ -251,13 +255,25 @@ class SegmentList:
         Raises:
             PalpateError: All of it is left on one side.
         """
-        part = cut()
-        look = self._appearance_of(segment_id)
-        name = self._name_of_part(segment_id, part)
-        self._set_appearance(
-            part, replace(look, name=name, colour=colour_of_number(part), colour_chosen=False)
-        )
+        with self._told_once_named():
+            part = cut()
+            look = self._appearance_of(segment_id)
+            name = self._name_of_part(segment_id, part)
+            look = replace(look, name=name, colour=colour_of_number(part), colour_chosen=False)
+            self._set_appearance(part, look)
         self.keep()
+
+    @contextmanager
+    def _told_once_named(self) -> Iterator[None]:
+        """Has pages told of a segment that is added meanwhile only once it has its name."""
+        with self._lock:
+            self._coming += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._coming -= 1
+                self._appearances_version += 1
 
     def _name_of_part(self, segment_id: int, part: int) -> str:
         """Returns a name by the side on which a part lies of the rest, and that no other has."""
@@ -369,7 +385,7 @@ class SegmentList:
         return first_colour(name, others, otherwise=colour_of_number(segment_id))
 
     def _make_message(self, *, voxels_version: int, edit: int) -> protocol.Segments:
-        states = self._session.segments()
+        states = self._told_states()
         for state in states:
             self._show_moved_as_surface(state)
             self._show(state["id"], self._appearance_of(state["id"]))
@@ -383,6 +399,14 @@ class SegmentList:
             # changes have the labels of these from now on, before pages ask for them
             self._session.set_labelled(order)
         return protocol.Segments(segments=segments, labels=number)
+
+    def _told_states(self) -> list[SegmentState]:
+        """Returns what the engine has of each segment, less those whose names are still to come."""
+        states = self._session.segments()
+        # asked after: a segment that is among them without a name is still coming
+        with self._lock:
+            is_coming = self._coming > 0
+            return [one for one in states if not is_coming or one["id"] in self._appearances]
 
     def _segment(self, state: SegmentState) -> protocol.Segment:
         segment_id = state["id"]

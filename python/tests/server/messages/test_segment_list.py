@@ -36,3 +36,26 @@ def test_a_part_that_is_named_while_the_list_is_made_keeps_its_name(
         segments.refresh(2, voxels_version=0, pending=0, edit=0)
         (told,) = segments.message.segments
     assert (told.name, told.shown_as) == ("gel, left part", "surface")
+
+
+def test_a_part_is_told_of_once_it_has_its_name() -> None:
+    with Session(gel_scene(), options=SessionOptions(real_time=False)) as session:
+        segments = SegmentList(session)
+        seen = list[list[str]]()
+
+        def look() -> None:
+            segments.refresh(len(seen), voxels_version=0, pending=0, edit=0)
+            seen.append([each.name for each in segments.message.segments])
+
+        def cut() -> int:
+            part = session.add_segment(session.segment(1))
+            # as another thread, before the part has its name
+            look()
+            return part
+
+        look()
+        segments.cut(1, cut)
+        look()
+    assert seen[0] == seen[1] == ["gel"]
+    assert len(seen[2]) == 2
+    assert seen[2][1].startswith("gel, ")
