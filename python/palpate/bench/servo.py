@@ -37,6 +37,9 @@ LEAST_SECONDS = 0.1
 MOST_SECONDS = 3600.0
 HAND_RATE = 60.0
 """Hand targets per second, as a page sends them."""
+START = -0.75 * math.pi
+"""Where a hand begins on its circle [rad]: outside of the liver. One that begins inside may feel
+nothing until it has come out."""
 BAR = 40
 """Characters of the longest bar of a histogram."""
 
@@ -133,7 +136,7 @@ def _watch(made: Phantom, rate: int, load: str, *, seconds: float) -> Lateness:
             session.set_deformation("lattice")
         begins, step = time.monotonic(), 0
         while (passed := time.monotonic() - begins) < seconds:
-            session.hand(circle.at(step * math.tau / 80.0))
+            session.hand(circle.at(START + step * math.tau / 80.0))
             time.sleep(1.0 / HAND_RATE)
             step += 1
         servo, frame = session.lateness()["servo"], session.frame()
