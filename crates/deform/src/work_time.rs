@@ -46,14 +46,6 @@ impl WorkTime {
         }
     }
 
-    /// So many times as long.
-    pub fn longer(self, times: f64) -> Self {
-        Self {
-            given: self.given.map(|given| given.mul_f64(times)),
-            ..self
-        }
-    }
-
     /// Whether this share of the time is over.
     pub fn is_over(&self, share: f64) -> bool {
         let Some(given) = self.given.map(|given| given.mul_f64(share)) else {
@@ -128,21 +120,6 @@ mod tests {
             ..Budget::iterations(1)
         };
         assert!(WorkTime::begin(&late).is_over(0.5));
-    }
-
-    #[test]
-    fn twice_the_time_is_over_after_twice_as_long() {
-        let budget = Budget {
-            deadline: Some(Instant::now() + Duration::from_secs(60)),
-            ..Budget::iterations(1)
-        };
-        let begun = WorkTime::begin(&budget);
-        let spent = WorkTime {
-            began: None,
-            wall: begun.wall.checked_sub(Duration::from_secs(90)).unwrap(),
-            ..begun
-        };
-        assert!(spent.is_over(1.0) && !spent.longer(2.0).is_over(1.0));
     }
 
     #[test]

@@ -14,7 +14,7 @@ use super::relax::{RelaxSettings, Relaxer};
 use super::resample::RestVoxels;
 use super::settings::LatticeSettings;
 use super::tool_contact::LatticeTool;
-use super::tool_way::{on_the_way, take_along};
+use super::tool_way::on_the_way;
 use super::whole_body::{WholeBody, Work};
 use super::write_back::WriteBack;
 use crate::model::{
@@ -37,17 +37,12 @@ const ROUNDS: u32 = 4;
 const FOLLOWS: f64 = 0.2;
 const STEP_WORK: u32 = 12;
 const WAY_SHARE: u32 = 2;
-/// Unbalanced force from which on nodes are far from rest, and how many times as long the next answer may take
-/// then: cut off there, tissue that stiffens comes to a rest that is not the one of a slow press, or to none.
-const FAR: f64 = 0.05;
-const FAR_TIMES: f64 = 2.0;
 /// Displacement that is seen [spacings].
 const VISIBLE: f64 = 0.01;
 /// One in so many iterations is spent on the stiffness of the contact.
 const STIFFNESS_SHARE: u32 = 4;
-/// Shares of the time after which nodes have followed the tools, are as far at rest as they come, with the tools
-/// and, where tissue yielded, without, and the contact is as stiff as it is found; what is left is for the voxels.
-const FOLLOWED: f64 = 0.35;
+/// Shares of the time after which nodes are as far at rest as they come, with the tools and, where tissue
+/// yielded, without, and the contact as stiff as it is found; what is left is for the voxels.
 const RELAXED: f64 = 0.65;
 const EASED: f64 = 0.75;
 const STIFFNESS_FOUND: f64 = 0.88;
@@ -78,8 +73,6 @@ pub struct LatticeModel {
     reported_poisson: bool,
     /// Whether what yielded was seen without a tool, and nothing was pressed or cut since.
     pub(super) settled: bool,
-    /// Whether nodes were far from rest at the end of the last answer.
-    is_far: bool,
     /// Tools and contacts of the last answer.
     tools: Vec<ToolState>,
     reported: Vec<ToolContact>,
@@ -258,31 +251,23 @@ impl LatticeModel {
         answer: &mut ModelAnswer,
     ) {
         let way = on_the_way(&self.tools, tools);
-        let mut from = std::mem::take(&mut self.tools);
         self.tools = tools.iter().map(|tool| **tool).collect();
         let Some(matter) = &mut self.matter else {
             return;
         };
         let each = input.budget.iterations / WAY_SHARE / (way.len() as u32).max(1);
-        let last = way.len().saturating_sub(1);
-        for (which, step) in way.into_iter().enumerate() {
-            take_along(matter, self.relaxer.felt(), &from, &step);
-            if which == last {
-                // what follows brings it to rest there
-                return;
-            }
+        for step in way {
             let tools: Vec<_> = step.iter().map(|tool| matter.tool(tool)).collect();
             let settings = RelaxSettings {
                 tolerance: FOLLOWS,
                 iterations: each.min(STEP_WORK),
                 reference: matter.small_force(),
             };
-            let is_late = || time.is_over(FOLLOWED);
+            let is_late = || time.is_over(RELAXED);
             let report = self
                 .relaxer
                 .relax(&mut matter.lattice, &tools, &settings, &is_late);
             answer.report.iterations += report.iterations;
-            from = step;
         }
     }
 
@@ -418,11 +403,6 @@ impl DeformationModel for LatticeModel {
         answer.report.effort.sampled = self.follow(input, &usable);
         // a box that went on needs all its time to come to rest
         let time = time.anew();
-        let time = if self.is_far {
-            time.longer(FAR_TIMES)
-        } else {
-            time
-        };
         self.report_poisson(&mut answer);
         self.go_along(input, &time, &usable, &mut answer);
         if let Some(matter) = &self.matter {
@@ -441,7 +421,6 @@ impl DeformationModel for LatticeModel {
             self.matter = None;
             answer.events.push(ModelEvent::Reset);
         }
-        self.is_far = answer.report.residual > FAR;
         answer.report.settling =
             self.yields || answer.report.residual > AT_REST * self.settings.tolerance;
         let edge = self.matter.as_ref().map(MovingBox::edge);

@@ -46,9 +46,6 @@ const FARTHEST: f64 = 0.5;
 const LESS_ALONG: f64 = 0.8;
 /// Most times that a step is cut in half.
 const HALVES: u32 = 4;
-/// Evaluations that are kept for taking a step: with none left to cut it in half, the same step would be found and
-/// not taken in each answer, and the nodes would never come to rest.
-const TRIES: u32 = 3;
 
 /// What came of a step.
 struct Taken {
@@ -122,10 +119,7 @@ impl Relaxer {
                 return report;
             }
             let wish = Wish {
-                most: settings
-                    .iterations
-                    .saturating_sub(iterations + TRIES)
-                    .min(MOST),
+                most: settings.iterations.saturating_sub(iterations + 1).min(MOST),
                 residual: 0.5 * settings.tolerance,
                 gain: residual.clamp(GAINS[0], GAINS[1]),
                 reference: settings.reference,
