@@ -401,12 +401,14 @@ class SegmentList:
         return protocol.Segments(segments=segments, labels=number)
 
     def _told_states(self) -> list[SegmentState]:
-        """Returns what the engine has of each segment, less those whose names are still to come."""
+        """Returns the segments of the engine, less new ones while one waits for its name."""
         states = self._session.segments()
-        # asked after: a segment that is among them without a name is still coming
+        # asked after: one that is new among them may still have the name that its number had before
         with self._lock:
-            is_coming = self._coming > 0
-            return [one for one in states if not is_coming or one["id"] in self._appearances]
+            if self._coming == 0:
+                return states
+        told = {each.id for each in self.message.segments}
+        return [state for state in states if state["id"] in told]
 
     def _segment(self, state: SegmentState) -> protocol.Segment:
         segment_id = state["id"]

@@ -41,6 +41,8 @@ def test_a_part_that_is_named_while_the_list_is_made_keeps_its_name(
 def test_a_part_is_told_of_once_it_has_its_name() -> None:
     with Session(gel_scene(), options=SessionOptions(real_time=False)) as session:
         segments = SegmentList(session)
+        # as a program beside the page: pages know it without a name
+        session.add_segment(session.segment(1))
         seen = list[list[str]]()
 
         def look() -> None:
@@ -56,6 +58,6 @@ def test_a_part_is_told_of_once_it_has_its_name() -> None:
         look()
         segments.cut(1, cut)
         look()
-    assert seen[0] == seen[1] == ["gel"]
-    assert len(seen[2]) == 2
-    assert seen[2][1].startswith("gel, ")
+    assert seen[0] == seen[1] == ["gel", "segment 2"]
+    assert len(seen[2]) == 3
+    assert seen[2][2].startswith("gel, ")
