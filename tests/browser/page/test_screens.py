@@ -81,8 +81,9 @@ def test_what_is_pressed_and_switched_on_is_seen_in_colours_of_the_system(page: 
 
 
 def test_enlarged_to_twice_its_size_the_page_has_all_panels_and_tools(page: Browser) -> None:
-    left = "document.querySelector('aside.left') !== null"
-    right = "document.querySelector('aside.right') !== null"
+    # closed, the right panel leaves a strip of tools, which is an aside too
+    left = "document.querySelector('.workspace:not(.no-left)') !== null"
+    right = "document.querySelector('.workspace:not(.no-right)') !== null"
     assert page.read(f"{left} && {right}")
     page.do("resize", width=683, height=384)
     page.wait(f"!({left} && {right})")
