@@ -4,9 +4,8 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use palpate_engine::picture::{
-    PackedPatch, PictureChange, ShownDisplacements, SurfaceChange, VoxelChange,
-};
+use palpate_engine::deformable::Displacements;
+use palpate_engine::picture::{PackedPatch, PictureChange, SurfaceChange, VoxelChange};
 use palpate_surface::PatchId;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
@@ -28,24 +27,20 @@ pub fn change_dict<'py>(py: Python<'py>, change: &PictureChange) -> PyResult<Bou
     let surfaces: Vec<_> = surfaces
         .map(|(id, surface)| surface_dict(py, *id, surface))
         .collect::<PyResult<_>>()?;
+    let displaced = change.displacements.as_ref().map(|boxes| {
+        let boxes = boxes.iter().map(|nodes| displaced_dict(py, nodes));
+        boxes.collect::<PyResult<Vec<_>>>()
+    });
     dictionary!(py,
         "edit": change.edit,
         "applied": change.applied.map(seconds_since_1970),
         "voxels": voxels,
         "surfaces": surfaces,
-        "displaced": change.displacements.as_ref().map(|now| displaced_dict(py, now)).transpose()?,
+        "displaced": displaced.transpose()?,
     )
 }
 
-fn displaced_dict<'py>(py: Python<'py>, now: &ShownDisplacements) -> PyResult<Bound<'py, PyDict>> {
-    let Some(now) = now else {
-        return dictionary!(py,
-            "origin": (0.0, 0.0, 0.0),
-            "step": (1.0, 1.0, 1.0),
-            "size": (0, 0, 0),
-            "moved": PyBytes::new(py, &[]),
-        );
-    };
+fn displaced_dict<'py>(py: Python<'py>, now: &Displacements) -> PyResult<Bound<'py, PyDict>> {
     dictionary!(py,
         "origin": triple(now.origin),
         "step": triple(now.step),

@@ -242,19 +242,17 @@ impl PyRenderer {
             .displacements
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        let is_same = match (&*known, &drawn.displacements) {
-            (Some(known), Some(now)) => Arc::ptr_eq(known, now),
-            (known, now) => known.is_none() && now.is_none(),
-        };
+        let both = known.iter().zip(&drawn.displacements);
+        let is_same = known.len() == drawn.displacements.len()
+            && both.into_iter().all(|(known, now)| Arc::ptr_eq(known, now));
         if !is_same {
-            let now = drawn.displacements.as_deref();
-            let given = now.map(|now| Displacements {
+            let given = drawn.displacements.iter().map(|now| Displacements {
                 origin: now.origin,
                 step: now.step,
                 size: now.size,
                 moved: &now.moved,
             });
-            renderer.displace(given.as_ref());
+            renderer.displace(&given.collect::<Vec<_>>());
             *known = drawn.displacements;
         }
         has_edit || !is_same

@@ -15,7 +15,7 @@ use crate::voxel_ledger::Ledger;
 
 /// Shares of the displacement of tissue with which the empty nodes beside it go along, by their
 /// distance [nodes].
-const BESIDE: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+pub(crate) const BESIDE: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// Steps of Newton toward the place at rest.
 const STEPS: u32 = 12;
 /// How far voxels are behind the tissue that they show, at most: half of one and the margin by

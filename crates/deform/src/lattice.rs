@@ -50,6 +50,7 @@ mod volume_forces;
 mod whole_body;
 mod whole_contacts;
 mod whole_lattice;
+mod whole_picture;
 mod whole_sites;
 mod write_back;
 

@@ -253,6 +253,8 @@ pub struct ModelAnswer {
     pub contacts: Vec<ToolContact>,
     /// Displacement that the voxels do not show; none where they show all.
     pub displacement: Option<DisplacementField>,
+    /// Displacement of the body behind, which no voxel follows, to be added to it; none where that stands still.
+    pub behind: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
     /// Report on the call.

@@ -7,7 +7,9 @@ use palpate_deform::lattice::{LatticeModel, LatticeSettings};
 use palpate_deform::material::{
     MaterialLaw, Materials, Region, SegmentMaterial, SolidSi, Treatment,
 };
-use palpate_deform::model::{Budget, DeformationModel, ModelInput, ToolShape, ToolState};
+use palpate_deform::model::{
+    Budget, DeformationModel, DisplacementField, ModelInput, ToolShape, ToolState,
+};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
@@ -35,6 +37,8 @@ struct Body {
     voxels: Voxels,
     materials: Materials,
     model: LatticeModel,
+    /// What the last answer had seen of the body behind the box.
+    behind: Option<DisplacementField>,
 }
 
 impl Body {
@@ -70,6 +74,7 @@ impl Body {
                 segments: segments.collect(),
             },
             model: LatticeModel::new(settings),
+            behind: None,
         }
     }
 
@@ -92,11 +97,28 @@ impl Body {
             });
             let contact = answer.contacts[0].contact;
             force = contact.map_or(DVec3::ZERO, |contact| contact.force);
+            self.behind = answer.behind;
             if let Some(edit) = answer.edit {
                 self.voxels.apply(edit).expect("of this scan");
             }
         }
         force
+    }
+
+    /// How far the body behind the box is seen to have moved at a place [mm].
+    fn seen(&self, place: DVec3) -> DVec3 {
+        let Some(field) = &self.behind else {
+            return DVec3::ZERO;
+        };
+        let at = (place - field.origin) / field.spacing;
+        let (low, share) = (at.floor().as_uvec3(), at - at.floor());
+        (0..8).fold(DVec3::ZERO, |sum, n| {
+            let corner = UVec3::new(n & 1, n >> 1 & 1, n >> 2);
+            let near = DVec3::select(corner.cmpgt(UVec3::ZERO), share, 1.0 - share);
+            let node = low + corner;
+            let index = node.x + field.size.x * (node.y + field.size.y * node.z);
+            sum + field.moved[index as usize].as_dvec3() * near.element_product()
+        })
     }
 
     /// Mean displacement of the whole segment [mm].
@@ -204,4 +226,56 @@ fn bone_that_only_the_whole_segment_reaches_is_felt() {
     println!("alone {alone:.4}, joined {joined:.4}, all in the box {truth:.4} N");
     assert!((joined / truth - 1.0).abs() < 0.05, "{joined} {truth} N");
     assert!(alone / truth < 0.9, "{alone} {truth} N");
+}
+
+#[test]
+fn the_body_behind_the_box_is_seen_to_move_where_the_box_does_not_show_it() {
+    let mut body = block(true);
+    body.press(DVec3::new(12.0, 50.0, 50.0), 30);
+    assert!(body.behind.is_none(), "nothing presses it");
+    body.press(DVec3::new(17.0, 50.0, 50.0), 60);
+    let moved = body.moved();
+    assert!(moved.x > 0.5, "{moved}");
+    // the far side goes along, and so does the air just beside it
+    for x in [60.0, 78.0, 81.0] {
+        let seen = body.seen(DVec3::new(x, 50.0, 50.0));
+        assert!(
+            (seen - moved).length() < 0.15 * moved.x,
+            "{x}: {seen} {moved}"
+        );
+    }
+    // the wall stands, and under the tool the box shows all
+    for x in [90.0, 24.0] {
+        let seen = body.seen(DVec3::new(x, 50.0, 50.0));
+        assert!(seen.length() < 0.05 * moved.x, "{x}: {seen} {moved}");
+    }
+    body.press(DVec3::new(10.0, 50.0, 50.0), 40);
+    assert!(body.behind.is_none(), "it has come back");
+}
+
+/// Thick tissue over bone, pressed by a ball: below a small box tissue is seen where a box finds it that holds all
+/// of it, up to a fifth of how far it moved, since the load of the body is spread.
+#[test]
+fn what_is_seen_behind_the_box_is_where_tissue_stands() {
+    let press = |whole: bool, nodes: u32| {
+        let soft = |voxel: IVec3| within(voxel, [0, 0, 2], [30, 30, 16]);
+        let bone = |voxel: IVec3| voxel.z < 2;
+        let mut body = Body::new([30, 30, 24], 1e4, soft, bone, settings(whole, nodes));
+        body.press(DVec3::new(31.0, 31.0, 32.0 + RADIUS), 1);
+        body.press(DVec3::new(31.0, 31.0, 32.0 + RADIUS - 4.0), 40);
+        body
+    };
+    let (joined, truth) = (press(true, 11), press(false, 31));
+    let places = truth.model.parts().places;
+    for z in [19.0, 17.0, 13.0, 9.0, 5.0] {
+        let rest = DVec3::new(31.0, 31.0, z);
+        let nearest = places.iter().min_by(|one, other| {
+            let far = |[place, _]: &[DVec3; 2]| place.distance(rest);
+            far(one).total_cmp(&far(other))
+        });
+        let [from, to] = *nearest.expect("tissue");
+        let (seen, truth) = (joined.seen(from), to - from);
+        println!("{z} mm: {:.3} mm, seen {:.3} mm", truth.z, seen.z);
+        assert!((seen - truth).length() < 0.15, "{z}: {seen} {truth}");
+    }
 }

@@ -17,5 +17,6 @@ pub use scene_updates::SceneUpdate;
 pub use simulation_status::{PictureEnds, SimulationStatus};
 pub use surface_loop::{SurfaceLoop, SurfacePace};
 pub use surfaces::{
-    PictureChange, ShownDisplacements, ShownSurface, SurfaceChange, Surfaces, VoxelChange,
+    MOST_BOXES, PictureChange, ShownDisplacements, ShownSurface, SurfaceChange, Surfaces,
+    VoxelChange,
 };

@@ -18,10 +18,10 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::deformable::{Deformation, Displacements, SharedRegionChanges, Unpressed};
+use crate::deformable::{Deformation, SharedRegionChanges, Unpressed};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::{PictureEnds, SceneUpdate, SimulationStatus};
+use crate::picture::{PictureEnds, SceneUpdate, ShownDisplacements, SimulationStatus};
 use crate::replay::TapeRecorder;
 use crate::scene::{MaskFractions, Scene, SegmentVoxels, Step, TouchChange};
 use crate::servo::{ServoCommand, SimulationChannels};
@@ -122,7 +122,7 @@ pub struct Simulation {
     /// What was changed of segments that regions are shared with.
     shared_changes: SharedRegionChanges,
     /// As the picture was told it last.
-    displacements: Option<Arc<Displacements>>,
+    displacements: ShownDisplacements,
     /// Works out the occupancy fractions of masks.
     fractions: MaskFractions,
     file: Option<JournalFile>,
@@ -175,7 +175,7 @@ impl Simulation {
             unpressed: Unpressed::default(),
             closes_with_answer: false,
             shared_changes: SharedRegionChanges::default(),
-            displacements: None,
+            displacements: Vec::new(),
             fractions,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),

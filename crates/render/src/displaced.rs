@@ -26,9 +26,15 @@ pub struct Displacements<'a> {
     pub moved: &'a [Vec3],
 }
 
-/// Displacements as rays look them up: trilinear between nodes, none more than half a step beyond the outermost.
+/// Displacements as rays look them up: those of all boxes that hold a place add up.
 #[derive(Clone, Debug)]
 pub(crate) struct Displaced {
+    boxes: Vec<NodeBox>,
+}
+
+/// Displacements of one box: trilinear between nodes, none more than half a step beyond the outermost.
+#[derive(Clone, Debug)]
+struct NodeBox {
     /// Voxels along each axis, and 0.
     moved: Vec<[f32; 4]>,
     size: IVec3,
@@ -42,39 +48,15 @@ pub(crate) struct Displaced {
 }
 
 impl Displaced {
-    /// In a scan of voxels of this size [mm].
+    /// In a scan of voxels of this size [mm]; none without a box.
     ///
     /// # Panics
     /// Where there is no node, or not one displacement for each.
-    pub fn new(given: &Displacements<'_>, spacing: Vec3) -> Self {
-        let size = given.size.as_ivec3();
-        let nodes = given.size.element_product() as usize;
-        assert!(
-            nodes > 0 && given.moved.len() == nodes,
-            "{} displacements for {nodes} nodes",
-            given.moved.len()
-        );
-        let in_voxels = |moved: &Vec3| {
-            let moved = *moved / spacing;
-            if moved.is_finite() { moved } else { Vec3::ZERO }
-        };
-        let moved: Vec<_> = given.moved.iter().map(in_voxels).collect();
-        let farthest = moved
-            .iter()
-            .fold(0.0, |most: f32, it| most.max(it.abs().max_element()));
-        let stride = |size: i32, stride: i32| if size > 1 { stride } else { 0 };
-        Self {
-            moved: moved.iter().map(|it| [it.x, it.y, it.z, 0.0]).collect(),
-            size,
-            strides: [
-                stride(size.x, 1),
-                stride(size.y, size.x),
-                stride(size.z, size.x * size.y),
-            ],
-            scale: given.step.recip().as_vec3(),
-            term: (-given.origin / given.step).as_vec3(),
-            reach: (farthest / BRICK as f32).ceil(),
-        }
+    pub fn new(given: &[Displacements<'_>], spacing: Vec3) -> Option<Self> {
+        let boxes = given.iter().map(|given| NodeBox::new(given, spacing));
+        (!given.is_empty()).then(|| Self {
+            boxes: boxes.collect(),
+        })
     }
 
     /// Where the tissue that stands at places is at rest, by two steps of a fixed-point iteration.
@@ -110,7 +92,7 @@ impl Displaced {
             return None;
         }
         let turned = self.turned(rest, normal, spacing);
-        let place = rest + self.at(rest);
+        let place = rest + self.at(rest, rest);
         Some((place.or_else(inside, rest), turned.or_else(inside, normal)))
     }
 
@@ -120,7 +102,7 @@ impl Displaced {
     fn turned<L: Gather>(&self, rest: Vector<L>, normal: Vector<L>, spacing: Vec3) -> Vector<L> {
         let column = |axis: Vec3| {
             let reach = Vector::splat(0.5 * axis);
-            let there = self.at(rest + reach) - self.at(rest - reach);
+            let there = self.at(rest, rest + reach) - self.at(rest, rest - reach);
             // voxels to mm, over a voxel along the axis
             there.times(Vector::splat(spacing / spacing.dot(axis))) + Vector::splat(axis)
         };
@@ -131,9 +113,94 @@ impl Displaced {
         turned.normalized().or_else(is_whole, normal)
     }
 
-    /// Which places lie among the nodes, or so many voxels beside them.
+    /// Which places lie among the nodes of a box, or so many voxels beside them.
     #[inline(always)]
     pub fn hold<L: Gather>(&self, grid: Vector<L>, beside: f32) -> L::Mask {
+        let holds = |held: L::Mask, nodes: &NodeBox| held | nodes.hold(grid, beside);
+        self.boxes.iter().fold(Masks::splat(false), holds)
+    }
+
+    /// Bricks by which empty space ends earlier along rays: along those that meet a box, beside whose voxels
+    /// something may stand. `inverse`: mm for each voxel along each axis.
+    #[inline(always)]
+    pub fn margin<L: Gather>(&self, origin: Vector<L>, inverse: Vector<L>) -> L::Float {
+        let add = |sum: L::Float, nodes: &NodeBox| sum + nodes.margin(origin, inverse);
+        self.boxes.iter().fold(L::Float::splat(0.0), add)
+    }
+
+    /// Displacements at places [voxels], of the boxes that hold the `held` ones.
+    #[inline(always)]
+    fn at<L: Gather>(&self, held: Vector<L>, grid: Vector<L>) -> Vector<L> {
+        let none = Vector::splat(Vec3::ZERO);
+        let add = |sum: Vector<L>, nodes: &NodeBox| {
+            sum + nodes.at(grid).or_else(nodes.hold(held, 0.0), none)
+        };
+        self.boxes.iter().fold(none, add)
+    }
+
+    #[inline(always)]
+    fn pulled_back<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
+        let first = grid - self.at(grid, grid);
+        grid - self.at(grid, first)
+    }
+
+    /// Central differences over a voxel to each side, to a gradient in the scan's unit [per mm].
+    #[inline(always)]
+    fn differences<L: Gather>(&self, field: &Field, grid: Vector<L>) -> Vector<L> {
+        let zero = L::Float::splat(0.0);
+        let mut sums = [zero; 3];
+        // one body for all six
+        for i in 0..6 {
+            let axis = i / 2;
+            let toward = if i % 2 == 0 { -1.0 } else { 1.0 };
+            let aside = grid + Vector::splat(toward * Vec3::AXES[axis]);
+            let value = field.value_at(self.pulled_back(aside));
+            sums[axis] = sums[axis] + value * Floats::splat(toward);
+        }
+        let [x, y, z] = sums;
+        Vector::new(x, y, z).times(Vector::splat(field.gradient_scale()))
+    }
+}
+
+impl NodeBox {
+    /// In a scan of voxels of this size [mm].
+    ///
+    /// # Panics
+    /// Where there is no node, or not one displacement for each.
+    fn new(given: &Displacements<'_>, spacing: Vec3) -> Self {
+        let size = given.size.as_ivec3();
+        let nodes = given.size.element_product() as usize;
+        assert!(
+            nodes > 0 && given.moved.len() == nodes,
+            "{} displacements for {nodes} nodes",
+            given.moved.len()
+        );
+        let in_voxels = |moved: &Vec3| {
+            let moved = *moved / spacing;
+            if moved.is_finite() { moved } else { Vec3::ZERO }
+        };
+        let moved: Vec<_> = given.moved.iter().map(in_voxels).collect();
+        let farthest = moved
+            .iter()
+            .fold(0.0, |most: f32, it| most.max(it.abs().max_element()));
+        let stride = |size: i32, stride: i32| if size > 1 { stride } else { 0 };
+        Self {
+            moved: moved.iter().map(|it| [it.x, it.y, it.z, 0.0]).collect(),
+            size,
+            strides: [
+                stride(size.x, 1),
+                stride(size.y, size.x),
+                stride(size.z, size.x * size.y),
+            ],
+            scale: given.step.recip().as_vec3(),
+            term: (-given.origin / given.step).as_vec3(),
+            reach: (farthest / BRICK as f32).ceil(),
+        }
+    }
+
+    /// Which places lie among the nodes, or so many voxels beside them.
+    #[inline(always)]
+    fn hold<L: Gather>(&self, grid: Vector<L>, beside: f32) -> L::Mask {
         let place = self.in_nodes(grid);
         let low = -0.5 - beside * self.scale;
         let high = self.size.as_vec3() - low - 1.0;
@@ -145,10 +212,9 @@ impl Displaced {
             & place.z.less(Floats::splat(high.z))
     }
 
-    /// Bricks by which empty space ends earlier along rays: along those that meet the box, beside whose voxels
-    /// something may stand. `inverse`: mm for each voxel along each axis.
+    /// Bricks by which empty space ends earlier along rays that meet the box.
     #[inline(always)]
-    pub fn margin<L: Gather>(&self, origin: Vector<L>, inverse: Vector<L>) -> L::Float {
+    fn margin<L: Gather>(&self, origin: Vector<L>, inverse: Vector<L>) -> L::Float {
         let zero = L::Float::splat(0.0);
         let low = (-self.term - 0.5) / self.scale;
         let high = low + self.size.as_vec3() / self.scale;
@@ -276,31 +342,6 @@ fn differ_plain((displaced, field): (&Displaced, &Field), places: &mut Vectors, 
     *places = stored(displaced.differences::<Plain>(field, loaded(places)));
 }
 
-impl Displaced {
-    #[inline(always)]
-    fn pulled_back<L: Gather>(&self, grid: Vector<L>) -> Vector<L> {
-        let first = grid - self.at(grid);
-        (grid - self.at(first)).or_else(self.hold(grid, 0.0), grid)
-    }
-
-    /// Central differences over a voxel to each side, to a gradient in the scan's unit [per mm].
-    #[inline(always)]
-    fn differences<L: Gather>(&self, field: &Field, grid: Vector<L>) -> Vector<L> {
-        let zero = L::Float::splat(0.0);
-        let mut sums = [zero; 3];
-        // one body for all six
-        for i in 0..6 {
-            let axis = i / 2;
-            let toward = if i % 2 == 0 { -1.0 } else { 1.0 };
-            let aside = grid + Vector::splat(toward * Vec3::AXES[axis]);
-            let value = field.value_at(self.pulled_back(aside));
-            sums[axis] = sums[axis] + value * Floats::splat(toward);
-        }
-        let [x, y, z] = sums;
-        Vector::new(x, y, z).times(Vector::splat(field.gradient_scale()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::{DVec3, UVec3, Vec3};
@@ -343,15 +384,13 @@ mod tests {
         let mut random = oorandom::Rand32::new(3);
         for size in [UVec3::new(4, 5, 3), UVec3::ONE, UVec3::new(1, 3, 1)] {
             let moved = nodes(&mut random, size);
-            let displaced = Displaced::new(
-                &Displacements {
-                    origin: ORIGIN.as_dvec3(),
-                    step: STEP.as_dvec3(),
-                    size,
-                    moved: &moved,
-                },
-                SPACING,
-            );
+            let given = Displacements {
+                origin: ORIGIN.as_dvec3(),
+                step: STEP.as_dvec3(),
+                size,
+                moved: &moved,
+            };
+            let displaced = Displaced::new(&[given], SPACING).unwrap();
             for _ in 0..40 {
                 let places: [Vec3; LANES] = std::array::from_fn(|_| {
                     let share = Vec3::from_array([(); 3].map(|()| random.rand_float()));
@@ -390,7 +429,7 @@ mod tests {
                 size: UVec3::ONE,
                 moved: &[moved],
             };
-            Displaced::new(&given, SPACING).reach
+            Displaced::new(&[given], SPACING).unwrap().boxes[0].reach
         };
         // 0.5 mm a voxel along x: 4.5 mm are nine voxels
         let cases = [(0.0, 0.0), (0.1, 1.0), (4.0, 1.0), (-4.5, 2.0)];

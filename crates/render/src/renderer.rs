@@ -110,11 +110,11 @@ impl Renderer {
         true
     }
 
-    /// Has tissue stand beside its voxels; none: in them. Light is that of the voxels.
+    /// Has tissue stand beside its voxels by all of these together; without any: in them. Light is that of the voxels.
     ///
     /// # Panics
     /// Where there is no node, or not one displacement for each.
-    pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
+    pub fn displace(&mut self, displacements: &[Displacements<'_>]) {
         self.forget_edits();
         self.scene.displace(displacements);
     }

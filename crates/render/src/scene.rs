@@ -98,13 +98,12 @@ impl Scene {
             .intersect(&whole)
     }
 
-    /// Has tissue stand beside its voxels; none: in them.
+    /// Has tissue stand beside its voxels by all of these together; without any: in them.
     ///
     /// # Panics
     /// Where there is no node, or not one displacement for each.
-    pub fn displace(&mut self, displacements: Option<&Displacements<'_>>) {
-        let spacing = self.field.spacing();
-        self.displaced = displacements.map(|given| Displaced::new(given, spacing));
+    pub fn displace(&mut self, displacements: &[Displacements<'_>]) {
+        self.displaced = Displaced::new(displacements, self.field.spacing());
     }
 
     /// Takes the surfaces of segments as they are now.

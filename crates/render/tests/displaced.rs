@@ -27,12 +27,12 @@ fn moved(voxels: &Voxels, moved: Vec3) -> Scene {
 /// Eight nodes at the corners of a box, which all move by as much; they reach half a step farther.
 fn with_nodes(voxels: &Voxels, origin: DVec3, step: DVec3, moved: Vec3) -> Scene {
     let mut scene = scene(voxels);
-    scene.displace(Some(&Displacements {
+    scene.displace(&[Displacements {
         origin,
         step,
         size: UVec3::splat(2),
         moved: &[moved; 8],
-    }));
+    }]);
     scene
 }
 
@@ -77,7 +77,7 @@ fn a_surface_goes_along_by_parts_of_a_voxel() {
     }
     // nothing is displaced any more
     let mut back = moved(&still, Vec3::Z);
-    back.displace(None);
+    back.displace(&[]);
     assert_eq!(depth(&back), before);
 }
 

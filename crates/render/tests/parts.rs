@@ -133,7 +133,7 @@ fn where_more_may_look_different_there_is_no_part() {
     assert_eq!(part(&renderer, first + 1000), None);
     // tissue went back to its voxels, which no edit tells
     let pressed = renderer.state();
-    renderer.displace(None);
+    renderer.displace(&[]);
     assert_eq!(part(&renderer, first), None);
     assert_eq!(part(&renderer, pressed), None);
     // nor is a picture of another renderer one of this

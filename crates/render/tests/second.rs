@@ -274,12 +274,12 @@ fn displaced_tissue_is_that_of_the_first() {
         let look = appearance(blend, 0.3);
         let mut both = fused(&empty, &scan, DVec3::ZERO, as_first(&look), blend);
         let still = picture(&both, &look, &view);
-        both.displace(Some(&Displacements {
+        both.displace(&[Displacements {
             origin: DVec3::splat(-20.0),
             step: DVec3::splat(72.0),
             size: UVec3::splat(2),
             moved: &[Vec3::new(4.0, 0.0, 0.0); 8],
-        }));
+        }]);
         let (mean, far) = difference(&picture(&both, &look, &view), &still);
         assert!(mean < 0.01 && far == 0.0, "{blend:?}: {mean} {far}");
     }

@@ -458,12 +458,12 @@ fn displace(scene: &mut Scene, of: impl Fn(DVec3) -> DVec3) {
     let moved: Vec<Vec3> = nodes
         .map(|node| of(origin + step * node).as_vec3())
         .collect();
-    scene.displace(Some(&Displacements {
+    scene.displace(&[Displacements {
         origin,
         step,
         size: UVec3::splat(2),
         moved: &moved,
-    }));
+    }]);
 }
 
 fn lit(mut look: Appearance) -> Appearance {

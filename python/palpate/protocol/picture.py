@@ -126,14 +126,15 @@ class Changed(Message, frozen=True, tag="changed"):
 
     Boxes of voxels are in the order of their edits: where two overlap, the later one counts.
     ``applied`` is when the oldest of these edits was applied [s since 1970]; null without one.
-    ``displaced`` belongs to the voxels after the change; null where it did not change.
+    ``displaced`` belongs to the voxels after the change: boxes of nodes whose displacements add up,
+    at most two; null where it did not change.
     """
 
     edit: int
     applied: float | None
     voxels: list[ChangedVoxels]
     surfaces: list[SegmentSurface]
-    displaced: Displaced | None = None
+    displaced: list[Displaced] | None = None
 
 
 class SecondScan(Message, frozen=True, tag="second_scan"):

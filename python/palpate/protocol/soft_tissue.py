@@ -201,7 +201,7 @@ class Displaced(msgspec.Struct, frozen=True):
     """Displacement of tissue from the voxels that show it, at the nodes of a box.
 
     Node (i, j, k) is at ``origin + step * (i, j, k)`` [grid], and ``size`` counts nodes along each
-    axis, 0 where nothing is displaced. ``moved`` is the displacement at each node as little-endian
+    axis. ``moved`` is the displacement at each node as little-endian
     float16: x, y, z along the axes of the grid [mm] and a zero, nodes with x fastest.
     """
 

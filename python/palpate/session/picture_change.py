@@ -61,7 +61,7 @@ class DisplacedField(TypedDict):
     step: Triple
     """Distance of nodes [voxels]."""
     size: Sequence[int]
-    """Nodes along x, y, z; 0 where nothing is displaced."""
+    """Nodes along x, y, z."""
     moved: bytes
     """x, y, z [mm] along the axes of the grid and a zero, float16, for each node, x fastest."""
 
@@ -74,5 +74,6 @@ class PictureChange(TypedDict):
     """When it was made [s since 1970]; None where no edit made it."""
     voxels: list[VoxelChange]
     surfaces: list[SurfaceChange]
-    displaced: DisplacedField | None
-    """None where it did not change."""
+    displaced: list[DisplacedField] | None
+    """Displacements that add up: of what is pressed, and of the body behind; none where nothing is
+    displaced. None where it did not change."""

@@ -198,7 +198,7 @@ def displacements(session: Session, seconds: float) -> list[Any]:
 
 
 def farthest(displaced: Any) -> float:
-    moved = np.frombuffer(displaced["moved"], "<f2").reshape(-1, 4)
+    moved = np.frombuffer(b"".join(box["moved"] for box in displaced), "<f2").reshape(-1, 4)
     assert not moved[:, 3].any()
     return float(np.abs(moved[:, :3]).max(initial=0.0))
 
@@ -207,8 +207,9 @@ def test_the_picture_is_told_where_matter_stands_while_it_is_pressed() -> None:
     with pressing() as session:
         told = displacements(session, 1.2)
         assert len(told) > 5
-        assert tuple(told[-1]["size"]) == (21, 21, 21)
-        assert len(told[-1]["moved"]) == 8 * 21**3
+        (pressed,) = told[-1]
+        assert tuple(pressed["size"]) == (21, 21, 21)
+        assert len(pressed["moved"]) == 8 * 21**3
         # a hand that rests: what cannot be seen is not told
         last = displacements(session, 0.35)
         assert len(last) < 5
@@ -216,10 +217,8 @@ def test_the_picture_is_told_where_matter_stands_while_it_is_pressed() -> None:
         assert 0.1 < farthest([*told, *last][-1]) <= 1.0
         # and nothing is left once it has gone
         after = displacements(session, 1.0)
-        assert (tuple(after[-1]["size"]), after[-1]["moved"]) == ((0, 0, 0), b"")
-        displaced = session.whole_surfaces()["displaced"]
-        assert displaced is not None
-        assert tuple(displaced["size"]) == (0, 0, 0)
+        assert after[-1] == []
+        assert session.whole_surfaces()["displaced"] == []
 
 
 def test_without_its_model_matter_stands_in_its_voxels_again() -> None:
@@ -227,7 +226,7 @@ def test_without_its_model_matter_stands_in_its_voxels_again() -> None:
         assert farthest(displacements(session, 1.3)[-1]) > 0.1
         session.set_deformation(None)
         told = displacements(session, 0.05)
-        assert [tuple(each["size"]) for each in told] == [(0, 0, 0)]
+        assert told == [[]]
 
 
 def test_the_parts_of_a_model_are_shown_on_request_alone() -> None:

@@ -652,7 +652,7 @@ export interface SegmentSurface {
  * Displacement of tissue from the voxels that show it, at the nodes of a box.
  *
  * Node (i, j, k) is at `origin + step * (i, j, k)` [grid], and `size` counts nodes along each
- * axis, 0 where nothing is displaced. `moved` is the displacement at each node as little-endian
+ * axis. `moved` is the displacement at each node as little-endian
  * float16: x, y, z along the axes of the grid [mm] and a zero, nodes with x fastest.
  */
 export interface Displaced {
@@ -667,7 +667,8 @@ export interface Displaced {
  *
  * Boxes of voxels are in the order of their edits: where two overlap, the later one counts.
  * `applied` is when the oldest of these edits was applied [s since 1970]; null without one.
- * `displaced` belongs to the voxels after the change; null where it did not change.
+ * `displaced` belongs to the voxels after the change: boxes of nodes whose displacements add up,
+ * at most two; null where it did not change.
  */
 export interface Changed {
   readonly type: "changed";
@@ -675,7 +676,7 @@ export interface Changed {
   readonly applied: number | null;
   readonly voxels: readonly ChangedVoxels[];
   readonly surfaces: readonly SegmentSurface[];
-  readonly displaced: Displaced | null;
+  readonly displaced: readonly Displaced[] | null;
 }
 
 /**
@@ -2307,7 +2308,7 @@ const isChanged = record({
   applied: nullable(real()),
   voxels: list(isChangedVoxels),
   surfaces: list(isSegmentSurface),
-  displaced: nullable(isDisplaced),
+  displaced: nullable(list(isDisplaced)),
 });
 
 const isMatterParts = record({

@@ -48,7 +48,7 @@ export function memoryOf(letters: readonly Letter[]): ArrayBuffer[] {
       ? [message.colours, message.depths]
       : message.type === "changed"
       ? [
-          message.displaced?.moved ?? null,
+          ...(message.displaced ?? []).map(({ moved }) => moved),
           ...message.voxels.flatMap(({ stored, labels }) => [stored, labels]),
           ...message.surfaces.flatMap(({ patches }) =>
             patches.flatMap(({ vertices, normals, triangles }) => [vertices, normals, triangles]),

@@ -77,7 +77,7 @@ test.each([
       [0, 0, 8],
       [0.6, 0, -0.6],
     ] as const) {
-      const disc = discOf(await show({ scan, surfaces, displaced: all(moved) }), colour);
+      const disc = discOf(await show({ scan, surfaces, displaced: [all(moved)] }), colour);
       const [right, down] = expectedShift(moved);
       // the mean of some hundred pixels at the outline
       expect(Math.abs(disc.x - still.x - right)).toBeLessThan(0.12);
@@ -86,6 +86,19 @@ test.each([
     }
   },
 );
+
+test("displacements of two boxes add up, whatever their nodes", async () => {
+  const coarse: DisplacedTest = { origin: [-4, -4, 2], step: [4, 4, 2], size: [15, 15, 22], moved: [5, 0, 0] };
+  const one = await show({ scan: green, displaced: [all([8, 0, 0])] });
+  for (const boxes of [
+    [all([3, 0, 0]), coarse],
+    [coarse, all([3, 0, 0])],
+  ]) {
+    const [both, alone] = [discOf(await show({ scan: green, displaced: boxes }), 1), discOf(one, 1)];
+    expect(Math.hypot(both.x - alone.x, both.y - alone.y)).toBeLessThan(0.1);
+    expect(Math.abs(both.count / alone.count - 1)).toBeLessThan(0.01);
+  }
+});
 
 test("where nothing has moved the picture is the one without a model, to the bit", async () => {
   for (const what of [{ scan: green }, { scan: air, surfaces: [red] }]) {
@@ -96,7 +109,7 @@ test("where nothing has moved the picture is the one without a model, to the bit
 test("beside the box all stays as it is", async () => {
   // only what is left of the middle, and right of it nothing
   const left: DisplacedTest = { origin: [-0.5, -0.5, 4.5], step: [1, 1, 0.5], size: [25, 50, 78], moved: [0, 0, 6] };
-  const [before, after] = [await show({ scan: green }), await show({ scan: green, displaced: left })];
+  const [before, after] = [await show({ scan: green }), await show({ scan: green, displaced: [left] })];
   const changed = [0, 0];
   for (let i = 0; i < edge * edge; ++i) {
     const side = i % edge < edge / 2 ? 0 : 1;
@@ -113,6 +126,7 @@ test("a segment that was moved by hand does not give way", async () => {
   const pose = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
   const posed = { ...red, appearance: { ...red.appearance, pose } };
   const still = await show({ scan: air, surfaces: [posed] });
-  const [a, b] = [discOf(still, 0), discOf(await show({ scan: air, surfaces: [posed], displaced: all([8, 0, 0]) }), 0)];
+  const displaced = [all([8, 0, 0])];
+  const [a, b] = [discOf(still, 0), discOf(await show({ scan: air, surfaces: [posed], displaced }), 0)];
   expect([b.x, b.y]).toEqual([a.x, a.y]);
 });

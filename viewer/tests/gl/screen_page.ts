@@ -54,8 +54,8 @@ export interface ScreenTest {
   readonly jitter?: boolean;
   /** Surfaces of balls, as segments have them. */
   readonly surfaces?: readonly SurfaceTest[];
-  /** Tissue is displaced from its voxels; "none" where a model is at work and nothing has moved. */
-  readonly displaced?: DisplacedTest | "none";
+  /** Tissue is displaced from its voxels by all of these; "none" where a model is at work and nothing has moved. */
+  readonly displaced?: readonly DisplacedTest[] | "none";
   readonly stereo?: Stereo;
   /** Points of each mark. */
   readonly marks?: readonly (readonly Vec3[])[];
@@ -79,16 +79,12 @@ function displacedBy({ origin, step, size, moved }: DisplacedTest): Displacement
   forEachCell(inside, size, (i) => {
     texels.set(halves, 4 * i);
   });
-  const decoded = decodeDisplacements({
+  return decodeDisplacements({
     origin: [...origin],
     step: [...step],
     size: [...size],
     moved: new Uint8Array(texels.buffer),
   });
-  if (decoded === null) {
-    throw new Error("no displacements");
-  }
-  return decoded;
 }
 
 export interface SurfaceTest {
@@ -231,7 +227,7 @@ export async function show({
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
     picture.contents.setDeforming(true);
-    picture.contents.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
+    picture.contents.setDisplaced(displaced === "none" ? [] : displaced.map(displacedBy));
   }
   if (markers !== undefined) {
     picture.contents.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });

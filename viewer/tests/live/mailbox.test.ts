@@ -75,7 +75,7 @@ test("the bytes of an edit are handed over once, however many lie in the same me
     applied: null,
     voxels: [{ low: [0, 0, 0], high: [1, 1, 3], stored: part(40), labels: null }],
     surfaces: [{ id: 1, whole: false, dropped: [], patches: [patch, patch] }],
-    displaced: { origin: [0, 0, 0], step: [1, 1, 1], size: [1, 1, 1], moved: part(50) },
+    displaced: [{ origin: [0, 0, 0], step: [1, 1, 1], size: [1, 1, 1], moved: part(50) }],
   };
   expect(memoryOf([{ message, arrived: 0 }, { message: state(1), arrived: 0 }])).toEqual([memory]);
 });

@@ -40,6 +40,8 @@ pub(super) struct Ground {
 /// How many times stiffer than its springs a border is, at most, where the body behind is stiffer than
 /// an endless one.
 const MOST_STIFFNESS: f64 = 4.0;
+/// Rounds over all entries by which eigenvalues are found.
+const SWEEPS: u32 = 8;
 
 /// What the body behind the border does as one: all springs end at it, and it moves by
 /// `free + compliance · force` under the force that they give on.
@@ -100,14 +102,37 @@ fn rows(matrix: DMat3, size: impl Fn(f64) -> f64) -> f64 {
     row(0).max(row(1)).max(row(2))
 }
 
-/// A compliance none of whose eigenvalues is below `least` (Gershgorin).
+/// A symmetric compliance with the eigenvalues that are below `least` raised to it, the others as they are.
 fn not_stiffer(compliance: DMat3, least: f64) -> DMat3 {
-    let lowest = |n: usize| {
-        let column = compliance.col(n);
-        column[n] + column[n].abs() - column.abs().element_sum()
-    };
-    let lowest = lowest(0).min(lowest(1)).min(lowest(2));
-    compliance + DMat3::IDENTITY * (least - lowest).max(0.0)
+    let (values, vectors) = eigen(compliance);
+    let raised = values.max(DVec3::splat(least)) - values;
+    let along = |n: usize| outer(vectors.col(n), vectors.col(n)) * raised[n];
+    compliance + along(0) + along(1) + along(2)
+}
+
+/// Eigenvalues of a symmetric matrix, and its eigenvectors of length 1 as columns (Jacobi; Golub & Van Loan, Matrix
+/// Computations, 2013, 8.5.3).
+fn eigen(matrix: DMat3) -> (DVec3, DMat3) {
+    let (mut values, mut vectors) = (matrix, DMat3::IDENTITY);
+    // it converges with the square of what is left: a few sweeps reach the last digit
+    for _ in 0..SWEEPS {
+        for [p, q] in [[0, 1], [0, 2], [1, 2]] {
+            let apart = values.col(q)[p];
+            if apart == 0.0 {
+                continue;
+            }
+            let half = (values.col(q)[q] - values.col(p)[p]) / (2.0 * apart);
+            let tangent = half.signum() / (half.abs() + half.hypot(1.0));
+            let cosine = tangent.hypot(1.0).recip();
+            let mut turn = DMat3::IDENTITY;
+            (turn.col_mut(p)[p], turn.col_mut(q)[q]) = (cosine, cosine);
+            (turn.col_mut(q)[p], turn.col_mut(p)[q]) = (tangent * cosine, -tangent * cosine);
+            values = turn.transpose() * values * turn;
+            vectors *= turn;
+        }
+    }
+    let diagonal = DVec3::new(values.x_axis.x, values.y_axis.y, values.z_axis.z);
+    (diagonal, vectors)
 }
 
 impl Lattice {
@@ -177,4 +202,26 @@ pub(super) fn spring_of_endless_body(solid: &Solid, from_load: DVec3, outward: D
 /// The matrix a bᵀ.
 pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_too_stiff_is_made_less_so() {
+        // turned, with eigenvalues of -29, -2 and 5
+        let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -2.0) / 3.0, 1.1);
+        let of = |values: DVec3| turn * DMat3::from_diagonal(values) * turn.transpose();
+        let near = |one: DMat3, other: DMat3| (one - other).to_cols_array().map(f64::abs);
+        let worst = |one, other| near(one, other).into_iter().fold(0.0, f64::max);
+        let found = not_stiffer(of(DVec3::new(-29.0, -2.0, 5.0)), -4.0);
+        assert!(
+            worst(found, of(DVec3::new(-4.0, -2.0, 5.0))) < 1e-12,
+            "{found}"
+        );
+        let allowed = of(DVec3::new(-3.0, -2.0, 5.0));
+        assert!(worst(not_stiffer(allowed, -4.0), allowed) < 1e-12);
+        assert_eq!(not_stiffer(DMat3::ZERO, -1.0), DMat3::ZERO);
+    }
 }

@@ -121,7 +121,9 @@ impl LatticeModel {
             Some(place) => WholeBody::of(known, &rest, &matter, place),
             None => known,
         };
-        whole.iter_mut().for_each(WholeBody::let_go);
+        if place.is_none() {
+            whole.iter_mut().for_each(WholeBody::let_go);
+        }
         if let Some((whole, place)) = whole.as_mut().zip(place) {
             let felt = self.relaxer.felt().iter().map(|felt| felt.force);
             let [least, most] = WHOLE_WORK;
@@ -236,6 +238,8 @@ impl LatticeModel {
         if let Some(field) = field {
             let least = VISIBLE * field.spacing;
             answer.displacement = field.residual(voxels, &self.ledger, least);
+            let whole = self.whole.as_ref().zip(self.matter.as_ref());
+            answer.behind = whole.and_then(|(whole, matter)| whole.seen(matter, least));
         }
         answer.at_rest = Some(self.ledger.at_rest());
         answer.report.moved_voxels = self.ledger.len() as u32;

@@ -258,6 +258,12 @@ impl MovingBox {
         0.5 * self.lattice.spacing() * f64::from(self.edge() - 1)
     }
 
+    /// How much of what comes back is shown at a place, mm along the axes of the grid from its corner.
+    pub fn share_at(&self, place: DVec3) -> f64 {
+        let node = (place - self.corner()) / self.lattice.spacing();
+        share_at(self.size(), self.middle, node)
+    }
+
     /// Where its first node rests, mm along the axes of the grid from its corner.
     pub fn corner(&self) -> DVec3 {
         node_place(self.origin, self.lattice.spacing())
@@ -281,12 +287,6 @@ impl MovingBox {
             (count + 1.0, sum + self.lattice.rest_place(node))
         });
         (count > 0.0).then(|| self.corner() + sum / count)
-    }
-
-    /// Its lower and upper corner, mm along the axes of the grid from its corner.
-    pub fn ends(&self) -> [DVec3; 2] {
-        let size = self.size().as_dvec3() - 1.0;
-        [self.corner(), self.corner() + self.lattice.spacing() * size]
     }
 
     /// A tool in the lattice's frame.
@@ -383,18 +383,28 @@ impl MovingBox {
 /// 1 around the middle of a box, and smoothly 0 at its border; where it is longer than its cube, it ends in air.
 fn shares(layout: &Layout, middle: IVec3) -> Vec<f64> {
     let mut shares = vec![0.0; layout.len()];
-    let half = layout.size().min_element() as i32 / 2;
-    let above = layout.size().as_ivec3() - 1 - middle;
-    let [low, high] = [middle, above].map(|side| side.cmpeq(IVec3::splat(half)));
     for (node, index) in layout.nodes() {
-        let from = node.as_ivec3() - middle;
-        let faces = IVec3::select(from.cmplt(IVec3::ZERO) & low, -from, IVec3::ZERO)
-            .max(IVec3::select(high, from, IVec3::ZERO));
-        let out = f64::from(faces.max_element()) / f64::from(half);
-        let share = ((1.0 - out) / FADING).min(1.0);
-        shares[index] = share * share * (3.0 - 2.0 * share);
+        shares[index] = share_at(layout.size(), middle, node.as_dvec3());
     }
     shares
+}
+
+/// The share of a place among the nodes of a box, which has so many; 0 beyond them.
+fn share_at(size: UVec3, middle: IVec3, node: DVec3) -> f64 {
+    let half = size.min_element() as i32 / 2;
+    let above = size.as_ivec3() - 1 - middle;
+    let [low, high] = [middle, above].map(|side| side.cmpeq(IVec3::splat(half)));
+    let from = node - middle.as_dvec3();
+    let is_beyond = from.cmplt(-middle.as_dvec3()) | from.cmpgt(above.as_dvec3());
+    if is_beyond.any() {
+        return 0.0;
+    }
+    let below = from.cmplt(DVec3::ZERO) & low;
+    let faces =
+        DVec3::select(below, -from, DVec3::ZERO).max(DVec3::select(high, from, DVec3::ZERO));
+    let out = faces.max_element() / f64::from(half);
+    let share = ((1.0 - out) / FADING).min(1.0);
+    share * share * (3.0 - 2.0 * share)
 }
 
 /// A point of the patient in mm along the axes of the grid, from its corner.

@@ -20,12 +20,14 @@ use palpate_volume::edit::SegmentId;
 use super::border::Ground;
 use super::border::outer;
 use super::moving_box::MovingBox;
-use super::nodes::Lattice;
+use super::nodes::{Lattice, NodeMaterial};
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_near, node_place};
 use super::vectors::{Field, vector_at, zero_field};
 use super::whole_contacts::{Contact, Facing};
 use super::whole_lattice::{coarse_lattice, lay_in_fat, settle};
+use super::whole_picture::WholePicture;
+use crate::model::DisplacementField;
 
 /// Nodes of the box around a segment, about, without its margin.
 const NODES: f64 = 4096.0;
@@ -74,6 +76,9 @@ pub(super) struct WholeBody {
     /// First node, counted from the corner of the grid in its own spacing.
     first: IVec3,
     body: Lattice,
+    /// Stiffness of its softest bonds [N/mm], and the load of a case [N].
+    softest: f64,
+    unit: f64,
     /// Springs that are no contacts.
     held_by: usize,
     facing: Vec<Facing>,
@@ -88,6 +93,7 @@ pub(super) struct WholeBody {
     pending: Vec<usize>,
     relaxer: Relaxer,
     now: Response,
+    picture: WholePicture,
     /// On the tissue [N].
     force: DVec3,
     answers: u32,
@@ -137,11 +143,15 @@ impl WholeBody {
         }
         settle(&mut body);
         let length = body.layout().len();
+        let softest = body.softest_bond();
         Some(Self {
+            softest,
+            unit: SHRUNK * softest * spacing,
             segment,
             first,
             held_by: body.ground.len(),
             facing: Facing::all(&body, first, &matter),
+            picture: WholePicture::new([low, high], near.lattice.spacing(), &matter),
             body,
             contacts: Vec::new(),
             middle: None,
@@ -174,6 +184,12 @@ impl WholeBody {
         }
         if self.pending.is_empty() {
             self.blend(&near.lattice);
+            let nodes: Vec<_> = (0..self.body.layout().len())
+                .map(|index| self.moved(index))
+                .collect();
+            let places = self.picture.soft_places();
+            let moved: Vec<_> = places.map(|place| self.between(&nodes, place)).collect();
+            self.picture.follow(moved.into_iter());
         }
         near.lattice.set_frame(self.now.compliance, self.now.free);
     }
@@ -181,13 +197,40 @@ impl WholeBody {
     /// Nothing presses it.
     pub fn let_go(&mut self) {
         self.force = DVec3::ZERO;
+        self.picture.let_go();
+    }
+
+    /// What is seen of it beside a box; none where that is below `least` [mm].
+    pub fn seen(&self, near: &MovingBox, least: f64) -> Option<DisplacementField> {
+        self.picture.field(near, least)
+    }
+
+    /// What the coarse nodes of tissue around a place have [mm], between them; zero where none is near.
+    fn between(&self, nodes: &[DVec3], place: DVec3) -> DVec3 {
+        let at = place / self.spacing() - self.first.as_dvec3() - 0.5;
+        let (low, share) = (at.floor().as_ivec3(), at - at.floor());
+        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+        for n in 0..8 {
+            let corner = IVec3::new(n & 1, n >> 1 & 1, n >> 2);
+            let near = DVec3::select(corner.cmpgt(IVec3::ZERO), share, 1.0 - share);
+            let index = self.body.layout().index_of(low + corner);
+            if let Some(index) = index.filter(|_| self.body.has_matter(low + corner)) {
+                sum += nodes[index] * near.element_product();
+                weights += near.element_product();
+            }
+        }
+        if weights > 0.0 {
+            sum / weights
+        } else {
+            DVec3::ZERO
+        }
     }
 
     /// Displacement of a coarse node under the force [mm].
     pub fn moved(&self, index: usize) -> DVec3 {
         let of = |case: usize| vector_at(&self.cases[case], index);
         let by_force = of(0) * self.force.x + of(1) * self.force.y + of(2) * self.force.z;
-        by_force / self.unit() + of(3) / SHRUNK
+        by_force / self.unit + of(3) / SHRUNK
     }
 
     /// Nodes of the body: where they rest, and how far they have moved [mm].
@@ -202,14 +245,9 @@ impl WholeBody {
         self.body.spacing()
     }
 
-    /// Load of a case [N].
-    fn unit(&self) -> f64 {
-        SHRUNK * self.body.softest_bond() * self.spacing()
-    }
-
     /// Stiffness of a contact [N/mm]: it gives little beside the tissue.
     fn contact_stiffness(&self) -> f64 {
-        20.0 * self.body.softest_bond()
+        20.0 * self.softest
     }
 
     /// Spreads the load around a place, where that has gone on.
@@ -225,8 +263,7 @@ impl WholeBody {
             return;
         }
         self.middle = Some(node);
-        let [low, high] = near.ends();
-        let matter = |place: DVec3| rest.matter_at(place.clamp(low, high));
+        let matter = |place: DVec3| endless_matter(rest, middle, place);
         let size = UVec3::splat(2 * REFERENCE as u32 + 1);
         let corner = node - REFERENCE;
         let mut endless = coarse_lattice(corner, size, spacing, rest.voxels.grid(), &matter);
@@ -250,7 +287,9 @@ impl WholeBody {
             let own = self.body.layout().index_of(there);
             let counts = self.body.has_matter(there) && weight(index) > 0.0;
             if let Some(own) = own.filter(|_| counts) {
-                loads.push((own as u32, index as u32, weight(index)));
+                // what is little tissue carries little
+                let filled = young_of(&self.body, own).min(young_of(&endless, index));
+                loads.push((own as u32, index as u32, weight(index) * filled));
             }
         }
         let sum: f64 = loads.iter().map(|(_, _, weight)| weight).sum();
@@ -294,7 +333,7 @@ impl WholeBody {
 
     /// Puts the load and the contacts of a case; the force by which rest is measured [N].
     fn begin(&mut self, case: usize) -> f64 {
-        let (unit, stiffness) = (self.unit(), self.contact_stiffness());
+        let (unit, stiffness) = (self.unit, self.contact_stiffness());
         let axis = DVec3::AXES.get(case).copied();
         let load = |(node, weight): &(u32, f64)| Some((*node, axis? * (weight * unit)));
         self.body.loads = self.load.iter().filter_map(load).collect();
@@ -361,7 +400,7 @@ impl WholeBody {
         let mut found = Response::NONE;
         for &(node, weight) in &self.load {
             let of = |case: usize| vector_at(&self.cases[case], node as usize) * weight;
-            found.compliance += DMat3::from_cols(of(0), of(1), of(2)) * self.unit().recip();
+            found.compliance += DMat3::from_cols(of(0), of(1), of(2)) * self.unit.recip();
             found.free += of(3) / SHRUNK;
         }
         let own = (found.compliance + found.compliance.transpose()) * 0.5;
@@ -375,6 +414,23 @@ impl WholeBody {
         let share = if is_there { 1.0 } else { BLEND };
         self.now.compliance += way.compliance * share;
         self.now.free += way.free * share;
+    }
+}
+
+/// Modulus of a node, less where tissue fills little of its cube [N/mm²].
+fn young_of(body: &Lattice, node: usize) -> f64 {
+    body.matter(node).solid().map_or(0.0, |solid| solid.young)
+}
+
+/// What an endless body is made of: tissue as it is, with more of what is in the middle where it meets something rigid
+/// or the end of the scan.
+fn endless_matter(rest: &RestVoxels<'_>, middle: DVec3, place: DVec3) -> NodeMaterial {
+    let grid = rest.voxels.grid();
+    let half = 0.5 * grid.spacing();
+    let last = grid.dimensions().as_dvec3() * grid.spacing() - half;
+    match rest.matter_at(place.clamp(half, last)) {
+        NodeMaterial::Rigid(_) => rest.matter_at(middle),
+        soft_or_empty => soft_or_empty,
     }
 }
 

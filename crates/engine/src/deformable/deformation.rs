@@ -85,6 +85,8 @@ pub struct Outcome {
     pub deformable_contact: Option<DeformableContact>,
     /// Where tissue stands beside its voxels.
     pub displacement: Option<DisplacementField>,
+    /// And the body behind what is pressed, which no voxel follows.
+    pub behind: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
 }
@@ -294,6 +296,7 @@ impl Deformation {
             at_rest: answer.at_rest.filter(|_| is_current),
             deformable_contact: Some(deformable_contact),
             displacement: answer.displacement,
+            behind: answer.behind,
             events: answer.events,
         }
     }

@@ -3,7 +3,6 @@
 //! Bricks are shared, never copied, so that telling an edit costs what the edit costs. Boxes are
 //! in voxels of the grid.
 
-use std::sync::Arc;
 use std::time::SystemTime;
 
 use palpate_volume::bit_brick::BitBrick;
@@ -12,7 +11,7 @@ use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use crate::deformable::Displacements;
+use crate::picture::ShownDisplacements;
 use crate::scene::{Scene, SegmentVoxels, Step, SurfaceOptions};
 
 /// Larger boxes are asked for anew instead of being sent.
@@ -27,8 +26,8 @@ pub enum SceneUpdate {
     Edit(EditUpdate),
     /// A segment is to be shown as a surface made in this way, or not as a surface any more.
     Show(SegmentId, Option<(SurfaceOptions, SegmentVoxels)>),
-    /// Tissue stands beside its voxels; none where all stands in them again.
-    Displacements(Option<Arc<Displacements>>),
+    /// Tissue stands beside its voxels, or in them again.
+    Displacements(ShownDisplacements),
     /// What is to be seen at once.
     Together(Vec<Self>),
 }

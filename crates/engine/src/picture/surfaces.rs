@@ -49,8 +49,12 @@ pub struct PictureChange {
     pub displacements: Option<ShownDisplacements>,
 }
 
-/// Where tissue stands beside its voxels; none where all stands in them.
-pub type ShownDisplacements = Option<Arc<Displacements>>;
+/// Where tissue stands beside its voxels: displacements that add up, at most [`MOST_BOXES`] of them; none where all
+/// stands in its voxels.
+pub type ShownDisplacements = Vec<Arc<Displacements>>;
+
+/// Boxes of displacements: that of what is pressed, and that of the body behind.
+pub const MOST_BOXES: usize = 2;
 
 /// The surface of a segment, where it stands.
 #[derive(Clone, Debug)]
@@ -104,7 +108,7 @@ impl Surfaces {
         Self {
             scan,
             shown: BTreeMap::new(),
-            displacements: None,
+            displacements: Vec::new(),
             next: PictureChange::default(),
             watched: false,
             changes: VecDeque::new(),

@@ -12,7 +12,7 @@ use super::Simulation;
 use crate::deformable::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
 use crate::notice::Notice;
-use crate::picture::SceneUpdate;
+use crate::picture::{MOST_BOXES, SceneUpdate};
 use crate::scene::{ModelChoice, Step};
 use crate::servo::{DeformableContact, ServoCommand};
 
@@ -151,7 +151,7 @@ impl Simulation {
             return;
         }
         if let Some(hard) = self.deformation.go_on(&self.scene, self.touch.status()) {
-            self.give_way(hard, None, Vec::new());
+            self.give_way(hard, [None; MOST_BOXES], Vec::new());
         }
     }
 
@@ -162,7 +162,7 @@ impl Simulation {
 
     fn take_needle_answer(&mut self) {
         // what is seen is of the tool before
-        if !self.deformation.shows_needle() && self.displacements.is_some() {
+        if !self.deformation.shows_needle() && !self.displacements.is_empty() {
             self.forget_deformation();
         }
         if let Some(field) = self.deformation.take_needle() {
@@ -198,7 +198,8 @@ impl Simulation {
             self.keep_what_stays(at_rest);
         }
         if let Some(deformable_contact) = outcome.deformable_contact {
-            self.give_way(deformable_contact, outcome.displacement.as_ref(), seen);
+            let displacements = [&outcome.displacement, &outcome.behind].map(Option::as_ref);
+            self.give_way(deformable_contact, displacements, seen);
         }
         for event in outcome.events {
             self.report_event(event);
@@ -264,7 +265,7 @@ impl Simulation {
     fn give_way(
         &mut self,
         deformable_contact: DeformableContact,
-        displacement: Option<&DisplacementField>,
+        displacements: [Option<&DisplacementField>; MOST_BOXES],
         mut seen: Vec<SceneUpdate>,
     ) {
         let released = deformable_contact
@@ -275,7 +276,7 @@ impl Simulation {
         }
         self.touch
             .send(ServoCommand::DeformableContact(deformable_contact));
-        seen.extend(self.displacement_update(displacement));
+        seen.extend(self.displacement_update(displacements));
         if !seen.is_empty() {
             self.publish_update(SceneUpdate::Together(seen));
         }

@@ -58,7 +58,8 @@ impl DeformationModel for Floor {
                 contact: (depth > 0.0).then_some(law),
             }],
             // always: the picture never has it from anything else
-            displacement: Some(dent()),
+            displacement: Some(field(DVec3::splat(18.0), -0.5)),
+            behind: Some(field(DVec3::splat(10.0), -30.0)),
             report: ModelReport {
                 iterations: self.resets,
                 nodes: input.materials.segments.len() as u32,
@@ -73,14 +74,14 @@ impl DeformationModel for Floor {
     }
 }
 
-/// Half a voxel down, anywhere.
-fn dent() -> DisplacementField {
+/// Nodes that have gone up by so much [mm].
+fn field(origin: DVec3, up: f32) -> DisplacementField {
     DisplacementField {
-        origin: DVec3::splat(18.0),
+        origin,
         axes: DMat3::IDENTITY,
         spacing: 2.0,
         size: UVec3::splat(2),
-        moved: vec![Vec3::Z * -0.5; 8],
+        moved: vec![Vec3::Z * up; 8],
     }
 }
 
@@ -257,11 +258,14 @@ fn another_model_or_none_takes_the_place_at_once() {
 fn nothing_stands_beside_its_voxels_once_the_model_is_gone() {
     let mut rig = rig();
     press(&mut rig, 30.0, 18.0, 2000);
-    assert_eq!(last_told(&rig).map(|told| told.is_some()), Some(true));
+    // what is pressed, and the body behind as far as it is shown
+    let told = last_told(&rig).unwrap();
+    let moved: Vec<_> = told.iter().map(|nodes| nodes.moved[0].z).collect();
+    assert_eq!(moved, [-0.5, -20.0]);
     // its answer is on the way
     rig.simulation.set_deformation_model(None);
     press(&mut rig, 18.0, 18.0, 100);
-    assert_eq!(last_told(&rig), Some(None));
+    assert_eq!(last_told(&rig), Some(Vec::new()));
 }
 
 /// What the picture was told last of where tissue stands beside its voxels.

@@ -180,7 +180,7 @@ class Outbox:
         """Drops older displacements of soft tissue: only the newest wait."""
         for place, waiting in enumerate(self._messages):
             if isinstance(waiting, Changed) and waiting.displaced is not None:
-                self._bytes -= len(waiting.displaced.moved)
+                self._bytes -= _displaced_size(waiting)
                 self._messages[place] = msgspec.structs.replace(waiting, displaced=None)
         self._messages = [each for each in self._messages if not _is_nothing(each)]
 
@@ -207,16 +207,21 @@ def _is_nothing(message: ToPage) -> bool:
     return (
         isinstance(message, Changed)
         and message.applied is None
-        and not (message.voxels or message.surfaces or message.displaced)
+        and not (message.voxels or message.surfaces)
+        and message.displaced is None
     )
+
+
+def _displaced_size(changed: Changed) -> int:
+    """Returns the bytes of a change's displacements."""
+    return sum(len(box.moved) for box in changed.displaced or [])
 
 
 def _size_of(changed: Changed) -> int:
     """Returns the bytes of a change's voxels and surfaces."""
     voxels = sum(len(box.stored or b"") + len(box.labels or b"") for box in changed.voxels)
-    displaced = 0 if changed.displaced is None else len(changed.displaced.moved)
     return (
-        displaced
+        _displaced_size(changed)
         + voxels
         + sum(
             len(patch.vertices) + len(patch.normals) + len(patch.triangles)

@@ -188,7 +188,7 @@ def test_a_page_that_is_new_is_told_all_surfaces_after_what_it_begins_with() -> 
 def displaced(edit: int, *, applied: float | None = None) -> protocol.Changed:
     """Where matter stands after an edit: 800 bytes."""
     box = protocol.Displaced(ZERO, (1.0, 1.0, 1.0), (10, 10, 1), bytes(800))
-    return protocol.Changed(edit=edit, applied=applied, voxels=[], surfaces=[], displaced=box)
+    return protocol.Changed(edit=edit, applied=applied, voxels=[], surfaces=[], displaced=[box])
 
 
 def test_of_where_matter_stands_only_the_newest_waits() -> None:

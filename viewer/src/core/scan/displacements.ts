@@ -25,11 +25,11 @@ export class DisplacementsError extends Error {
 }
 
 /**
- * Reads displacements; null where no tissue is displaced.
+ * Reads displacements.
  *
  * @throws DisplacementsError where bytes are missing or the box is none.
  */
-export function decodeDisplacements({ origin, step, size, moved }: Sent): Displacements | null {
+export function decodeDisplacements({ origin, step, size, moved }: Sent): Displacements {
   const nodes = size[0] * size[1] * size[2];
   if (moved.length !== nodes * nodeBytes) {
     throw new DisplacementsError(
@@ -37,7 +37,7 @@ export function decodeDisplacements({ origin, step, size, moved }: Sent): Displa
     );
   }
   if (nodes === 0) {
-    return null;
+    throw new DisplacementsError("a box of displacements has no nodes");
   }
   if (!step.every((edge) => edge > 0)) {
     throw new DisplacementsError(`nodes of displacements are ${step.join(", ")} voxels apart; allowed: more than 0`);

@@ -239,9 +239,9 @@ export class RayMarcher {
     }
   }
 
-  /** Displacements of tissue from its voxels; null where there are none. */
-  setDisplaced(displaced: Displacements | null): void {
-    this.displacements.set(displaced);
+  /** Displacements of tissue from its voxels, which add up; none where all stands in them. */
+  setDisplaced(displaced: readonly Displacements[]): void {
+    this.displacements.set(displaced, this.frame?.spacing ?? [1, 1, 1]);
     this.light.changed();
   }
 

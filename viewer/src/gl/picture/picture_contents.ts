@@ -173,8 +173,8 @@ export class PictureContents {
     }
   }
 
-  /** Displacements of tissue from its voxels; null where there are none. */
-  setDisplaced(displaced: Displacements | null): void {
+  /** Displacements of tissue from its voxels, which add up; none where all stands in them. */
+  setDisplaced(displaced: readonly Displacements[]): void {
     this.parts.marcher.setDisplaced(displaced);
     this.parts.slices.changed();
     this.parts.refiner.restart();

@@ -321,7 +321,7 @@ export class PictureHost {
       touch.redraw();
     }
     picture.contents.setPoses(session.latest?.poses ?? []);
-    picture.contents.setDeforming(edits.displaced !== null || (session.latest?.matter.model ?? null) !== null);
+    picture.contents.setDeforming(edits.displaced.length > 0 || (session.latest?.matter.model ?? null) !== null);
     view.tell();
     touch.pass(picture, camera, view.viewport);
   }

@@ -12,16 +12,15 @@ vec3 cellPlace() {
   return vec3(gl_FragCoord.xy, layer + 0.5) / cells;
 }
 
-// How far from here nothing is drawn [bricks]; 0 in a brick that holds something, and where tissue stands
-// beside its voxels: bricks tell nothing of that.
+// How far from here nothing is drawn [bricks]; 0 in a brick that holds something, and less where tissue stands
+// beside its voxels.
 float emptyBricks(vec3 grid) {
-#ifdef DISPLACED
-  if (isDisplaced(grid)) {
-    return 0.0;
-  }
-#endif
   ivec3 brick = ivec3(clamp(grid * brickScale + brickOffset, vec3(0.0), vec3(textureSize(brickTexture, 0) - 1)));
-  return floor(texelFetch(brickTexture, brick, 0).r * 255.0 + 0.5);
+  float reach = floor(texelFetch(brickTexture, brick, 0).r * 255.0 + 0.5);
+#ifdef DISPLACED
+  reach = isDisplaced(grid) ? emptyBeside(reach) : reach;
+#endif
+  return reach;
 }
 
 // Segments that are seen by their surfaces shade too, and bricks know nothing of those that are a threshold.

@@ -80,25 +80,28 @@ vec2 throughDisplaced(vec3 origin, vec3 direction) {
   vec3 face;
   vec2 span = vec2(farAway);
 #ifdef DISPLACED
-  if (displacedScale.x > 0.0) {
-    vec3 low = -displacedOffset / displacedScale;
-    span = throughBox(low, low + 1.0 / displacedScale, origin, direction, face);
+  for (int box = 0; box < displacedBoxes; ++box) {
+    if (displacedScale[box].x > 0.0) {
+      vec3 low = -displacedOffset[box] / displacedScale[box];
+      vec2 through = throughBox(low, low + 1.0 / displacedScale[box], origin, direction, face);
+      if (through.x < through.y) {
+        span = span.x < farAway ? vec2(min(span.x, through.x), max(span.y, through.y)) : through;
+      }
+    }
   }
 #endif
   return span;
 }
 
-// Length that can be leapt over from here [mm]; 0 in a filled brick. Bricks tell of voxels, and
-// nothing of what stands beside them: there nothing is leapt over.
+// Length that can be leapt over from here [mm]; 0 in a filled brick. Bricks tell of voxels: where tissue
+// stands beside them less is leapt over.
 float emptyAhead(vec3 grid, float t, vec2 displaced, vec3 direction) {
-#ifdef DISPLACED
-  if (displaced.x <= t && t < displaced.y) {
-    return 0.0;
-  }
-#endif
   vec3 place = grid * brickScale + brickOffset;
   vec3 brick = floor(place);
   float reach = floor(texelFetch(brickTexture, ivec3(brick), 0).r * 255.0 + 0.5);
+#ifdef DISPLACED
+  reach = displaced.x <= t && t < displaced.y ? emptyBeside(reach) : reach;
+#endif
   if (reach == 0.0) {
     return 0.0;
   }

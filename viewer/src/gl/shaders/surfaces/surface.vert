@@ -30,7 +30,7 @@ vec3 turned(vec3 gridNormal) {
   for (int axis = 0; axis < 3; ++axis) {
     vec3 reach = vec3(0.0);
     reach[axis] = 0.5;
-    gradient[axis] += (displacementAt(grid + reach) - displacementAt(grid - reach)) / spacing[axis];
+    gradient[axis] += (displacementNear(grid, grid + reach) - displacementNear(grid, grid - reach)) / spacing[axis];
   }
   // tissue that is folded has no side
   return determinant(gradient) > 0.1 ? transpose(inverse(gradient)) * gridNormal : gridNormal;
@@ -45,7 +45,7 @@ void main() {
 #ifdef DISPLACED
   if (displaceable > 0.5 && isDisplaced(grid)) {
     mat3 surfaceFromGridAxes = transpose(gridAxesFromSurface);
-    vec3 moved = displacementAt(grid);
+    vec3 moved = displacementNear(grid, grid);
     gridNormal = turned(gridNormal);
     grid += moved / spacing;
     inScene.xyz += surfaceFromGridAxes * moved;

@@ -89,8 +89,8 @@ export interface TestHooks {
   readonly pixelSizeAt: (point: Vec3) => number;
   /** Of the picture [CSS pixels]. */
   readonly middle: readonly [number, number];
-  /** Nodes along the box in which tissue is displaced; null where none is. */
-  readonly displaced: Vec3 | null;
+  /** Nodes along the boxes in which tissue is displaced. */
+  readonly displaced: readonly Vec3[];
   /** Nodes or particles of the model that are shown. */
   readonly parts: number;
   /** Takes a packed message as if the engine had sent it. */
@@ -188,7 +188,7 @@ export function installTestHooks(session: Session, stage: Stage, hand: HandContr
       return [stage.view.viewport.width / 2, stage.view.viewport.height / 2] as const;
     },
     get displaced() {
-      return stage.edits.displaced?.size ?? null;
+      return stage.edits.displaced.map(({ size }) => size);
     },
     get parts() {
       return session.parts?.count ?? 0;

@@ -53,8 +53,8 @@ interface Edit {
   /** In the order in which they hold. */
   readonly voxels: readonly VoxelChange[];
   readonly surfaces: readonly SurfaceChange[];
-  /** Displacements of tissue then; undefined where that is as before. */
-  readonly displaced: Displacements | null | undefined;
+  /** Displacements of tissue then; null where they are as before. */
+  readonly displaced: readonly Displacements[] | null;
 }
 
 /** The scan as the page holds it; edits change it in place. */
@@ -85,8 +85,8 @@ export class ShownEdits {
   /** The first labels are on their way: until they are here no segment can be shown by them. */
   awaitsLabels = $state(false);
 
-  /** Displacements of tissue from its voxels; null where there are none. */
-  displaced: Displacements | null = null;
+  /** Displacements of tissue from its voxels, which add up; empty where there are none. */
+  displaced: readonly Displacements[] = [];
 
   private waiting: Waiting[] = [];
   private labels: LabelVolume | null = null;
@@ -145,7 +145,7 @@ export class ShownEdits {
   /** Another scan: what was shown belongs to the one before. */
   clear(): void {
     this.surfaces.clear();
-    this.displaced = null;
+    this.displaced = [];
     this.sizes = this.surfaces.sizes;
     this.labels = null;
     this.labelVersion = null;
@@ -221,7 +221,7 @@ export class ShownEdits {
       edit = {
         voxels: voxels.filter((change) => change !== null),
         surfaces: changed.surfaces.map(decodeSurface),
-        displaced: changed.displaced === null ? undefined : decodeDisplacements(changed.displaced),
+        displaced: changed.displaced?.map(decodeDisplacements) ?? null,
       };
     } catch (error) {
       this.outside.complain(`Edit ${String(changed.edit)} cannot be shown: ${messageOf(error)}.`);
@@ -236,7 +236,7 @@ export class ShownEdits {
     if (edit.surfaces.length > 0) {
       picture?.contents.changeSurfaces(edit.surfaces);
     }
-    if (edit.displaced !== undefined) {
+    if (edit.displaced !== null) {
       this.displaced = edit.displaced;
       picture?.contents.setDisplaced(edit.displaced);
     }

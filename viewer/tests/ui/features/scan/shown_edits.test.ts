@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { labelledBricks } from "../../../../src/core/scan/bricks";
-import type { Changed, ChangedVoxels } from "../../../../src/core/protocol";
+import type { Changed, ChangedVoxels, Displaced } from "../../../../src/core/protocol";
 import type { Vec3 } from "../../../../src/core/geometry/vector";
 import type { LabelVolume } from "../../../../src/core/scan/voxel_change";
 import type { Picture } from "../../../../src/gl/picture/picture";
@@ -143,29 +143,31 @@ test("another scan forgets the surfaces of the one before, but no edit that wait
 
 test("displacements of tissue are shown with their edit, kept, and gone with the scan or without any", () => {
   const { edits, picture, complaints, show } = setUp();
-  const told: (readonly number[] | null)[] = [];
+  const told: (readonly number[])[][] = [];
   Object.assign(picture.contents, {
-    setDisplaced: (displaced: { size: readonly number[] } | null) => told.push(displaced?.size ?? null),
+    setDisplaced: (displaced: { size: readonly number[] }[]) => told.push(displaced.map(({ size }) => size)),
   });
   const displaced = {
     origin: [0, 0, 0],
     step: [1, 1, 1],
     size: [2, 1, 1],
     moved: new Uint8Array(16),
-  } satisfies Changed["displaced"];
-  show(changed(1), changed(2, { displaced }), changed(3));
-  expect(told).toEqual([[2, 1, 1]]);
+  } satisfies Displaced;
+  const behind = { ...displaced, size: [1, 1, 1], moved: new Uint8Array(8) } satisfies Displaced;
+  show(changed(1), changed(2, { displaced: [displaced, behind] }), changed(3));
+  const both = [
+    [2, 1, 1],
+    [1, 1, 1],
+  ];
+  expect(told).toEqual([both]);
   edits.showAll(picture);
-  expect(told).toEqual([
-    [2, 1, 1],
-    [2, 1, 1],
-  ]);
+  expect(told).toEqual([both, both]);
   // an edit that lies is not shown at all
-  show(changed(4, { displaced: { ...displaced, moved: new Uint8Array(15) } }));
+  show(changed(4, { displaced: [displaced, { ...displaced, moved: new Uint8Array(15) }] }));
   expect(complaints).toEqual(["Edit 4 cannot be shown: 15 bytes of displacements for 2 x 1 x 1 nodes, 8 each."]);
-  show(changed(5, { displaced: { ...displaced, size: [0, 0, 0], moved: new Uint8Array(0) } }));
-  expect(told.at(-1)).toBeNull();
-  show(changed(6, { displaced }));
+  show(changed(5, { displaced: [] }));
+  expect(told.at(-1)).toEqual([]);
+  show(changed(6, { displaced: [displaced] }));
   edits.clear();
-  expect(edits.displaced).toBeNull();
+  expect(edits.displaced).toEqual([]);
 });
