@@ -7,6 +7,7 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use palpate_volume::brick_grid::BRICK;
 use palpate_volume::simd_dispatch;
 use palpate_volume::simd_dispatch::SimdLevel;
+use palpate_volume::voxel_box::VoxelBox;
 
 use crate::field::Field;
 #[cfg(target_arch = "x86_64")]
@@ -26,6 +27,9 @@ pub struct Displacements<'a> {
     pub moved: &'a [Vec3],
 }
 
+/// By less nobody sees a node stand elsewhere [voxels].
+const SEEN: f32 = 0.005;
+
 /// Displacements as rays look them up: those of all boxes that hold a place add up.
 #[derive(Clone, Debug)]
 pub(crate) struct Displaced {
@@ -43,6 +47,8 @@ struct NodeBox {
     /// Nodes from the first on, at a place: factor and term.
     scale: Vec3,
     term: Vec3,
+    /// No node goes farther along an axis [voxels].
+    farthest: f32,
     /// Bricks, at most, between a place and what is seen there.
     reach: f32,
 }
@@ -57,6 +63,21 @@ impl Displaced {
         (!given.is_empty()).then(|| Self {
             boxes: boxes.collect(),
         })
+    }
+
+    /// Voxels that look different with one than with the other.
+    pub fn differing(one: Option<&Self>, other: Option<&Self>) -> VoxelBox {
+        let [one, other] = [one, other].map(|it| it.map_or(&[][..], |it| &it.boxes));
+        let differing = |n| NodeBox::differing(one.get(n), other.get(n));
+        let numbers = 0..one.len().max(other.len());
+        numbers
+            .map(differing)
+            .fold(VoxelBox::EMPTY, |all, voxels| all.union(&voxels))
+    }
+
+    /// How far what stands in the scan may be from the voxels that show it [voxels].
+    pub fn farthest(&self) -> f32 {
+        self.boxes.iter().map(|nodes| nodes.farthest).sum()
     }
 
     /// Where the tissue that stands at places is at rest, by two steps of a fixed-point iteration.
@@ -194,8 +215,48 @@ impl NodeBox {
             ],
             scale: given.step.recip().as_vec3(),
             term: (-given.origin / given.step).as_vec3(),
+            farthest,
             reach: (farthest / BRICK as f32).ceil(),
         }
+    }
+
+    /// Voxels that look different with the nodes of one than with those of the other.
+    fn differing(one: Option<&Self>, other: Option<&Self>) -> VoxelBox {
+        match (one, other) {
+            (Some(one), Some(other)) if one.has_nodes_of(other) => {
+                let nodes = one.moved.iter().zip(&other.moved).enumerate();
+                let differ = nodes.filter(|(_, (a, b))| (0..3).any(|n| (a[n] - b[n]).abs() > SEEN));
+                let reach = one.farthest.max(other.farthest);
+                one.around(differ.map(|(index, _)| index), reach)
+            }
+            (one, other) => {
+                let all = |nodes: &Self| nodes.around(0..nodes.moved.len(), nodes.farthest);
+                let [one, other] = [one, other].map(|it| it.map_or(VoxelBox::EMPTY, all));
+                one.union(&other)
+            }
+        }
+    }
+
+    fn has_nodes_of(&self, other: &Self) -> bool {
+        (self.size, self.scale, self.term) == (other.size, other.scale, other.term)
+    }
+
+    /// Voxels in which nodes show what is up to `reach` voxels away.
+    fn around(&self, nodes: impl Iterator<Item = usize>, reach: f32) -> VoxelBox {
+        let place = |index: usize| {
+            let [x, y] = [self.size.x, self.size.y];
+            let index = index as i32;
+            IVec3::new(index % x, index / x % y, index / (x * y))
+        };
+        let ends = nodes.map(place).map(|node| (node, node));
+        let ends = ends.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)));
+        let Some((first, last)) = ends else {
+            return VoxelBox::EMPTY;
+        };
+        // a node counts as far as the next ones
+        let in_grid = |node: IVec3| (node.as_vec3() - self.term) / self.scale;
+        let (low, high) = (in_grid(first - 1) - reach, in_grid(last + 1) + reach);
+        VoxelBox::new(low.floor().as_ivec3(), high.ceil().as_ivec3())
     }
 
     /// Which places lie among the nodes, or so many voxels beside them.

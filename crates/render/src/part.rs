@@ -1,7 +1,6 @@
 //! Parts of a picture: the pixels alone in which something may have changed.
 
 use glam::{DMat3, DVec2, DVec3, U64Vec2, UVec2};
-use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::camera::RayFan;
@@ -44,10 +43,11 @@ impl Part {
             && self.first % ALIGNED == UVec2::ZERO
     }
 
-    /// The pixels whose rays pass by voxels of a box, and some around them.
-    pub(crate) fn showing(voxels: &VoxelBox, fan: &RayFan, grid: &Grid) -> Self {
+    /// The pixels whose rays pass by voxels of a box, which may reach beyond the scan as surfaces do, and some around
+    /// them.
+    pub(crate) fn showing(voxels: &VoxelBox, fan: &RayFan) -> Self {
         let whole = Self::whole(fan.size);
-        let voxels = voxels.dilate(AROUND).intersect(&grid.bounds());
+        let voxels = voxels.dilate(AROUND);
         if voxels.is_empty() {
             return whole.between(DVec2::ZERO, DVec2::ZERO);
         }

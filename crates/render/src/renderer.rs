@@ -43,7 +43,7 @@ pub struct Renderer {
     changed: VoxelBox,
     /// Number of what is drawn; another one with every change of it.
     state: u64,
-    /// Of the last edits: the state before each, and the voxels that it changed.
+    /// Of the last changes: the state before each, and the voxels that look different by it.
     edits: VecDeque<(u64, VoxelBox)>,
     second: Option<(Arc<SecondScan>, SecondAppearance)>,
     /// The mode for which the second scan was made ready; none where it is not.
@@ -115,8 +115,8 @@ impl Renderer {
     /// # Panics
     /// Where there is no node, or not one displacement for each.
     pub fn displace(&mut self, displacements: &[Displacements<'_>]) {
-        self.forget_edits();
-        self.scene.displace(displacements);
+        let changed = self.scene.displace(displacements);
+        self.remember(changed);
     }
 
     /// Number of what is drawn now, see [`Self::part_edited_since`].
@@ -125,21 +125,13 @@ impl Renderer {
         self.state
     }
 
-    /// The part of a picture that shows what was edited since this state; none where that is not known, or where more
-    /// than edited voxels may look different: displaced tissue, and surfaces, which come after the edit.
+    /// The part of a picture that shows what has changed of voxels, displacements and triangles since this state; none
+    /// where that is not known, or where more may look different.
     #[must_use]
     pub fn part_edited_since(&self, state: u64, camera: &Camera, size: (u32, u32)) -> Option<Part> {
-        let has_surfaces = |look: &Appearance| !look.surfaces.is_empty();
-        if self.scene.displaced.is_some() || self.appearance.as_ref().is_some_and(has_surfaces) {
-            return None;
-        }
         let voxels = self.edited_since(state)?;
-        let grid = self.scene.grid();
-        Some(Part::showing(
-            &voxels,
-            &RayFan::new(camera, grid, size),
-            grid,
-        ))
+        let fan = RayFan::new(camera, self.scene.grid(), size);
+        Some(Part::showing(&voxels, &fan))
     }
 
     fn edited_since(&self, state: u64) -> Option<VoxelBox> {
@@ -175,7 +167,11 @@ impl Renderer {
         if at_rest(&self.scene.surfaces) != at_rest(&surfaces) {
             self.stale = Stale::Everything;
         }
-        self.scene.set_surfaces(surfaces);
+        match self.scene.set_surfaces(surfaces) {
+            Some(changed) if changed.is_empty() => {}
+            Some(changed) => self.remember(changed),
+            None => self.forget_edits(),
+        }
     }
 
     /// Shows the scan in another way.

@@ -15,7 +15,7 @@ use crate::bricks::BrickRanges;
 use crate::displaced::{Displaced, Displacements};
 use crate::field::Field;
 use crate::second::{Second, SecondAppearance, SecondScan};
-use crate::surfaces::SegmentSurface;
+use crate::surfaces::{OnePatch, SegmentSurface, other_patches};
 
 /// A scan that cannot be drawn.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -98,17 +98,30 @@ impl Scene {
             .intersect(&whole)
     }
 
-    /// Has tissue stand beside its voxels by all of these together; without any: in them.
+    /// Has tissue stand beside its voxels by all of these together; without any: in them. Returns a box that holds all
+    /// voxels that look different by it.
     ///
     /// # Panics
     /// Where there is no node, or not one displacement for each.
-    pub fn displace(&mut self, displacements: &[Displacements<'_>]) {
-        self.displaced = Displaced::new(displacements, self.field.spacing());
+    pub fn displace(&mut self, displacements: &[Displacements<'_>]) -> VoxelBox {
+        let now = Displaced::new(displacements, self.field.spacing());
+        let before = std::mem::replace(&mut self.displaced, now);
+        Displaced::differing(before.as_ref(), self.displaced.as_ref())
     }
 
-    /// Takes the surfaces of segments as they are now.
-    pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) {
-        self.surfaces = surfaces;
+    /// Takes the surfaces of segments as they are now. Returns a box of voxels that holds all triangles that are others;
+    /// none where whole surfaces have come, gone or moved.
+    pub fn set_surfaces(&mut self, surfaces: Vec<SegmentSurface>) -> Option<VoxelBox> {
+        let before = std::mem::replace(&mut self.surfaces, surfaces);
+        let patches = other_patches(&before, &self.surfaces)?;
+        let farthest = self.displaced.as_ref().map_or(0.0, Displaced::farthest);
+        let grid = self.grid().grid_from_patient();
+        let around = |patch: OnePatch<'_>| patch.voxels(&grid).dilate(farthest.ceil() as i32);
+        Some(
+            patches
+                .into_iter()
+                .fold(VoxelBox::EMPTY, |all, patch| all.union(&around(patch))),
+        )
     }
 
     /// Shows a second scan through this one, in a mode; none: this one alone.

@@ -10,6 +10,7 @@ mod band;
 mod drawn;
 mod kept;
 mod on_screen;
+mod other_patches;
 mod stood;
 
 use std::fmt::Debug;
@@ -20,6 +21,7 @@ use glam::{DAffine3, DVec3};
 pub(crate) use band::{BandFragments, Fragment, NO_FRAGMENT};
 pub(crate) use drawn::{DrawnSurface, Own};
 pub(crate) use on_screen::OnScreen;
+pub(crate) use other_patches::{OnePatch, other_patches};
 pub(crate) use stood::Moving;
 
 /// Triangles with shared corners.

@@ -1,12 +1,16 @@
 //! A part of a picture is what the whole one has there, and the part around edits has all that they changed.
 
-use glam::{DVec3, IVec3, UVec2, Vec4};
-use palpate_render::appearance::Blend;
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, IVec3, UVec2, UVec3, Vec3, Vec4};
+use palpate_render::appearance::{Blend, ShownSurface};
 use palpate_render::camera::Camera;
+use palpate_render::displaced::Displacements;
 use palpate_render::draw::Request;
 use palpate_render::part::Part;
 use palpate_render::picture::Picture;
 use palpate_render::renderer::Renderer;
+use palpate_render::surfaces::{SegmentSurface, Triangles};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxel_state::VoxelState;
 use palpate_volume::voxels::Voxels;
@@ -117,6 +121,157 @@ fn all_that_edits_changed_is_in_their_part() {
     }
 }
 
+/// Tissue that a ball has pressed in around a place, so far [mm].
+fn dent(renderer: &mut Renderer, at: DVec3, deep: f32) {
+    let size = UVec3::splat(7);
+    let nodes = (0..size.element_product()).map(|n| UVec3::new(n % 7, n / 7 % 7, n / 49));
+    let moved: Vec<_> = nodes
+        .map(|node| {
+            let inside = node.cmpgt(UVec3::ZERO).all() && node.cmplt(size - 1).all();
+            Vec3::NEG_Z * if inside { deep } else { 0.0 }
+        })
+        .collect();
+    renderer.displace(&[Displacements {
+        origin: at - 3.0,
+        step: DVec3::ONE,
+        size,
+        moved: &moved,
+    }]);
+}
+
+#[test]
+fn all_that_displacements_changed_is_in_their_part() {
+    let mut others = 0;
+    for (blend, camera) in ALL.into_iter().zip(views().into_iter().cycle()) {
+        let mut look = appearance(blend, 0.5);
+        (look.lighting.occlusion, look.lighting.shadow) = (0.0, 0.0);
+        let view = request(camera, SIZE);
+        let mut renderer = Renderer::new(ball(32, 11.0)).unwrap();
+        renderer.set_appearance(look);
+        let still = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
+        let at = DVec3::new(16.0, 16.0, 26.0);
+        let mut before = still;
+        // pressed, deeper, at another place, and let go
+        for (at, deep) in [(at, 1.0), (at, 1.8), (at - DVec3::X * 4.0, 1.2), (at, 0.0)] {
+            let seen = renderer.state();
+            dent(&mut renderer, at, deep);
+            let part = renderer
+                .part_edited_since(seen, &camera, view.size)
+                .unwrap();
+            let after = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
+            let most = most_outside(&part, &before, &after);
+            assert!(most < 2e-3, "{blend:?}: {most}");
+            assert!(
+                part.size.element_product() < SIZE * SIZE / 4 * 3,
+                "{part:?}"
+            );
+            others += u32::from(before != after);
+            before = after;
+        }
+    }
+    // what is largest or least on a ray may lie deeper
+    assert!(others > 16, "{others} of 32");
+}
+
+#[test]
+fn nodes_that_stand_where_they_stood_make_the_part_no_larger() {
+    let mut renderer = Renderer::new(ball(32, 11.0)).unwrap();
+    renderer.set_appearance(appearance(Blend::Shaded, 0.5));
+    let camera = views()[0];
+    let size = UVec3::splat(30);
+    let place = |x: u32, y: u32, z: u32| (x + 30 * (y + 30 * z)) as usize;
+    let mut moved = vec![Vec3::X; size.element_product() as usize];
+    let tell = |renderer: &mut Renderer, moved: &[Vec3]| {
+        let (origin, step) = (DVec3::ONE, DVec3::ONE);
+        renderer.displace(&[Displacements {
+            origin,
+            step,
+            size,
+            moved,
+        }]);
+    };
+    tell(&mut renderer, &moved);
+    let seen = renderer.state();
+    let part = |renderer: &Renderer| renderer.part_edited_since(seen, &camera, (64, 64)).unwrap();
+    tell(&mut renderer, &moved);
+    assert_eq!(part(&renderer).size, UVec2::new(4, 8));
+    moved[place(15, 15, 15)] = Vec3::Y;
+    tell(&mut renderer, &moved);
+    let size = part(&renderer).size;
+    assert!(size.max_element() > 8 && size.max_element() < 32, "{size}");
+}
+
+/// Two triangles, one square for each place, across the view of the first camera.
+fn surface(places: &[[f32; 2]]) -> SegmentSurface {
+    SegmentSurface {
+        id: 7,
+        origin: DVec3::ZERO,
+        pose: DAffine3::IDENTITY,
+        patches: places.iter().map(|&at| square(at)).collect(),
+    }
+}
+
+#[derive(Debug)]
+struct Square([[f32; 3]; 4]);
+
+impl Triangles for Square {
+    fn positions(&self) -> &[[f32; 3]] {
+        &self.0
+    }
+
+    fn normals(&self) -> &[[f32; 3]] {
+        &[[0.0, 0.0, 1.0]; 4]
+    }
+
+    fn corners(&self) -> &[[u32; 3]] {
+        &[[0, 1, 2], [0, 2, 3]]
+    }
+}
+
+fn square([x, y]: [f32; 2]) -> Arc<dyn Triangles> {
+    let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+    Arc::new(Square(corners.map(|[dx, dy]| [x + dx, y + dy, 29.0])))
+}
+
+#[test]
+fn triangles_that_are_others_are_in_their_part_and_shared_ones_are_not() {
+    let mut others = 0;
+    let mut look = appearance(Blend::Shaded, 0.5);
+    (look.lighting.occlusion, look.lighting.shadow) = (0.0, 0.0);
+    look.surfaces = vec![ShownSurface {
+        id: 7,
+        colour: Vec3::X,
+        opacity: 1.0,
+        ambient: 0.3,
+        specular: 1.0,
+        is_wireframe: false,
+    }];
+    for camera in views() {
+        let view = request(camera, SIZE);
+        let mut renderer = Renderer::new(ball(32, 11.0)).unwrap();
+        renderer.set_appearance(look.clone());
+        let first = surface(&[[4.0, 4.0], [24.0, 20.0]]);
+        renderer.set_surfaces(vec![first.clone()]);
+        let before = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
+        let seen = renderer.state();
+        renderer.set_surfaces(vec![first.clone()]);
+        assert_eq!(renderer.state(), seen, "nothing is another");
+        let mut second = first.clone();
+        second.patches[1] = square([22.0, 22.0]);
+        renderer.set_surfaces(vec![second]);
+        let part = renderer
+            .part_edited_since(seen, &camera, view.size)
+            .unwrap();
+        let after = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
+        let most = most_outside(&part, &before, &after);
+        assert!(most < 2e-3, "{most}");
+        assert!(part.size.element_product() < SIZE * SIZE / 2, "{part:?}");
+        others += u32::from(before != after);
+    }
+    // in some views the ball lies before them
+    assert!(others >= 4, "{others} of 6");
+}
+
 #[test]
 fn where_more_may_look_different_there_is_no_part() {
     let mut voxels = ball(32, 11.0);
@@ -131,11 +286,11 @@ fn where_more_may_look_different_there_is_no_part() {
     renderer.follow(voxels.clone());
     assert!(part(&renderer, first).is_some());
     assert_eq!(part(&renderer, first + 1000), None);
-    // tissue went back to its voxels, which no edit tells
-    let pressed = renderer.state();
-    renderer.displace(&[]);
+    // a surface has come
+    let bare = renderer.state();
+    renderer.set_surfaces(vec![surface(&[[9.0, 9.0]])]);
     assert_eq!(part(&renderer, first), None);
-    assert_eq!(part(&renderer, pressed), None);
+    assert_eq!(part(&renderer, bare), None);
     // nor is a picture of another renderer one of this
     let other = Renderer::new(voxels.clone()).unwrap();
     assert_eq!(part(&renderer, other.state()), None);
