@@ -79,6 +79,8 @@ pub(super) struct WholeBody {
     /// Stiffness of its softest bonds [N/mm], and the load of a case [N].
     softest: f64,
     unit: f64,
+    /// Whether nothing but fat holds it.
+    in_fat: bool,
     /// Springs that are no contacts.
     held_by: usize,
     facing: Vec<Facing>,
@@ -138,7 +140,8 @@ impl WholeBody {
         let size = (last - first + 1).clamp(IVec3::splat(2), IVec3::splat(256));
         let matter = |place: DVec3| rest.matter_at(place);
         let mut body = coarse_lattice(first, size.as_uvec3(), spacing, grid, &matter);
-        if body.ground.is_empty() {
+        let in_fat = body.ground.is_empty();
+        if in_fat {
             lay_in_fat(&mut body);
         }
         settle(&mut body);
@@ -149,6 +152,7 @@ impl WholeBody {
             unit: SHRUNK * softest * spacing,
             segment,
             first,
+            in_fat,
             held_by: body.ground.len(),
             facing: Facing::all(&body, first, &matter),
             picture: WholePicture::new([low, high], near.lattice.spacing(), &matter),
@@ -267,6 +271,10 @@ impl WholeBody {
         let size = UVec3::splat(2 * REFERENCE as u32 + 1);
         let corner = node - REFERENCE;
         let mut endless = coarse_lattice(corner, size, spacing, rest.voxels.grid(), &matter);
+        // what fat does to the surface that is pressed is no part of the difference: the box knows of none
+        if self.in_fat {
+            lay_in_fat(&mut endless);
+        }
         settle(&mut endless);
         let radius = near.half_width().max(SPREAD * spacing);
         let weight = |index: usize| {
