@@ -43,7 +43,7 @@ def test_the_liver_of_the_phantom_gives_as_a_whole_and_bone_holds_it() -> None:
         return forces
 
     alone, joined = (felt(whole=each, scene=Scene(volume, [liver])) for each in (False, True))
-    # fat of 2 kPa, 20 mm thick, holds all of the liver by some N/mm, and the probe presses 0.06 N/mm:
+    # fat of 2 kPa, 20 mm thick, holds all of the liver by some N/mm, and the probe presses by 0.06:
     # it gives a little more than an endless body, by a few hundredths at most
     assert 0.95 * alone[-1] < joined[-1] < alone[-1]
     again = felt(whole=True, scene=Scene(volume, [liver]))
