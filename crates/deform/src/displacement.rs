@@ -345,7 +345,7 @@ fn index_of(size: UVec3, node: IVec3) -> usize {
     (node.x + size.x * (node.y + size.y * node.z)) as usize
 }
 
-fn node_at(size: UVec3, index: usize) -> IVec3 {
+pub(crate) fn node_at(size: UVec3, index: usize) -> IVec3 {
     let index = index as u32;
     UVec3::new(
         index % size.x,
@@ -361,19 +361,19 @@ fn continued(size: UVec3, mut moved: Vec<Option<DVec3>>) -> Vec<DVec3> {
     let mut share_before = 1.0;
     let mut front: Vec<usize> = (0..moved.len()).filter(|&n| moved[n].is_some()).collect();
     for share in BESIDE {
-        let mut sums = std::collections::BTreeMap::<usize, (DVec3, f64)>::new();
-        for &index in &front {
+        let beside = front.iter().flat_map(|&index| {
             let value = moved[index].unwrap_or_default();
-            for near in neighbours(size, index).filter(|&near| moved[near].is_none()) {
-                let sum = sums.entry(near).or_default();
-                sum.0 += value;
-                sum.1 += 1.0;
-            }
-        }
+            neighbours(size, index).map(move |near| (near, value))
+        });
+        let mut given: Vec<_> = beside.filter(|(near, _)| moved[*near].is_none()).collect();
+        // stable: the same sums, in the order of the nodes that they are of
+        given.sort_by_key(|(near, _)| *near);
         front.clear();
-        for (index, (sum, count)) in sums {
-            moved[index] = Some(sum * (share / share_before / count));
-            front.push(index);
+        for of_one in given.chunk_by(|one, other| one.0 == other.0) {
+            let (near, count) = (of_one[0].0, of_one.len() as f64);
+            let sum: DVec3 = of_one.iter().map(|(_, value)| *value).sum();
+            moved[near] = Some(sum * (share / share_before / count));
+            front.push(near);
         }
         share_before = share;
     }

@@ -76,9 +76,8 @@ pub(super) struct WholeBody {
     /// First node, counted from the corner of the grid in its own spacing.
     first: IVec3,
     body: Lattice,
-    /// Stiffness of its softest bonds [N/mm], and the load of a case [N].
+    /// Stiffness of its softest bonds [N/mm].
     softest: f64,
-    unit: f64,
     /// Whether nothing but fat holds it.
     in_fat: bool,
     /// Springs that are no contacts.
@@ -146,10 +145,8 @@ impl WholeBody {
         }
         settle(&mut body);
         let length = body.layout().len();
-        let softest = body.softest_bond();
         Some(Self {
-            softest,
-            unit: SHRUNK * softest * spacing,
+            softest: body.softest_bond(),
             segment,
             first,
             in_fat,
@@ -193,7 +190,7 @@ impl WholeBody {
                 .collect();
             let places = self.picture.soft_places();
             let moved: Vec<_> = places.map(|place| self.between(&nodes, place)).collect();
-            self.picture.follow(moved.into_iter());
+            self.picture.follow(&moved);
         }
         near.lattice.set_frame(self.now.compliance, self.now.free);
     }
@@ -234,7 +231,7 @@ impl WholeBody {
     pub fn moved(&self, index: usize) -> DVec3 {
         let of = |case: usize| vector_at(&self.cases[case], index);
         let by_force = of(0) * self.force.x + of(1) * self.force.y + of(2) * self.force.z;
-        by_force / self.unit + of(3) / SHRUNK
+        by_force / self.unit() + of(3) / SHRUNK
     }
 
     /// Nodes of the body: where they rest, and how far they have moved [mm].
@@ -247,6 +244,11 @@ impl WholeBody {
     /// Between nodes [mm].
     pub fn spacing(&self) -> f64 {
         self.body.spacing()
+    }
+
+    /// Load of a case [N].
+    fn unit(&self) -> f64 {
+        SHRUNK * self.softest * self.spacing()
     }
 
     /// Stiffness of a contact [N/mm]: it gives little beside the tissue.
@@ -341,7 +343,7 @@ impl WholeBody {
 
     /// Puts the load and the contacts of a case; the force by which rest is measured [N].
     fn begin(&mut self, case: usize) -> f64 {
-        let (unit, stiffness) = (self.unit, self.contact_stiffness());
+        let (unit, stiffness) = (self.unit(), self.contact_stiffness());
         let axis = DVec3::AXES.get(case).copied();
         let load = |(node, weight): &(u32, f64)| Some((*node, axis? * (weight * unit)));
         self.body.loads = self.load.iter().filter_map(load).collect();
@@ -408,7 +410,7 @@ impl WholeBody {
         let mut found = Response::NONE;
         for &(node, weight) in &self.load {
             let of = |case: usize| vector_at(&self.cases[case], node as usize) * weight;
-            found.compliance += DMat3::from_cols(of(0), of(1), of(2)) * self.unit.recip();
+            found.compliance += DMat3::from_cols(of(0), of(1), of(2)) * self.unit().recip();
             found.free += of(3) / SHRUNK;
         }
         let own = (found.compliance + found.compliance.transpose()) * 0.5;
