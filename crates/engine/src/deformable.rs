@@ -15,6 +15,6 @@ pub use deformable_segments::has_soft_segments;
 pub use deformable_view::{DeformableView, ShownParts};
 pub use deformation::{Deformation, DeformationStatus, ForceSource};
 pub use deformation_loop::{DeformationLoop, WakeUp};
-pub use displacements::Displacements;
+pub use displacements::{Displacements, Following, UNSEEN};
 pub use rigid_regions::{Regions, SharedChange, SharedRegionChanges, changed_bricks, rigid_mask};
 pub use unpressed::Unpressed;

@@ -58,6 +58,24 @@ fn most_outside(part: &Part, one: &Picture, other: &Picture) -> f32 {
         .fold(0.0, f32::max)
 }
 
+/// Whether the part since a state has all that a change altered, beside a picture before it, and is smaller than this
+/// share of the picture; and the picture after it.
+fn check_part(
+    renderer: &mut Renderer,
+    (before, seen): (&Picture, u64),
+    (view, share): (&Request, f64),
+) -> Picture {
+    let part = renderer.part_edited_since(seen, &view.camera, view.size);
+    let part = part.expect("what has changed is known");
+    let after = renderer.draw(view, 1, &|| false).unwrap().unwrap();
+    // where rays leap over what is empty they are followed in other steps
+    let most = most_outside(&part, before, &after);
+    assert!(most < 2e-3, "{most}");
+    let pixels = f64::from(part.size.element_product());
+    assert!(pixels < share * f64::from(SIZE * SIZE), "{part:?}");
+    after
+}
+
 #[test]
 fn a_part_is_what_the_whole_picture_has_there() {
     let scene = scene(&ball(32, 11.0));
@@ -106,18 +124,8 @@ fn all_that_edits_changed_is_in_their_part() {
             block(&mut voxels, at, size);
             renderer.follow(voxels.clone());
         }
-        let part = renderer
-            .part_edited_since(seen, &camera, view.size)
-            .unwrap();
-        let after = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
-        // where rays leap over what is empty they are followed in other steps
-        let most = most_outside(&part, &before, &after);
-        assert!(most < 2e-3, "{blend:?}: {most}");
-        assert!(
-            part.size.element_product() < SIZE * SIZE / 4 * 3,
-            "{part:?}"
-        );
-        assert!(before != after);
+        let after = check_part(&mut renderer, (&before, seen), (&view, 0.75));
+        assert!(before != after, "{blend:?}");
     }
 }
 
@@ -155,16 +163,7 @@ fn all_that_displacements_changed_is_in_their_part() {
         for (at, deep) in [(at, 1.0), (at, 1.8), (at - DVec3::X * 4.0, 1.2), (at, 0.0)] {
             let seen = renderer.state();
             dent(&mut renderer, at, deep);
-            let part = renderer
-                .part_edited_since(seen, &camera, view.size)
-                .unwrap();
-            let after = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
-            let most = most_outside(&part, &before, &after);
-            assert!(most < 2e-3, "{blend:?}: {most}");
-            assert!(
-                part.size.element_product() < SIZE * SIZE / 4 * 3,
-                "{part:?}"
-            );
+            let after = check_part(&mut renderer, (&before, seen), (&view, 0.75));
             others += u32::from(before != after);
             before = after;
         }
@@ -259,13 +258,7 @@ fn triangles_that_are_others_are_in_their_part_and_shared_ones_are_not() {
         let mut second = first.clone();
         second.patches[1] = square([22.0, 22.0]);
         renderer.set_surfaces(vec![second]);
-        let part = renderer
-            .part_edited_since(seen, &camera, view.size)
-            .unwrap();
-        let after = renderer.draw(&view, 1, &|| false).unwrap().unwrap();
-        let most = most_outside(&part, &before, &after);
-        assert!(most < 2e-3, "{most}");
-        assert!(part.size.element_product() < SIZE * SIZE / 2, "{part:?}");
+        let after = check_part(&mut renderer, (&before, seen), (&view, 0.5));
         others += u32::from(before != after);
     }
     // in some views the ball lies before them

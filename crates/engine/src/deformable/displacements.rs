@@ -7,8 +7,17 @@ use glam::{DVec3, UVec3, Vec3};
 use palpate_deform::model::DisplacementField;
 use palpate_volume::grid::Grid;
 
-/// What moved by less is shown where it was [smallest side of a voxel].
-const LEAST: f32 = 0.01;
+/// How a field is followed by the picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Following {
+    /// No node is shown farther from where it is at rest [mm].
+    pub farthest: f64,
+    /// What moves by less is shown where it was [smallest side of a voxel].
+    pub least: f32,
+}
+
+/// A hundredth of a voxel: what moves by less is not seen.
+pub const UNSEEN: f32 = 0.01;
 
 /// Displacements at the nodes of a box.
 ///
@@ -23,24 +32,25 @@ pub struct Displacements {
     pub size: UVec3,
     /// How far tissue stands from the voxels that show it [mm].
     pub moved: Vec<Vec3>,
+    /// What moves by less is shown where it was [mm].
+    pub least: f32,
 }
 
 impl Displacements {
-    /// What the picture draws of a field, no node farther than `farthest` [mm]; none where nothing has
-    /// moved enough to be seen.
+    /// What the picture draws of a field; none where nothing has moved enough to be seen.
     #[must_use]
-    pub fn of(field: &DisplacementField, grid: &Grid, farthest: f64) -> Option<Self> {
+    pub fn of(field: &DisplacementField, grid: &Grid, following: Following) -> Option<Self> {
         let axes_from_patient = grid.direction().transpose().as_mat3();
         let along_axes = |moved: &Vec3| {
             let moved = axes_from_patient * *moved;
             if moved.is_finite() {
-                moved.clamp_length_max(farthest as f32)
+                moved.clamp_length_max(following.farthest as f32)
             } else {
                 Vec3::ZERO
             }
         };
         let moved: Vec<Vec3> = field.moved.iter().map(along_axes).collect();
-        let least = least(grid);
+        let least = following.least * grid.smallest_spacing() as f32;
         let is_seen = moved
             .iter()
             .any(|moved| moved.length_squared() > least * least);
@@ -49,13 +59,14 @@ impl Displacements {
             step: DVec3::splat(field.spacing) / grid.spacing(),
             size: field.size,
             moved,
+            least,
         })
     }
 
     /// Whether the picture is to be drawn again: something has moved enough to be seen.
     #[must_use]
-    pub fn differs(&self, before: &Self, grid: &Grid) -> bool {
-        let least = least(grid);
+    pub fn differs(&self, before: &Self) -> bool {
+        let least = self.least;
         let is_other = |(now, then): (&Vec3, &Vec3)| now.distance_squared(*then) > least * least;
         (self.origin, self.step, self.size) != (before.origin, before.step, before.size)
             || self.moved.iter().zip(&before.moved).any(is_other)
@@ -72,11 +83,6 @@ impl Displacements {
             .flat_map(|number| half(number).to_le_bytes())
             .collect()
     }
-}
-
-/// Displacements that are seen [mm].
-fn least(grid: &Grid) -> f32 {
-    LEAST * grid.smallest_spacing() as f32
 }
 
 /// A number as a half float (IEEE 754 binary16), to the nearest; what is smaller than 6e-5
@@ -99,6 +105,11 @@ fn half(number: f32) -> u16 {
 mod tests {
     use super::*;
     use glam::DMat3;
+
+    const SEEN: Following = Following {
+        farthest: 4.0,
+        least: UNSEEN,
+    };
 
     /// Turned by a right angle: its x axis is the patient's y.
     fn grid() -> Grid {
@@ -123,7 +134,7 @@ mod tests {
     #[test]
     fn nodes_and_displacements_are_told_in_the_frame_of_the_grid() {
         let displacements =
-            Displacements::of(&field(Vec3::new(0.0, 0.6, 0.3)), &grid(), 4.0).unwrap();
+            Displacements::of(&field(Vec3::new(0.0, 0.6, 0.3)), &grid(), SEEN).unwrap();
         assert!(displacements.origin.distance(DVec3::splat(10.5)) < 1e-12);
         assert_eq!(displacements.step, DVec3::new(2.0, 1.0, 0.5));
         assert_eq!(displacements.size, UVec3::new(2, 1, 1));
@@ -132,17 +143,17 @@ mod tests {
 
     #[test]
     fn what_has_not_moved_enough_is_not_told() {
-        assert!(Displacements::of(&field(Vec3::X * 0.009), &grid(), 4.0).is_none());
-        assert!(Displacements::of(&field(Vec3::NAN), &grid(), 4.0).is_none());
-        let one = Displacements::of(&field(Vec3::X), &grid(), 4.0).unwrap();
+        assert!(Displacements::of(&field(Vec3::X * 0.009), &grid(), SEEN).is_none());
+        assert!(Displacements::of(&field(Vec3::NAN), &grid(), SEEN).is_none());
+        let one = Displacements::of(&field(Vec3::X), &grid(), SEEN).unwrap();
         let mut other = one.clone();
         other.moved[1].x += 0.009;
-        assert!(!other.differs(&one, &grid()));
+        assert!(!other.differs(&one));
         other.moved[1].x += 0.009;
-        assert!(other.differs(&one, &grid()));
+        assert!(other.differs(&one));
         other.moved[1] = one.moved[1];
         other.origin.x += 1.0;
-        assert!(other.differs(&one, &grid()));
+        assert!(other.differs(&one));
     }
 
     #[test]
@@ -162,7 +173,7 @@ mod tests {
         for (number, expected) in cases {
             assert_eq!(half(number), expected, "{number}");
         }
-        let displacements = Displacements::of(&field(Vec3::NEG_Y), &grid(), 4.0).unwrap();
+        let displacements = Displacements::of(&field(Vec3::NEG_Y), &grid(), SEEN).unwrap();
         // x of the first node, the patient's -y, is its first number
         assert_eq!(displacements.packed()[..2], 0xbc00_u16.to_le_bytes());
         assert_eq!(displacements.packed().len(), 16);

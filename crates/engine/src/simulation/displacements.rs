@@ -6,11 +6,19 @@ use palpate_deform::lattice::DEEPEST;
 use palpate_deform::model::DisplacementField;
 
 use super::Simulation;
-use crate::deformable::Displacements;
+use crate::deformable::{Displacements, Following, UNSEEN};
 use crate::picture::{MOST_BOXES, SceneUpdate, ShownDisplacements};
 
-/// How far the body behind what is pressed is shown to move, at most [mm].
-const BEHIND: f64 = 20.0;
+/// The body behind what is pressed: all of it is drawn again wherever it moves.
+const BEHIND: Following = Following {
+    farthest: 20.0,
+    least: 0.1,
+};
+/// Tissue that a needle drags.
+const DRAGGED: Following = Following {
+    farthest: DEEPEST,
+    least: UNSEEN,
+};
 
 impl Simulation {
     /// Where tissue stands beside its voxels, as the picture was told it last.
@@ -35,34 +43,42 @@ impl Simulation {
     ) -> Option<SceneUpdate> {
         // nodes in the empty space beside a face may go farther than matter ever is beside its
         // voxels; the picture follows no more than that
-        let farthest = self.voxels().grid().spacing().max_element();
-        self.field_update([pressed.zip(Some(farthest)), behind.zip(Some(BEHIND))])
+        let following = Following {
+            farthest: self.voxels().grid().spacing().max_element(),
+            least: UNSEEN,
+        };
+        self.field_update([pressed.zip(Some(following)), behind.zip(Some(BEHIND))])
     }
 
     /// Shows tissue where a needle drags it, which no voxel follows.
     pub(super) fn show_needle_drag(&mut self, field: Option<&DisplacementField>) {
-        if let Some(update) = self.field_update([field.zip(Some(DEEPEST)), None]) {
+        if let Some(update) = self.field_update([field.zip(Some(DRAGGED)), None]) {
             self.publish_update(update);
         }
     }
 
-    /// Of fields, and how far each is followed [mm].
+    /// Of fields; those that look as before stay the same ones.
     fn field_update(
         &mut self,
-        fields: [Option<(&DisplacementField, f64)>; MOST_BOXES],
+        fields: [Option<(&DisplacementField, Following)>; MOST_BOXES],
     ) -> Option<SceneUpdate> {
         let grid = *self.voxels().grid();
-        let shown = |(field, farthest)| Displacements::of(field, &grid, farthest);
+        let shown = |(field, following)| Displacements::of(field, &grid, following);
         let now: Vec<_> = fields.into_iter().flatten().filter_map(shown).collect();
-        let both = now.iter().zip(&self.displacements);
-        let is_same = now.len() == self.displacements.len()
-            && both
-                .into_iter()
-                .all(|(now, before)| !now.differs(before, &grid));
+        let before = std::mem::take(&mut self.displacements);
+        let is_as_many = now.len() == before.len();
+        let mut is_same = is_as_many;
+        for (number, now) in now.into_iter().enumerate() {
+            let known = before
+                .get(number)
+                .filter(|known| is_as_many && !now.differs(known));
+            is_same &= known.is_some();
+            self.displacements
+                .push(known.map_or_else(|| Arc::new(now), Arc::clone));
+        }
         if is_same {
             return None;
         }
-        self.displacements = now.into_iter().map(Arc::new).collect();
         Some(SceneUpdate::Displacements(self.displacements.clone()))
     }
 }

@@ -241,7 +241,7 @@ export class RayMarcher {
 
   /** Displacements of tissue from its voxels, which add up; none where all stands in them. */
   setDisplaced(displaced: readonly Displacements[]): void {
-    this.displacements.set(displaced, this.frame?.spacing ?? [1, 1, 1]);
+    this.displacements.set(displaced);
     this.light.changed();
   }
 

@@ -3,7 +3,6 @@
  * Keep in sync with `shaders/scan/displacements.glsl`.
  */
 import * as THREE from "three";
-import { brickEdge } from "../../core/scan/bricks";
 import type { Displacements } from "../../core/scan/displacements";
 import type { Vec3 } from "../../core/geometry/vector";
 
@@ -20,20 +19,16 @@ export class DisplacementTexture {
     displacedPart: { value: vectors() },
     displacedStart: { value: vectors() },
     displacedEdge: { value: vectors() },
-    displacedReach: { value: 0 },
+    displacedFarthest: { value: 0 },
   };
   private size: Vec3 = [0, 0, 0];
 
   constructor() {
-    this.set([], [1, 1, 1]);
+    this.set([]);
   }
 
-  /**
-   * Takes other displacements; none where no tissue is displaced.
-   *
-   * @param spacing of the scan's voxels [mm].
-   */
-  set(displaced: readonly Displacements[], spacing: Vec3): void {
+  /** Takes other displacements; none where no tissue is displaced. */
+  set(displaced: readonly Displacements[]): void {
     const shown = displaced.slice(0, boxes);
     const longest = (axis: 0 | 1): number => Math.max(1, ...shown.map(({ size }) => size[axis]));
     const layers = shown.reduce((sum, { size }) => sum + size[2], 0);
@@ -45,8 +40,7 @@ export class DisplacementTexture {
       this.place(i, box, size, first);
       first += box?.size[2] ?? 0;
     }
-    const least = Math.min(...spacing) * brickEdge;
-    this.uniforms.displacedReach.value = shown.reduce((sum, box) => sum + Math.ceil(farthest(box) / least), 0);
+    this.uniforms.displacedFarthest.value = shown.reduce((sum, box) => sum + farthest(box), 0);
   }
 
   dispose(): void {

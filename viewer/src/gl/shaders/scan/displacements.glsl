@@ -17,8 +17,10 @@ uniform vec3 displacedOffset[displacedBoxes];
 uniform vec3 displacedPart[displacedBoxes];
 uniform vec3 displacedStart[displacedBoxes];
 uniform vec3 displacedEdge[displacedBoxes];
-// bricks, at most, between a place and what is seen there
-uniform float displacedReach;
+// no tissue stands farther from its voxels along an axis [mm]
+uniform float displacedFarthest;
+// edge of a brick [voxels], or less: see `core/scan/bricks.ts`
+const float brickVoxels = 8.0;
 
 bool isInBox(int box, vec3 grid) {
   vec3 place = grid * displacedScale[box] + displacedOffset[box];
@@ -53,7 +55,8 @@ vec3 atRest(vec3 grid) {
 
 // Bricks that are empty from a place on as far as tissue may stand beside its voxels, of those that are.
 float emptyBeside(float bricks) {
-  return max(bricks - displacedReach, 0.0);
+  float smallest = min(spacing.x, min(spacing.y, spacing.z));
+  return max(bricks - ceil(displacedFarthest / (brickVoxels * smallest)), 0.0);
 }
 #else
 #define atRest(grid) (grid)
