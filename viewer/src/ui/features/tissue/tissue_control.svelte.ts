@@ -35,9 +35,6 @@ export class TissueControl implements StepOwner<FromPage> {
   chosen = $state.raw<readonly number[]>([]);
   /** The segment of which the page asks what it is made of; null where it asks of none. */
   asking = $state.raw<number | null>(null);
-  /** Answers of the model [Hz]. */
-  rate = $state.raw(0);
-
   private readonly answers = new AnswerRate();
   /** Greeting of the engine that was sent what was chosen at the last visit. */
   private recalledAt = 0;
@@ -127,6 +124,11 @@ export class TissueControl implements StepOwner<FromPage> {
     this.session.parts = null;
   }
 
+  /** Answers of the model by now [Hz]; it changes with each state, more often than people read. */
+  get rate(): number {
+    return this.answers.hz;
+  }
+
   /** Asks for what is one step of the page's undo. */
   private ask(name: string, after: FromPage, before: FromPage): void {
     this.session.send(after);
@@ -137,7 +139,6 @@ export class TissueControl implements StepOwner<FromPage> {
   private follow(state: State): void {
     const { matter, time } = state;
     this.answers.add(time, matter.answers);
-    this.rate = this.answers.hz;
     const { greetings } = this.session;
     if (this.recalledAt !== greetings) {
       this.recalledAt = greetings;
