@@ -255,8 +255,13 @@ class PagePainter:
         # what changes under a view at rest may be an edit beyond a part of it, so this holds once
         (known, divisor), self._moved = self._moved or (None, math.inf), None
         is_seen = known == self._key(request, look)
-        if not is_seen or divisor > max(finest, COARSE):
-            yield Stage(max(finest, COARSE), haste=True, to_end=not is_seen)
+        coarse = max(finest, COARSE)
+        if not is_seen and self._pace.slows:
+            # where that takes seconds, what has changed is seen by a coarser picture until then
+            yield Stage(max(finest, self._pace.divisor), haste=True, to_end=True)
+            yield Stage(coarse, haste=True)
+        elif not is_seen or divisor > coarse:
+            yield Stage(coarse, haste=True, to_end=not is_seen)
         yield Stage(finest, last=request.samples == 1)
         if request.samples > 1:
             yield Stage(finest, samples=request.samples, last=True)

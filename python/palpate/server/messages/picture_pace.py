@@ -32,6 +32,11 @@ class PicturePace:
         fitting = math.sqrt(self._undivided / WANTED)
         return min(COARSEST, max(FINEST, STEP * math.ceil(fitting / STEP)))
 
+    @property
+    def slows(self) -> bool:
+        """Whether pictures have taken too long to be drawn as finely as they may be."""
+        return self._undivided is not None and self.divisor > FINEST
+
     def learn(self, divisor: float, seconds: float) -> None:
         """Takes what a picture took that was drawn in haste."""
         undivided = seconds * divisor**2

@@ -440,10 +440,32 @@ def test_what_cannot_be_drawn_is_refused_in_one_line(
     assert picture["type"] == "drawn_picture", "what follows is drawn as always"
 
 
+def test_where_pictures_take_long_a_change_is_seen_by_a_coarser_one_at_first(
+    session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pace = PicturePace()
+    pace.learn(COARSEST, 2.0)
+    assert pace.slows
+    monkeypatch.setattr("palpate.server.messages.engine_pictures.PicturePace", lambda: pace)
+
+    async def ask(pictures: EnginePictures, page: Outbox) -> list[Told]:
+        pictures.look(look(), page)
+        pictures.draw(request(session, 1, moving=False), page)
+        first = await next_of(page)
+        return [first, *await until_finished(page)]
+
+    pictures = told(session, ask)
+    # those between may have been replaced on their way
+    assert (pictures[0]["divisor"], pictures[-1]["divisor"]) == (COARSEST, 1.0)
+    assert pictures[-1]["finished"]
+
+
 @pytest.mark.parametrize(("seconds", "divisor"), [(0.001, FINEST), (0.075, 3.0), (10.0, COARSEST)])
 def test_pictures_become_coarser_where_they_take_longer(seconds: float, divisor: float) -> None:
     pace = PicturePace()
     assert pace.divisor == FIRST_DIVISOR
+    assert not pace.slows, "nothing is known yet"
     for _ in range(20):
         pace.learn(3.0, seconds)
     assert pace.divisor == divisor
+    assert pace.slows == (divisor > FINEST)
