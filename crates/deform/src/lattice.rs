@@ -42,6 +42,7 @@ mod shift;
 mod stiffening;
 mod structure;
 mod tangent;
+mod told_force;
 mod tool_contact;
 mod tool_way;
 mod turning;

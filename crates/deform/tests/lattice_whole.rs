@@ -154,6 +154,9 @@ fn a_pressed_block_moves_as_a_whole_against_its_bed() {
     let mut body = block(false);
     let push = |depth: f64| DVec3::new(20.0 - RADIUS + depth, 50.0, 50.0);
     body.press(push(-2.0), 30);
+    for step in 1..6 {
+        body.press(push(f64::from(step) - 3.0), 2);
+    }
     let force = body.press(push(3.0), 60);
     assert!(force.x < -0.5, "{force}");
     let moved = body.moved();
@@ -233,6 +236,9 @@ fn the_body_behind_the_box_is_seen_to_move_where_the_box_does_not_show_it() {
     let mut body = block(true);
     body.press(DVec3::new(12.0, 50.0, 50.0), 30);
     assert!(body.behind.is_none(), "nothing presses it");
+    for step in 1..5 {
+        body.press(DVec3::new(12.0 + f64::from(step), 50.0, 50.0), 2);
+    }
     body.press(DVec3::new(17.0, 50.0, 50.0), 60);
     let moved = body.moved();
     assert!(moved.x > 0.5, "{moved}");
@@ -247,9 +253,9 @@ fn the_body_behind_the_box_is_seen_to_move_where_the_box_does_not_show_it() {
     // the wall stands, and under the tool the box shows all
     for x in [90.0, 24.0] {
         let seen = body.seen(DVec3::new(x, 50.0, 50.0));
-        assert!(seen.length() < 0.05 * moved.x, "{x}: {seen} {moved}");
+        assert!(seen.length() < 0.06 * moved.x, "{x}: {seen} {moved}");
     }
-    body.press(DVec3::new(10.0, 50.0, 50.0), 40);
+    body.press(DVec3::new(10.0, 50.0, 50.0), 60);
     assert!(body.behind.is_none(), "it has come back");
 }
 

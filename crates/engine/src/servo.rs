@@ -84,6 +84,8 @@ pub struct ServoLoop {
     /// What has pressed until now [N·s], and the time of the last tick [s]: told, and else without effect.
     pressed: f64,
     last_time: f64,
+    /// Where soft tissue is to be asked about [mm]; none where nothing gives way.
+    aimed: Option<DVec3>,
     /// Whether a needle was felt when it was last told of.
     had_needle: bool,
     ends: Ends,
@@ -176,6 +178,7 @@ impl ServoLoop {
             moved: true,
             pressed: 0.0,
             last_time: f64::INFINITY,
+            aimed: None,
             had_needle: true,
             ends: Ends {
                 samples,
@@ -363,7 +366,8 @@ impl ServoLoop {
     /// Touches soft tissue as it answers, instead of its voxels, and what is rigid beside or under
     /// it as ever.
     fn follow_soft_tissue(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
-        if !self.state.soft.is_awaited() {
+        self.aimed = None;
+        if !self.state.soft.is_awaited() && self.state.deformable_contact.segments.is_empty() {
             return;
         }
         let touched = SegmentId(self.state.touched);
@@ -404,7 +408,7 @@ impl ServoLoop {
                 stiffness: felt.stiffness,
             })
         };
-        self.state.soft.follow(&input, output, stop);
+        self.aimed = self.state.soft.follow(&input, output, stop);
         output.visits += visits;
     }
 

@@ -123,12 +123,15 @@ impl SoftContact {
 
     /// Puts the tissue's force in the place of the hard contact's, where tissue gives way. `stop`
     /// is asked for what stops the tool on its way to where the tissue would have it [mm].
+    ///
+    /// Gives the place of which the next answer is to tell [mm]: where the tool comes to once its spring has
+    /// gone over, or where the device is while no answer counts; none where nothing gives way.
     pub fn follow(
         &mut self,
         input: &SoftInput,
         output: &mut TickOutput,
         stop: impl FnOnce(DVec3) -> Option<Stop>,
-    ) {
+    ) -> Option<DVec3> {
         let mut coupling = if output.coupling.stiffness > 0.0 {
             output.coupling
         } else {
@@ -138,19 +141,21 @@ impl SoftContact {
         self.answer = self
             .answer
             .filter(|answer| answer.counts(input, coupling.stiffness));
-        let fresh = self.answer.filter(|_| input.gives_way);
-        if fresh.is_none() && self.last.is_none() {
-            return;
-        }
         if !(input.device.is_finite() && coupling.stiffness > 0.0) {
             self.forget_force();
-            return;
+            return None;
+        }
+        let fresh = self.answer.filter(|_| input.gives_way);
+        let soft = fresh.map(|answer| self.tool(&answer, input, coupling.stiffness));
+        let wanted = input.gives_way.then(|| soft.unwrap_or(input.device));
+        let stop = wanted.and_then(stop);
+        let tool = stop.map(|stop| stop.tool).or(wanted);
+        if fresh.is_none() && self.last.is_none() {
+            return tool;
         }
         let hard = output.spring;
-        let soft = fresh.map(|answer| self.tool(&answer, input, coupling.stiffness));
-        let stop = soft.and_then(stop);
-        let tool = stop.map(|stop| stop.tool).or(soft);
-        let wanted = tool.map_or(hard, |tool| tool - input.device);
+        let wanted = tool.filter(|_| fresh.is_some());
+        let wanted = wanted.map_or(hard, |tool| tool - input.device);
         // where it was hard contact until now, from there
         let (device, last) = self.last.unwrap_or((input.device, hard));
         let way = (input.device - device).length();
@@ -159,9 +164,10 @@ impl SoftContact {
         let is_hard = fresh.is_none() && spring == hard;
         if is_hard {
             self.forget_force();
-            return;
+            return tool;
         }
         self.last = Some((input.device, spring));
+        let stop = stop.filter(|_| fresh.is_some());
         coupling.stiffness = self.stiffness(
             stop.map_or(coupling.stiffness, |stop| stop.stiffness),
             way,
@@ -169,6 +175,7 @@ impl SoftContact {
             input.spacing,
         );
         put(input, coupling, spring, output);
+        tool
     }
 
     /// Where an answer has the tool [mm], with friction.

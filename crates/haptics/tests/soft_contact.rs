@@ -83,6 +83,38 @@ fn matter_and_coupling_are_two_springs_in_a_row() {
     }
 }
 
+/// The model is asked about where the tool comes to, and not where its spring is on the way there: answers would tell
+/// of the way, and the way follow the answers.
+#[test]
+fn the_next_answer_is_to_tell_of_where_the_spring_goes_over_to() {
+    let device = DVec3::Z * -2.0;
+    let asked = |soft: &mut SoftContact, time: f64, gives_way: bool, stop: Option<Stop>| {
+        let mut output = hard(DVec3::ZERO, device, true);
+        let tool = soft.follow(&input(device, time, gives_way), &mut output, |_| stop);
+        (tool, output.spring)
+    };
+    // while the voxels hold the probe, of where the hand is: tissue does not give before it is asked
+    let mut soft = SoftContact::default();
+    assert_eq!(asked(&mut soft, 0.0, true, None).0, Some(device));
+    assert_eq!(asked(&mut soft, 0.0, false, None).0, None);
+    // by an answer, of where hand and tissue are in balance, while the spring has hardly begun to go there
+    soft.take(Some(&floor(0.25, -0.1)), 0.0);
+    let balance = |stiffness: f64| DVec3::Z * -2.0 / (1.0 + stiffness);
+    let (tool, _) = asked(&mut soft, 0.001, true, None);
+    assert!((tool.unwrap() - balance(0.25)).length() < 1e-9, "{tool:?}");
+    soft.take(Some(&floor(4.0, -0.1)), 0.001);
+    let (tool, spring) = asked(&mut soft, 0.002, true, None);
+    assert!((tool.unwrap() - balance(4.0)).length() < 1e-9, "{tool:?}");
+    assert!((device + spring - balance(4.0)).length() > 1.0, "{spring}");
+    // and never beyond what does not give way
+    let stop = Stop {
+        tool: DVec3::Z * -0.5,
+        stiffness: K,
+    };
+    let (tool, _) = asked(&mut soft, 0.003, true, Some(stop));
+    assert_eq!(tool, Some(stop.tool));
+}
+
 #[test]
 fn the_force_goes_on_from_where_it_is_when_answers_come_and_contacts_change() {
     let mut random = Rand64::new(5);

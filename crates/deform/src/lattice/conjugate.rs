@@ -146,6 +146,17 @@ impl Conjugate {
         Some(sums.left)
     }
 
+    /// Another step: each node goes where the force at its beginning brings it alone.
+    pub fn respond_each(&mut self, mobility: &Field) {
+        for axis in 0..3 {
+            let each = self.force[axis].iter().zip(&mobility[axis]);
+            let each = each.map(|(force, mobility)| force * mobility);
+            self.step[axis].clear();
+            self.step[axis].extend(each);
+        }
+        self.longest = longest(&self.chunks, &self.step);
+    }
+
     /// How much smaller the forces are than at the beginning, as the problem sees them.
     pub fn gain(&self) -> f64 {
         (self.weight / self.first_weight).sqrt()

@@ -13,6 +13,7 @@ use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::RestVoxels;
 use super::settings::LatticeSettings;
+use super::told_force::told_force;
 use super::tool_contact::LatticeTool;
 use super::tool_way::on_the_way;
 use super::whole_body::{WholeBody, Work};
@@ -33,7 +34,7 @@ const NEARLY_AT_REST: f64 = 0.2;
 /// Relaxations in one call at most, where bonds break.
 const ROUNDS: u32 = 4;
 /// Unbalanced force from which on a tool goes on along its way, and evaluations for each step of it at most; all
-/// steps have no more than this share of them.
+/// steps have no more than this share of all evaluations.
 const FOLLOWS: f64 = 0.2;
 const STEP_WORK: u32 = 12;
 const WAY_SHARE: u32 = 2;
@@ -73,9 +74,10 @@ pub struct LatticeModel {
     reported_poisson: bool,
     /// Whether what yielded was seen without a tool, and nothing was pressed or cut since.
     pub(super) settled: bool,
-    /// Tools and contacts of the last answer.
+    /// Where the tools have come, and their contacts as told in the last answer and when tissue was last at rest.
     tools: Vec<ToolState>,
     reported: Vec<ToolContact>,
+    rested: Vec<ToolContact>,
 }
 
 impl LatticeModel {
@@ -246,25 +248,31 @@ impl LatticeModel {
         answer.report.plastic_voxels = self.ledger.plastic_len() as u32;
     }
 
-    /// Has nodes follow the tools along their way since the last answer.
+    /// Has nodes follow the tools along their way since the last answer, as far as they come; gives where the
+    /// tools are then. Tools that press on go a step at least, and wait for nodes that do not keep up.
     fn go_along(
         &mut self,
         input: &ModelInput<'_>,
         time: &WorkTime,
         tools: &[&ToolState],
         answer: &mut ModelAnswer,
-    ) {
+    ) -> Vec<ToolState> {
         let way = on_the_way(&self.tools, tools);
-        self.tools = tools.iter().map(|tool| **tool).collect();
+        let there = tools.iter().map(|tool| **tool).collect();
         let Some(matter) = &mut self.matter else {
-            return;
+            return there;
         };
-        let each = input.budget.iterations / WAY_SHARE / (way.len() as u32).max(1);
+        let from_patient = matter.grid.direction().transpose();
+        let mut ways = self.tools.iter().zip(tools).zip(self.relaxer.felt());
+        let leaves = ways.any(|((from, to), felt)| {
+            (from_patient * (to.position - from.position)).dot(felt.force) > 0.0
+        });
+        let most = input.budget.iterations / WAY_SHARE;
         for step in way {
             let tools: Vec<_> = step.iter().map(|tool| matter.tool(tool)).collect();
             let settings = RelaxSettings {
                 tolerance: FOLLOWS,
-                iterations: each.min(STEP_WORK),
+                iterations: STEP_WORK.min(most.saturating_sub(answer.report.iterations)),
                 reference: matter.small_force(),
             };
             let is_late = || time.is_over(RELAXED);
@@ -272,7 +280,11 @@ impl LatticeModel {
                 .relaxer
                 .relax(&mut matter.lattice, &tools, &settings, &is_late);
             answer.report.iterations += report.iterations;
+            if report.residual > FOLLOWS && !leaves {
+                return step;
+            }
         }
+        there
     }
 
     /// Relaxes, breaks, and relaxes again, within the budget.
@@ -334,9 +346,9 @@ impl LatticeModel {
         &mut self,
         input: &ModelInput<'_>,
         time: &WorkTime,
+        usable: &[&ToolState],
         answer: &mut ModelAnswer,
     ) {
-        let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
         let none = |tool: &ToolState| ToolContact {
             tool: tool.id,
             contact: None,
@@ -361,17 +373,26 @@ impl LatticeModel {
                     .stiffness(&mut matter.lattice, &tools, which, most, &is_late);
             let force = matter.grid.direction() * felt.force;
             let spacing = matter.lattice.spacing();
-            let last = self.reported.iter().find(|last| last.tool == tool.id);
-            let last = last.and_then(|last| last.contact);
+            let told = |contacts: &[ToolContact]| {
+                let own = contacts.iter().find(|own| own.tool == tool.id);
+                own.and_then(|own| own.contact)
+            };
+            let last = told(&self.reported);
+            let settling = answer.report.settling;
+            let since = told(&self.rested).filter(|_| !settling).or(last);
             // far from rest none may be found at all
             let stiffness = match stiffness > 0.0 {
-                true => measured(last, tool, force, spacing).of(stiffness, !answer.report.settling),
+                true => measured(since, tool, force, spacing).of(stiffness, !settling),
                 false => told_before(last),
             };
+            let force = told_force(last, tool, force, answer.report.residual);
             let own = answer.contacts.iter_mut().find(|own| own.tool == tool.id);
             if let Some(own) = own {
-                own.contact = matter.contact(tool, &felt, stiffness);
+                own.contact = matter.contact(tool, force, stiffness);
             }
+        }
+        if !answer.report.settling {
+            self.rested.clone_from(&answer.contacts);
         }
         self.reported.clone_from(&answer.contacts);
     }
@@ -408,7 +429,10 @@ impl DeformationModel for LatticeModel {
         // a box that went on needs all its time to come to rest
         let time = time.anew();
         self.report_poisson(&mut answer);
-        self.go_along(input, &time, &usable, &mut answer);
+        let reached = self.go_along(input, &time, &usable, &mut answer);
+        let is_behind = usable.iter().zip(&reached).any(|(tool, own)| *tool != own);
+        self.tools.clone_from(&reached);
+        let usable: Vec<_> = reached.iter().collect();
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
             self.relax(input, &time, &tools, &mut answer);
@@ -426,12 +450,12 @@ impl DeformationModel for LatticeModel {
             answer.events.push(ModelEvent::Reset);
         }
         answer.report.settling =
-            self.yields || answer.report.residual > AT_REST * self.settings.tolerance;
+            self.yields || is_behind || answer.report.residual > AT_REST * self.settings.tolerance;
         let edge = self.matter.as_ref().map(MovingBox::edge);
         answer.report.small_box = edge.is_some_and(|edge| edge < self.settings.nodes);
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        self.report_contacts(input, &time, &mut answer);
+        self.report_contacts(input, &time, &usable, &mut answer);
         let effort = &mut answer.report.effort;
         effort.evaluations = std::mem::take(&mut self.relaxer.evaluations)
             + std::mem::take(&mut self.unloaded.evaluations);
@@ -462,5 +486,6 @@ impl DeformationModel for LatticeModel {
         self.observed = None;
         self.tools.clear();
         self.reported.clear();
+        self.rested.clear();
     }
 }

@@ -1,4 +1,4 @@
-//! How stiff a contact was while the tool moved.
+//! How stiff a contact was while the tool moved, since the last answer or since tissue was last at rest.
 
 use glam::DVec3;
 use palpate_volume::material::LocalContact;
@@ -9,12 +9,14 @@ use crate::model::ToolState;
 /// share of what was told, it counts.
 const MEASURED_WAY: f64 = 0.01;
 const MEASURED_SHARE: f64 = 0.7;
+/// Least part of its way that a tool has gone against its force, to measure: aside, tissue is other tissue.
+const STRAIGHT: f64 = 0.5;
 /// Least fraction of the stiffness found that is reported, of tissue that is at rest and of tissue that is not:
 /// there the force also changes because nodes go on, and a tool that followed it would fall through.
 const LEAST_SHARE: f64 = 0.02;
 const UNSURE_SHARE: f64 = 0.5;
 
-/// What the way of a tool since the last answer tells of its stiffness [N/mm].
+/// What the way of a tool since an answer tells of its stiffness [N/mm].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Measured {
     /// How much the force has grown along itself for the way that the tool has gone against it.
@@ -54,7 +56,7 @@ pub(super) fn measured(
     };
     let gone = last.position - tool.position;
     let way = gone.dot(normal);
-    if way > MEASURED_WAY * spacing {
+    if way > MEASURED_WAY * spacing && way >= STRAIGHT * gone.length() {
         Measured::Stiffness((force - last.force).dot(normal) / way)
     } else if gone.length() <= MEASURED_WAY * spacing {
         Measured::AsBefore(along(&last, normal))

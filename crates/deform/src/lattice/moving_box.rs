@@ -14,7 +14,7 @@ use super::nodes::{Lattice, NodeMaterial};
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_place};
 use super::shift::shift;
-use super::tool_contact::{LatticeTool, ToolForce};
+use super::tool_contact::LatticeTool;
 use super::vectors::{Field, vector_at, zero_field};
 use crate::displacement::{Displacement, region_of};
 use crate::material::Materials;
@@ -302,14 +302,8 @@ impl MovingBox {
         }
     }
 
-    /// What a tool feels, as a linear law: `stiffness` [N/mm] along the force, none across it.
-    pub fn contact(
-        &self,
-        tool: &ToolState,
-        felt: &ToolForce,
-        stiffness: f64,
-    ) -> Option<LocalContact> {
-        let force = self.grid.direction() * felt.force;
+    /// What a tool feels [N, patient], as a linear law: `stiffness` [N/mm] along the force, none across it.
+    pub fn contact(&self, tool: &ToolState, force: DVec3, stiffness: f64) -> Option<LocalContact> {
         let normal = force.try_normalize()?;
         let along = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
         Some(LocalContact {

@@ -2,7 +2,8 @@
 //! found by conjugate gradients as far as it pays.
 //!
 //! A step that is too long for the contacts is cut in half until the forces fall, all of them or those
-//! along it. Where they do with no part of it, the nodes stay where they are, and whoever asked is told how far from rest that is.
+//! along it. Where they do with no part of it, each node goes where its own force brings it, as far as that helps.
+//! Where it does not, the nodes stay where they are, and whoever asked is told how far from rest that is.
 //! Source: Nocedal & Wright, Numerical Optimization (2006), section 7.1 (line search Newton-CG).
 
 use super::coarse::CoarseFactor;
@@ -180,9 +181,25 @@ impl Relaxer {
         wish.most
     }
 
+    /// Takes the step that was found. Where no part of it helps, as where contacts or cells that fold deceive the
+    /// linear problem, each node goes where its own force brings it alone: that always loses energy.
+    fn take_step(&mut self, lattice: &mut Lattice, tools: &[LatticeTool], most: u32) -> Taken {
+        let taken = self.take_part(lattice, tools, most);
+        let left = most.saturating_sub(taken.evaluations);
+        if taken.falls || left == 0 {
+            return taken;
+        }
+        self.problem.respond_each(&self.mobility);
+        let alone = self.take_part(lattice, tools, left);
+        Taken {
+            evaluations: taken.evaluations + alone.evaluations,
+            ..alone
+        }
+    }
+
     /// Takes the step, or a part of it so small that the forces fall, or at least those along it, so that
     /// energy does; none where no part is so small.
-    fn take_step(&mut self, lattice: &mut Lattice, tools: &[LatticeTool], most: u32) -> Taken {
+    fn take_part(&mut self, lattice: &mut Lattice, tools: &[LatticeTool], most: u32) -> Taken {
         let longest = self.problem.longest_step() / lattice.spacing;
         let mut share = (FARTHEST / longest.max(f64::MIN_POSITIVE)).min(1.0);
         let before = self.problem.first_left();

@@ -37,7 +37,7 @@ const REACH: f64 = 30.0;
 const STILL: f64 = 0.01;
 /// A law is followed over this at least, so that a hand that presses on before the next answer neither
 /// comes to hard voxels nor falls into tissue that counts as air [radii of the tool].
-const FOLLOWED: f64 = 0.5;
+const FOLLOWED: f64 = 1.0;
 
 /// A model and the name that it goes by.
 pub type NamedModel = (&'static str, Box<dyn DeformationModel>);

@@ -26,14 +26,16 @@ impl ServoLoop {
         });
     }
 
-    /// Where tissue meets the tool: at the near end of the spring, or where the device is while
-    /// soft tissue does not push yet.
+    /// Where tissue meets the tool: where the spring's end goes over to, and not where it is on that way, or
+    /// answers would tell of the way and the way follow the answers. Beside what does not give way, its end.
     fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
-        if self.state.soft.is_felt() {
-            self.device_in_scene(inputs) + output.spring
-        } else {
-            output.contact_point_in_scene
-        }
+        self.aimed.unwrap_or_else(|| {
+            if self.state.soft.is_felt() {
+                self.device_in_scene(inputs) + output.spring
+            } else {
+                output.contact_point_in_scene
+            }
+        })
     }
 
     /// Before the status, so that who reads that one finds poses as new.

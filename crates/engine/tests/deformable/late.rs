@@ -92,6 +92,55 @@ fn a_hand_that_goes_deep_between_slow_answers_does_not_fall_through() {
     }
 }
 
+/// The forces of two seconds after the hand was put from one depth to another at once, and that at rest there.
+fn jumped(depths: [f64; 2], iterations: u32, each: u32) -> (Vec<f64>, f64) {
+    let mut rig = lattice_rig();
+    let (above, mut ticks) = (TOP + RADIUS, 0);
+    let mut stay = |depth: f64, iterations: u32, each: u32, time: u32| -> Vec<f64> {
+        rig.deformation.set_iterations(iterations);
+        let stay = (0..time).map(|_| tick(&mut rig, &mut ticks, above - depth, each));
+        stay.collect()
+    };
+    stay(-1.0, 80, 20, 200);
+    stay(depths[0], 80, 20, 400);
+    let forces = stay(depths[1], iterations, each, 2000);
+    let at_rest = *stay(depths[1], 80, 20, 400).last().unwrap();
+    assert_eq!(rig.violations(), 0);
+    (forces, at_rest)
+}
+
+/// A hand that is put deeper at once, as by the wheel of a mouse, on a computer where answers are few and cut off.
+#[test]
+fn a_hand_that_jumps_is_not_thrown_back_on_a_busy_computer() {
+    for (iterations, each) in [(10, 100), (16, 200)] {
+        for depths in [[2.0, 4.0], [4.0, 8.0]] {
+            let (forces, at_rest) = jumped(depths, iterations, each);
+            let told = format!("{iterations} each {each} ms, {depths:?} mm, at rest {at_rest} N");
+            let most = forces.iter().copied().fold(0.0, f64::max);
+            assert!(most < 1.5 * at_rest, "{told}: {most} N");
+            let least = forces[400..].iter().copied().fold(f64::INFINITY, f64::min);
+            assert!(least > 0.8 * at_rest, "{told}: {least} N");
+            let end = forces.last().unwrap();
+            assert!((end / at_rest - 1.0).abs() < 0.05, "{told}: {end} N");
+        }
+    }
+}
+
+/// Where the hand comes to tissue at once, its voxels hold it until the model has told of it: once, and not to and fro.
+#[test]
+fn a_hand_that_jumps_into_tissue_soon_feels_it_give() {
+    for each in [100, 200] {
+        let (forces, at_rest) = jumped([-1.0, 3.0], 16, each);
+        let rest = &forces[4 * each as usize..];
+        let most = rest.iter().copied().fold(0.0, f64::max);
+        let least = rest.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(
+            least > 0.7 * at_rest && most < 1.5 * at_rest,
+            "each {each} ms: {least} to {most} N, at rest {at_rest} N"
+        );
+    }
+}
+
 /// The law of an answer that is not at rest is no softer than the tissue, or the tool would fall through.
 #[test]
 fn a_stiff_body_holds_a_hand_while_its_answers_are_cut_off() {
