@@ -285,3 +285,24 @@ fn what_is_seen_behind_the_box_is_where_tissue_stands() {
         assert!((seen - truth).length() < 0.15, "{z}: {seen} {truth}");
     }
 }
+
+/// The box goes on to the face of the tissue with the whole segment behind it too (as a cube it had 54 % too much).
+#[test]
+fn deep_presses_are_felt_nearly_as_in_a_box_that_holds_all() {
+    let force = |whole: bool, nodes: u32| {
+        let soft = |voxel: IVec3| within(voxel, [0, 0, 2], [36, 36, 26]);
+        let bone = |voxel: IVec3| voxel.z < 2;
+        let mut body = Body::new([36, 36, 36], 1e4, soft, bone, settings(whole, nodes));
+        let mut press = |deep: f64, answers: u32| {
+            body.press(DVec3::new(36.0, 36.0, 52.0 + RADIUS - deep), answers)
+        };
+        press(0.0, 5);
+        for step in 1..8 {
+            press(2.0 * f64::from(step), 2);
+        }
+        press(16.0, if whole { 30 } else { 6 }).z
+    };
+    let [joined, truth] = [force(true, 11), force(false, 37)];
+    println!("joined {joined:.4}, all in the box {truth:.4} N");
+    assert!((joined / truth - 1.0).abs() < 0.16, "{joined} {truth} N");
+}

@@ -161,15 +161,14 @@ impl LatticeModel {
     }
 
     /// Where to and by how many nodes a box goes on beyond its cube to hold the face of the tissue from which the
-    /// tool came; none where the cube holds it, or it is too far. Tissue that yields, and the whole
-    /// segment behind the box, are known for cubes alone.
+    /// tool came; none where the cube holds it, or it is too far. Tissue that yields is known for cubes alone.
     fn way_to_the_face(
         &self,
         cube: &BoxPlace,
         spacing: f64,
         rest: &RestVoxels<'_>,
     ) -> Option<(IVec3, i32)> {
-        let is_cube = self.settings.inelastic.yield_strain.is_some() || self.settings.whole;
+        let is_cube = self.settings.inelastic.yield_strain.is_some();
         let pressed = self.pressed.filter(|_| !is_cube)?;
         let axis = (0..3).max_by(|a, b| pressed[*a].abs().total_cmp(&pressed[*b].abs()))?;
         let outward = -IVec3::AXES[axis] * pressed[axis].signum() as i32;
