@@ -387,6 +387,7 @@ impl ServoLoop {
                 stick: settings.friction_static,
                 slip: settings.friction_kinetic,
             },
+            reach: self.state.radius.max(self.grid.smallest_spacing()),
             spacing: self.grid.smallest_spacing(),
             time,
         };

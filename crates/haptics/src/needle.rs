@@ -81,6 +81,7 @@ impl NeedleInput {
             gives_way: true,
             coupling: self.coupling,
             friction: Friction::NONE,
+            reach: 0.0,
             spacing: self.spacing,
             time: self.time,
         }

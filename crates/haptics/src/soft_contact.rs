@@ -50,6 +50,8 @@ pub struct SoftInput {
     pub coupling: Coupling,
     /// Friction of the soft tissue.
     pub friction: Friction,
+    /// How far beyond what holds the probe tissue is asked about while no answer counts [mm].
+    pub reach: f64,
     /// Smallest spacing of the scan [mm].
     pub spacing: f64,
     /// Time of the tick [s].
@@ -125,7 +127,7 @@ impl SoftContact {
     /// is asked for what stops the tool on its way to where the tissue would have it [mm].
     ///
     /// Gives the place of which the next answer is to tell [mm]: where the tool comes to once its spring has
-    /// gone over, or where the device is while no answer counts; none where nothing gives way.
+    /// gone over, or toward the device while no answer counts; none where nothing gives way.
     pub fn follow(
         &mut self,
         input: &SoftInput,
@@ -147,7 +149,9 @@ impl SoftContact {
         }
         let fresh = self.answer.filter(|_| input.gives_way);
         let soft = fresh.map(|answer| self.tool(&answer, input, coupling.stiffness));
-        let wanted = input.gives_way.then(|| soft.unwrap_or(input.device));
+        let near = output.contact_point_in_scene;
+        let toward = near + (input.device - near).clamp_length_max(input.reach);
+        let wanted = input.gives_way.then(|| soft.unwrap_or(toward));
         let stop = wanted.and_then(stop);
         let tool = stop.map(|stop| stop.tool).or(wanted);
         if fresh.is_none() && self.last.is_none() {

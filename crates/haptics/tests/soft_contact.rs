@@ -11,6 +11,8 @@ use palpate_volume::material::LocalContact;
 const K: f64 = 1.0;
 /// Smallest spacing of all tests [mm].
 const H: f64 = 0.5;
+/// How far beyond what holds the probe tissue is asked about [mm].
+const REACH: f64 = 1.5;
 
 /// What a tick gives with the proxy here and a hard spring toward it.
 fn hard(proxy: DVec3, device: DVec3, contact: bool) -> TickOutput {
@@ -45,6 +47,7 @@ fn input(device: DVec3, time: f64, gives_way: bool) -> SoftInput {
             damping: 0.0,
         },
         friction: Friction::NONE,
+        reach: REACH,
         spacing: H,
         time,
     }
@@ -93,9 +96,10 @@ fn the_next_answer_is_to_tell_of_where_the_spring_goes_over_to() {
         let tool = soft.follow(&input(device, time, gives_way), &mut output, |_| stop);
         (tool, output.spring)
     };
-    // while the voxels hold the probe, of where the hand is: tissue does not give before it is asked
+    // while the voxels hold the probe, toward where the hand is: tissue does not give before it is asked
     let mut soft = SoftContact::default();
-    assert_eq!(asked(&mut soft, 0.0, true, None).0, Some(device));
+    let toward = DVec3::Z * -REACH;
+    assert_eq!(asked(&mut soft, 0.0, true, None).0, Some(toward));
     assert_eq!(asked(&mut soft, 0.0, false, None).0, None);
     // by an answer, of where hand and tissue are in balance, while the spring has hardly begun to go there
     soft.take(Some(&floor(0.25, -0.1)), 0.0);
