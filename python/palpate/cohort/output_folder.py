@@ -8,12 +8,14 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from fnmatch import fnmatch
 from glob import escape
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
 from palpate.base.errors import OptionError
+from palpate.base.replacing import agreed_by
 from palpate.base.whole_file import whole_file
 from palpate.cohort.case import Case
 
@@ -36,8 +38,8 @@ class CohortFolder:
             OptionError: It holds something else.
         """
         self._path = path.absolute()
-        known = (path / MARK).is_file()
-        if path.exists() and not known and not (path.is_dir() and not any(path.iterdir())):
+        # in this order: another share of the same cohort may be marking it just now
+        if path.exists() and _holds_others(path) and not (path / MARK).is_file():
             raise OptionError(
                 f"{path} holds something else; allowed: a new folder, an empty one, or that of an "
                 "earlier run"
@@ -52,7 +54,8 @@ class CohortFolder:
         if self.of(MARK).is_file():
             return
         self._path.mkdir(parents=True, exist_ok=True)
-        with whole_file(self.of(MARK)) as unfinished:
+        # another share may have made it meanwhile: it is the same
+        with agreed_by(lambda _: None), whole_file(self.of(MARK)) as unfinished:
             unfinished.write_text('{"kind": "palpate cohort"}\n', "utf-8")
 
     @property
@@ -113,3 +116,9 @@ class CohortFolder:
         with whole_file(self.of(name, "failed.json")) as unfinished:
             text = json.dumps({"reason": reason, "scan": scan}, indent=1, ensure_ascii=False)
             unfinished.write_text(text + "\n", "utf-8")
+
+
+def _holds_others(path: Path) -> bool:
+    """Says whether something other than a mark in the making is there."""
+    marks = f".*-{MARK}"
+    return not path.is_dir() or any(not fnmatch(each.name, marks) for each in path.iterdir())

@@ -8,8 +8,11 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 import pytest
@@ -20,6 +23,7 @@ from palpate.cohort.case import Case, share_of
 from palpate.cohort.case_figures import measured_segments
 from palpate.cohort.case_process import CaseProcess
 from palpate.cohort.matches import cases_over
+from palpate.cohort.output_folder import CohortFolder
 from palpate.cohort.table import cases_of_table
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
@@ -240,6 +244,19 @@ def test_a_pattern_without_quotes_is_told(folder: Path, capsys: Any) -> None:
     said = capsys.readouterr().err
     assert "allowed: the pattern in quotes" in said
     assert expanded[1] not in said
+
+
+def test_shares_may_begin_at_once(tmp_path: Path) -> None:
+    together = Barrier(4)
+
+    def begin(out: Path) -> None:
+        together.wait()
+        CohortFolder(out).begin()
+        (out / f"{uuid4().hex}.part").mkdir()
+
+    with ThreadPoolExecutor(4) as shares:
+        for number in range(100):
+            list(shares.map(begin, [tmp_path / str(number)] * 4))
 
 
 def test_an_output_folder_with_other_things_is_left_alone(folder: Path, capsys: Any) -> None:

@@ -316,9 +316,9 @@ def test_what_a_model_does_not_offer_is_refused(
         assert session.deformation()["model"] is None
 
 
-def held(model: str, options: ModelOptions, seconds: float = 1.55) -> float:
+def held(model: str, options: ModelOptions, seconds: float = 1.55, deep: float = DEEP) -> float:
     """Returns the force [N] of the gel on a tool that presses it, so long after it sets out."""
-    with pressing() as session:
+    with pressing(deep) as session:
         session.set_deformation(model, options)
         session.run(seconds)
         return float(np.linalg.norm(session.deformation()["force"]))
@@ -372,10 +372,11 @@ def test_what_yields_stays_dented_as_one_step_of_undo() -> None:
 
 
 def test_springs_to_where_particles_rest_make_them_stiffer() -> None:
-    loose = held("fcc-lj", ModelOptions(edge=9))
-    bound = held("fcc-lj", ModelOptions(edge=9, binding=1.0))
-    # a spring as stiff as a link on each particle; by how much it counts depends on the dent
-    assert bound > 1.1 * loose > 0.0
+    # a ball of 3 mm, 1 mm deep: deeper, the crystal slips, and each way to rest may end elsewhere
+    loose = held("fcc-lj", ModelOptions(edge=9), deep=-2.0)
+    bound = held("fcc-lj", ModelOptions(edge=9, binding=1.0), deep=-2.0)
+    # a spring as stiff as a link on each particle
+    assert bound > 1.5 * loose > 0.0
 
 
 def test_layers_calibrations_and_motions_are_felt_in_a_session() -> None:
