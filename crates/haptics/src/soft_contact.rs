@@ -152,7 +152,8 @@ impl SoftContact {
         let near = output.contact_point_in_scene;
         let toward = near + (input.device - near).clamp_length_max(input.reach);
         let wanted = input.gives_way.then(|| soft.unwrap_or(toward));
-        let stop = wanted.and_then(stop);
+        // from where the probe is nothing stops it on no way
+        let stop = wanted.filter(|tool| *tool != near).and_then(stop);
         let tool = stop.map(|stop| stop.tool).or(wanted);
         if fresh.is_none() && self.last.is_none() {
             return tool;

@@ -7,6 +7,7 @@ replaced at all, ``replacing`` says.
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +17,7 @@ from uuid import uuid4
 from palpate.base.errors import OptionError
 from palpate.base.replacing import check_replaceable
 
-__all__ = ["check_target", "whole_file", "whole_folder"]
+__all__ = ["check_target", "is_unfinished", "whole_file", "whole_folder"]
 
 
 @contextmanager
@@ -73,6 +74,11 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
 def _beside(path: Path) -> Path:
     return path.with_name(f".{uuid4().hex[:8]}-{path.name}")
+
+
+def is_unfinished(found: Path, name: str) -> bool:
+    """Says whether a path is that of a file or folder of this name in the making."""
+    return re.fullmatch(rf"\.[0-9a-f]{{8}}-{re.escape(name)}", found.name) is not None
 
 
 def check_target(path: Path, suffixes: tuple[str, ...]) -> None:

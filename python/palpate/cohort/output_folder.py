@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from fnmatch import fnmatch
 from glob import escape
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from uuid import uuid4
 
 from palpate.base.errors import OptionError
 from palpate.base.replacing import agreed_by
-from palpate.base.whole_file import whole_file
+from palpate.base.whole_file import is_unfinished, whole_file
 from palpate.cohort.case import Case
 
 __all__ = ["CohortFolder"]
@@ -120,5 +119,4 @@ class CohortFolder:
 
 def _holds_others(path: Path) -> bool:
     """Says whether something other than a mark in the making is there."""
-    marks = f".*-{MARK}"
-    return not path.is_dir() or any(not fnmatch(each.name, marks) for each in path.iterdir())
+    return not path.is_dir() or not all(is_unfinished(each, MARK) for each in path.iterdir())

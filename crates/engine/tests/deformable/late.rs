@@ -116,8 +116,10 @@ fn a_hand_that_jumps_is_not_thrown_back_on_a_busy_computer() {
         for depths in [[2.0, 4.0], [4.0, 8.0]] {
             let (forces, at_rest) = jumped(depths, iterations, each);
             let told = format!("{iterations} each {each} ms, {depths:?} mm, at rest {at_rest} N");
+            // what the last law foresees is up to 1.4 times as much; thrown back, it was three times as much
             let most = forces.iter().copied().fold(0.0, f64::max);
             assert!(most < 1.5 * at_rest, "{told}: {most} N");
+            // two to four answers after it
             let least = forces[400..].iter().copied().fold(f64::INFINITY, f64::min);
             assert!(least > 0.8 * at_rest, "{told}: {least} N");
             let end = forces.last().unwrap();
@@ -131,6 +133,7 @@ fn a_hand_that_jumps_is_not_thrown_back_on_a_busy_computer() {
 fn a_hand_that_jumps_into_tissue_soon_feels_it_give() {
     for each in [100, 200] {
         let (forces, at_rest) = jumped([-1.0, 3.0], 16, each);
+        // the answer that was out, the one that tells of the tissue, and two that come to rest
         let rest = &forces[4 * each as usize..];
         let most = rest.iter().copied().fold(0.0, f64::max);
         let least = rest.iter().copied().fold(f64::INFINITY, f64::min);
