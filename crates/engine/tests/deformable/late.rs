@@ -116,9 +116,10 @@ fn a_hand_that_jumps_is_not_thrown_back_on_a_busy_computer() {
         for depths in [[2.0, 4.0], [4.0, 8.0]] {
             let (forces, at_rest) = jumped(depths, iterations, each);
             let told = format!("{iterations} each {each} ms, {depths:?} mm, at rest {at_rest} N");
-            // what the last law foresees is up to 1.4 times as much; thrown back, it was three times as much
+            // 1.10 at most was seen; where the hand is thrown back it is 3
             let most = forces.iter().copied().fold(0.0, f64::max);
-            assert!(most < 1.5 * at_rest, "{told}: {most} N");
+            println!("{told}: at most {:.2} of it", most / at_rest);
+            assert!(most < 1.2 * at_rest, "{told}: {most} N");
             // two to four answers after it
             let least = forces[400..].iter().copied().fold(f64::INFINITY, f64::min);
             assert!(least > 0.8 * at_rest, "{told}: {least} N");
@@ -154,10 +155,10 @@ fn a_stiff_body_holds_a_hand_while_its_answers_are_cut_off() {
         assert_eq!(rig.violations(), 0);
         forces.into_iter().fold(f64::INFINITY, f64::min)
     };
-    // at rest it is 7.85 N; never at rest it may swing for a moment
-    for iterations in [12, 14, 16, 20] {
+    // at rest it is 7.86 N, and cut off 7.1 N at least was seen: never at rest it may swing for a moment
+    for iterations in [8, 12, 16, 20] {
         let least = deepest(iterations);
-        assert!(least > 6.0, "{iterations}: {least} N");
+        assert!(least > 6.8, "{iterations}: {least} N");
     }
 }
 
