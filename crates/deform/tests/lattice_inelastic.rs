@@ -121,12 +121,14 @@ fn a_tear_takes_the_fracture_energy_at_any_spacing() {
             "{spacing} mm: {from_rigid}"
         );
     }
-    // pressure comes on top where the volume is nearly kept, at each spacing alike
+    // where the volume is nearly kept, its pressure is part of it
     let [fine, middle, coarse] = [1.0, 2.0, 4.0]
         .map(|spacing| work_of_tearing(spacing, wanted, solid(0.45), false) / wanted);
+    println!("nu 0.45: {:?}", [fine, middle, coarse]);
     for share in [fine / middle, coarse / middle] {
         assert!((0.85..1.15).contains(&share), "{share}");
     }
+    assert!((0.85..1.15).contains(&middle), "{middle}");
 }
 
 /// Stiffened bonds hold the same energy at less strain.
@@ -142,14 +144,10 @@ fn a_tear_of_tissue_that_stiffens_takes_the_fracture_energy_at_any_spacing() {
             [1.0, 2.0, 4.0].map(|spacing| work_of_tearing(spacing, wanted, tissue, false) / wanted);
         println!("nu {poisson}, b {stiffening}: {shares:?}");
         let [fine, middle, coarse] = shares;
-        // the pressure of cells comes on top, and more where little strain is between
-        let most = if poisson == 0.25 { 0.15 } else { 0.2 };
         for share in [fine / middle, coarse / middle] {
-            assert!((share - 1.0).abs() < most, "{shares:?}");
+            assert!((0.85..1.15).contains(&share), "{shares:?}");
         }
-        if poisson == 0.25 {
-            assert!((0.85..1.15).contains(&middle), "{shares:?}");
-        }
+        assert!((0.85..1.2).contains(&middle), "{shares:?}");
     }
 }
 

@@ -1,9 +1,9 @@
 //! What does not come back: bonds that break, rest lengths that yield, forces that fade.
 //!
 //! All of it happens between relaxations, on nodes at rest.
-//! - A bond breaks where it is longer than at first by a strain that follows from the fracture energy
-//!   and the spacing. Its cells lose their volume term, and its nodes can meet again; the energy that
-//!   was in both is counted as work.
+//! - A bond breaks where a crack through it would set the fracture energy free. Its nodes can meet
+//!   again; its cells lose their volume term where it runs through them, and not only along them. The
+//!   energy that was in both is counted as work.
 //! - A bond yields where its elastic strain exceeds the yield strain: its rest length follows.
 //!   In a box that moves that is only where a tool presses, and not near the border: what pulls
 //!   there without a tool is that what yielded beyond the border is missing.
@@ -16,9 +16,10 @@
 use glam::{DVec3, IVec3};
 
 use super::bond_forces::{bond_length, rest_length};
-use super::layout::{FAMILIES, FAMILY_COUNT};
+use super::layout::{FAMILIES, FAMILY_COUNT, Layout};
 use super::nodes::{Lattice, NodeMaterial};
 use super::shift::shift;
+use super::volume_forces::cell_energies;
 use crate::material::pair_stiffness;
 
 /// Rest lengths of bonds that yielded, at least and at most, as shares of that at first: 18 bonds that
@@ -139,15 +140,15 @@ impl Inelastic {
         if !may_break && self.settings.yield_strain.is_none() {
             return breaking;
         }
-        let stiffening = lattice.stiffening.as_ref();
-        let exponents = stiffening
-            .filter(|_| may_break)
-            .map(|s| s.exponents(lattice));
+        let strained = may_break.then(|| Strained::of(lattice));
         for family in 0..FAMILY_COUNT {
             for index in 0..lattice.bonds.stiffness[family].len() {
                 if lattice.bonds.stiffness[family][index] > 0.0 {
                     let bond = [family, index];
-                    if may_break && tears(lattice, bond, exponents.as_deref()) {
+                    if strained
+                        .as_ref()
+                        .is_some_and(|strained| strained.tears(lattice, bond))
+                    {
                         torn.push(bond);
                     } else if may_yield(index) {
                         let way = self.follow(lattice, bond);
@@ -171,7 +172,7 @@ impl Inelastic {
             all.place += 0.5 * (lattice.place(index) + lattice.place(far)) / torn.len() as f64;
             self.broken[family][index] = true;
             lattice.bonds.stiffness[family][index] = 0.0;
-            open_cells(lattice, family, index);
+            open_cells(lattice, [family, index]);
         }
         lattice.settle_structure();
         all.count = torn.len() as u32;
@@ -238,7 +239,7 @@ impl Inelastic {
             for index in 0..self.broken[family].len() {
                 if self.broken[family][index] {
                     lattice.bonds.stiffness[family][index] = 0.0;
-                    open_cells(lattice, family, index);
+                    open_cells(lattice, [family, index]);
                 }
             }
         }
@@ -274,56 +275,110 @@ impl Inelastic {
     }
 }
 
-/// Whether a bond is so long that it breaks, so that a crack along a plane of nodes takes the fracture
-/// energy G of the softer side whatever the spacing h: of each h² one bond of length h and four of
-/// √2 h break at a strain ε, which hold (1 + 4 · 2) k (ε h)² / 2, so that G = 4.5 k ε² with the
-/// stiffness k of the bonds. Where tissue stiffens with strain, that is as many times more as such a
-/// plane sets more energy free than its springs hold, by the `exponents` of its nodes. The cells'
-/// pressure comes on top where ν is above 1/4. What is rigid does not tear.
-///
-/// Source: Silling & Askari, Comput. Struct. 83 (2005), eq. 30, for bonds of a lattice.
-fn tears(lattice: &Lattice, [family, index]: [usize; 2], exponents: Option<&[f64]>) -> bool {
-    let Lattice {
-        layout,
-        spacing,
-        moved,
-        matter,
-        node_stiffness,
-        ..
-    } = lattice;
-    let strain =
-        bond_length(layout, *spacing, moved, family, index) / rest_length(family, *spacing) - 1.0;
-    if strain <= 0.0 {
-        return false;
-    }
-    let ends = [index, index + layout.offset(family)];
-    let [stiffness, other] = ends.map(|end| node_stiffness[end]);
-    let of_springs = 4.5 * pair_stiffness(stiffness, other) * strain * strain;
-    let stiffened = exponents.zip(lattice.stiffening.as_ref());
-    let taken = stiffened.map_or(of_springs, |(exponents, stiffening)| {
-        let offset = layout.offset(family);
-        of_springs * stiffening.set_free(exponents, [family, index], offset, strain)
-    });
-    let tears = |end: usize| match &matter[end] {
-        NodeMaterial::Deformable(solid) => taken > solid.fracture_energy,
-        NodeMaterial::Empty | NodeMaterial::Rigid(_) => false,
-    };
-    ends.into_iter().any(tears)
+/// What tissue holds of energy as it stands, beside what is in its bonds as springs.
+struct Strained {
+    /// The exponent of each node that stiffens.
+    exponents: Option<Vec<f64>>,
+    /// Energy of each cell's pressure, below 0 where it is pressed together [N·mm].
+    cells: Vec<f64>,
+    /// Most of a cell, for the area of its face [N·mm/mm²].
+    most_pressure: f64,
 }
 
-/// Takes the volume term from the cells that a bond runs through or along.
-fn open_cells(lattice: &mut Lattice, family: usize, index: usize) {
-    let Some(node) = lattice.layout.node_at(index) else {
-        return;
-    };
-    let [first, step] = [node.as_ivec3(), IVec3::from_array(FAMILIES[family])];
-    let (low, high) = (first.min(first + step), first.max(first + step));
-    // a cell holds the bond where it lies within one step of its lowest node
-    for corner in 0..8 {
-        let cell = high - IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
-        let holds = cell.cmple(low).all() && (high - cell).max_element() <= 1;
-        if let Some(cell) = lattice.layout.index_of(cell).filter(|_| holds) {
+impl Strained {
+    fn of(lattice: &Lattice) -> Self {
+        let exponents = lattice.stiffening.as_ref().map(|s| s.exponents(lattice));
+        let Lattice {
+            layout,
+            spacing,
+            cells,
+            moved,
+            ..
+        } = lattice;
+        let cells = cell_energies(layout, *spacing, cells, moved);
+        let most_pressure = cells.iter().copied().fold(0.0, f64::max) / spacing.powi(2);
+        Self {
+            exponents,
+            cells,
+            most_pressure,
+        }
+    }
+
+    /// Whether a bond is so long that it breaks, so that a crack along a plane of nodes takes the fracture
+    /// energy G of the softer side whatever the spacing h: of each h² one bond of length h and four of
+    /// √2 h break at a strain ε, which hold (1 + 4 · 2) k (ε h)² / 2, so that G = 4.5 k ε² with the
+    /// stiffness k of the bonds. Where tissue stiffens with strain, that is as many times more as such a
+    /// plane sets more energy free than its springs hold, by the exponents of its nodes. The pressure of
+    /// one cell comes on top, where it holds its nodes together. What is rigid does not tear.
+    ///
+    /// Source: Silling & Askari, Comput. Struct. 83 (2005), eq. 30, for bonds of a lattice.
+    fn tears(&self, lattice: &Lattice, bond: [usize; 2]) -> bool {
+        let Lattice {
+            layout,
+            spacing,
+            moved,
+            matter,
+            node_stiffness,
+            ..
+        } = lattice;
+        let [family, index] = bond;
+        let strain = bond_length(layout, *spacing, moved, family, index)
+            / rest_length(family, *spacing)
+            - 1.0;
+        if strain <= 0.0 {
+            return false;
+        }
+        let ends = [index, index + layout.offset(family)];
+        let [stiffness, other] = ends.map(|end| node_stiffness[end]);
+        let of_springs = 4.5 * pair_stiffness(stiffness, other) * strain * strain;
+        let stiffened = self.exponents.as_ref().zip(lattice.stiffening.as_ref());
+        let of_bonds = stiffened.map_or(of_springs, |(exponents, stiffening)| {
+            of_springs * stiffening.set_free(exponents, bond, layout.offset(family), strain)
+        });
+        let tears = |taken: f64| {
+            ends.into_iter().any(|end| match &matter[end] {
+                NodeMaterial::Deformable(solid) => taken > solid.fracture_energy,
+                NodeMaterial::Empty | NodeMaterial::Rigid(_) => false,
+            })
+        };
+        // most bonds are far from it, and need no look at their cells
+        tears(of_bonds + self.most_pressure) && tears(of_bonds + self.pressure(lattice, bond))
+    }
+
+    /// Energy of the pressure that pulls at a bond, for the area of a cell's face [N·mm/mm²].
+    fn pressure(&self, lattice: &Lattice, bond: [usize; 2]) -> f64 {
+        let around = cells_of(&lattice.layout, bond);
+        let (sum, count) = around
+            .filter(|cell| lattice.cells.modulus[*cell] > 0.0)
+            .fold((0.0, 0), |(sum, count), cell| {
+                (sum + self.cells[cell], count + 1)
+            });
+        f64::max(sum, 0.0) / f64::from(count.max(1)) / lattice.spacing.powi(2)
+    }
+}
+
+/// Takes the volume term from the cells that a bond runs through. What runs along them holds a ninth
+/// of a crack's energy: without it, cells hold their nodes still.
+fn open_cells(lattice: &mut Lattice, bond: [usize; 2]) {
+    let is_diagonal = FAMILIES[bond[0]].iter().filter(|step| **step != 0).count() > 1;
+    if is_diagonal {
+        for cell in cells_of(&lattice.layout, bond) {
             lattice.cells.modulus[cell] = 0.0;
         }
     }
+}
+
+/// The cells that a bond runs through or along.
+fn cells_of(layout: &Layout, [family, index]: [usize; 2]) -> impl Iterator<Item = usize> + use<'_> {
+    let step = IVec3::from_array(FAMILIES[family]);
+    let first = layout.node_at(index).map(|node| node.as_ivec3());
+    // a cell holds the bond where it lies within one step of its lowest node
+    first.into_iter().flat_map(move |first| {
+        let (low, high) = (first.min(first + step), first.max(first + step));
+        (0..8).filter_map(move |corner| {
+            let cell = high - IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+            let holds = cell.cmple(low).all() && (high - cell).max_element() <= 1;
+            layout.index_of(cell).filter(|_| holds)
+        })
+    })
 }

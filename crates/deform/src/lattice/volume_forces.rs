@@ -164,25 +164,56 @@ fn pushes(modulus: &Lanes, spacing: f64, gradient: &[[Lanes; 3]; 3]) -> [[Lanes;
     push
 }
 
+/// Energy of the pressure of each cell [N·mm]; below 0 where it is pressed together. Shape [nodes].
+pub(super) fn cell_energies(
+    layout: &Layout,
+    spacing: f64,
+    cells: &Cells,
+    moved: &Field,
+) -> Vec<f64> {
+    let mut energies = vec![0.0; layout.len()];
+    add_cell_energies(layout, spacing, cells, moved, &mut energies);
+    energies
+}
+
 /// Energy of all cells [N·mm].
 pub(super) fn volume_energy(layout: &Layout, spacing: f64, cells: &Cells, moved: &Field) -> f64 {
+    let energies = cell_energies(layout, spacing, cells, moved);
+    energies.into_iter().map(f64::abs).sum()
+}
+
+simd_dispatch! {
+    /// Adds the energy of each cell, with the sign of its change of volume [N·mm].
+    fn add_cell_energies(
+        layout: &Layout,
+        spacing: f64,
+        cells: &Cells,
+        moved: &Field,
+        energies: &mut [f64],
+    ) = [avx512, avx2] add_cell_energies_body
+}
+
+#[inline(always)]
+fn add_cell_energies_body(
+    layout: &Layout,
+    spacing: f64,
+    cells: &Cells,
+    moved: &Field,
+    energies: &mut [f64],
+) {
     let corners = corners(layout);
-    let mut energy = 0.0;
-    for (_, index) in layout.nodes() {
-        let modulus = cells.modulus[index];
-        if modulus > 0.0 {
-            let entry = |axis: usize, along: usize| {
-                let sum = |(corner, offset): (usize, &usize)| {
-                    side(corner, along) * moved[axis][index + offset]
-                };
-                let slope = corners.iter().enumerate().map(sum).sum::<f64>() / (4.0 * spacing);
-                if axis == along { 1.0 + slope } else { slope }
-            };
-            let column =
-                |along| glam::DVec3::new(entry(0, along), entry(1, along), entry(2, along));
-            let volume = column(0).dot(column(1).cross(column(2)));
-            energy += 0.5 * modulus * (volume - 1.0).powi(2) * spacing.powi(3);
+    let scale = 0.5 * spacing.powi(3);
+    for (chunk, _) in cells.used.iter().enumerate().filter(|(_, used)| **used) {
+        let start = chunk * CHUNK;
+        let [x, y, z] = gradients(&corners, spacing, moved, start);
+        let modulus = lanes(&cells.modulus, start);
+        let energy = lanes_mut(energies, start);
+        for n in 0..CHUNK {
+            let volume = x[0][n] * (y[1][n] * z[2][n] - y[2][n] * z[1][n])
+                + x[1][n] * (y[2][n] * z[0][n] - y[0][n] * z[2][n])
+                + x[2][n] * (y[0][n] * z[1][n] - y[1][n] * z[0][n]);
+            let growth = volume - 1.0;
+            energy[n] += scale * modulus[n] * growth * growth.abs();
         }
     }
-    energy
 }
