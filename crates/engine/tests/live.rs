@@ -59,6 +59,53 @@ fn the_outcome_of_the_real_time_priority_is_told() {
     assert_ne!(frame.rates.real_time, warned);
 }
 
+/// What a hand waits for comes before a page's work, and what nobody waits for after it.
+#[cfg(target_os = "linux")]
+#[test]
+fn soft_tissue_comes_before_work_in_the_background() {
+    let session = live(1000);
+    frame_where(&session, |frame| frame.rates.simulation.ticks > 0);
+    // SAFETY: a system call on numbers; 0 is the calling thread, which ends after it
+    let is_allowed =
+        std::thread::spawn(|| unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, -5) == 0 });
+    let preferred = if is_allowed.join().unwrap() { -5 } else { 0 };
+    for (name, expected) in [
+        ("palpate-deforma", preferred),
+        ("palpate-simulat", preferred),
+        ("palpate-fractio", 10),
+    ] {
+        // each thread begins when the machine lets it
+        let began = std::time::Instant::now();
+        while niceness_of(name).iter().any(|found| *found != expected) {
+            assert!(
+                began.elapsed().as_secs() < 60,
+                "{name}: {:?}",
+                niceness_of(name)
+            );
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        assert!(!niceness_of(name).is_empty(), "{name}");
+    }
+}
+
+/// Niceness of the threads of this process that have a name, as far as Linux keeps it.
+#[cfg(target_os = "linux")]
+fn niceness_of(name: &str) -> Vec<i32> {
+    let threads = std::fs::read_dir("/proc/self/task").unwrap();
+    let stats = threads.filter_map(|thread| {
+        // one that has just ended is none
+        std::fs::read_to_string(thread.unwrap().path().join("stat")).ok()
+    });
+    let of_name = stats.filter(|stat| stat.contains(&format!("({name})")));
+    of_name
+        .map(|stat| {
+            // proc_pid_stat(5): niceness is the 19th field, the 17th after the name
+            let (_, fields) = stat.rsplit_once(") ").unwrap();
+            fields.split(' ').nth(16).unwrap().parse().unwrap()
+        })
+        .collect()
+}
+
 #[test]
 fn edits_reach_touch_while_the_probe_presses() {
     let session = live(1000);

@@ -147,10 +147,12 @@ impl Live {
         }));
         let shared = Arc::clone(&live.shared);
         live.spawn("deformation", move || {
+            priority::share_cores(priority::PREFERRED);
             while !shared.stopping() && deformation.wait(PATIENCE) {}
         })?;
         let shared = Arc::clone(&live.shared);
         live.spawn("fractions", move || {
+            priority::share_cores(priority::BACKGROUND);
             while !shared.stopping() && fractions.wait(PATIENCE) {}
         })?;
 
@@ -307,6 +309,7 @@ fn run_simulation(simulation: Metered<Simulation>, inbox: &Receiver<Question>, c
         work: mut simulation,
         mut meter,
     } = simulation;
+    priority::share_cores(priority::PREFERRED);
     let mut pacer = Pacer::new(SIMULATION_HZ, context.start_ns);
     while !context.shared.stopping() {
         let rest = pacer.due_ns().saturating_sub(clock::now_ns());

@@ -1,6 +1,7 @@
-//! Real-time priority for the two threads that must not wait, where the system allows it.
+//! Real-time priority for the two threads that must not wait, and which of the others come first, where the
+//! system allows it.
 //!
-//! Both priorities stay far below the kernel's watchdogs (99), and both threads sleep between
+//! Both real-time priorities stay far below the kernel's watchdogs (99), and both threads sleep between
 //! ticks, so that they cannot starve the machine.
 
 /// Priority of a thread under SCHED_FIFO, 1..=99.
@@ -48,6 +49,28 @@ fn sentence(reason: thread_priority::Error) -> String {
         thread_priority::Error::OS(code) => std::io::Error::from_raw_os_error(code).to_string(),
         other => format!("{other:?}"),
     }
+}
+
+/// How a thread of a session shares the cores with others that have no real-time priority: its niceness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share(i32);
+
+/// What a hand waits for: three quarters of a core beside another thread, so that a page gets its part of
+/// a single core too.
+pub const PREFERRED: Share = Share(-5);
+/// What nobody waits for: a tenth of a core beside another thread.
+pub const BACKGROUND: Share = Share(10);
+
+/// Has the calling thread share the cores so, as far as the system allows; a refusal is not told, since a
+/// system that refuses it refuses real-time priority, too.
+pub fn share_cores(share: Share) {
+    #[cfg(target_os = "linux")]
+    // SAFETY: a system call on numbers; 0 is the calling thread
+    unsafe {
+        libc::setpriority(libc::PRIO_PROCESS, 0, share.0);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let Share(_) = share;
 }
 
 /// Makes the calling thread's sleeps end on time where it has no real-time priority: by default
