@@ -74,6 +74,30 @@ def test_all_are_hidden_shown_and_brought_back_at_once(page: Browser) -> None:
     assert page.complaints == []
 
 
+def test_a_segment_that_is_opened_is_softened_by_the_next_click(page: Browser) -> None:
+    soften = "document.querySelector('[data-testid=soften-200]')"
+    # so many are not listed by themselves
+    assert page.read(f"{soften} === null")
+    page.read("document.querySelector('[data-testid=group-segments]').click()")
+    page.read("document.querySelector('[data-testid=segment-200] .name').click()")
+    page.wait(f"{soften} !== null")
+    page.read("document.querySelector('[data-testid=segment-201] .name').click()")
+    page.wait(f"{soften} === null")
+    # one can also be chosen from a list beside it, and stays
+    page.do("choose", testid="matter-more", value="200")
+    page.wait(f"{soften} !== null")
+    page.do("click", testid="soften-201")
+    page.do("click", testid="tissue-201-liver")
+    page.wait("window.palpate.segments[200].material?.preset === 'liver'")
+    page.wait("window.palpate.state.matter.model === 'lattice'")
+    page.do("screenshot", path=str(OUTPUT / "many-segments-tissue.png"))
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.segments[200].material === null")
+    page.do("click", testid="reset-matter")
+    page.wait("window.palpate.state.matter.model === null")
+    assert page.complaints == []
+
+
 def test_one_is_hidden_and_shown_again_without_fetching_labels(page: Browser) -> None:
     page.wait(f"{SEEN} === {COUNT} && {LABEL} === 1")
     before = page.do("requests", about="/api/labels")["value"]

@@ -33,6 +33,8 @@ export class TissueControl implements StepOwner<FromPage> {
   partsShown = $state(false);
   /** Segments that a person chose from many, to be listed though they are hard. */
   chosen = $state.raw<readonly number[]>([]);
+  /** The segment that a person opened last in the list of segments: listed, too. */
+  opened = $state<number | null>(null);
   /** The segment of which the page asks what it is made of; null where it asks of none. */
   asking = $state.raw<number | null>(null);
   private readonly answers = new AnswerRate();
