@@ -141,4 +141,6 @@ def test_on_a_phone_the_picture_has_the_whole_width_and_panels_lie_below(page: B
 
 def test_the_whole_name_of_a_segment_is_its_tooltip(page: Browser) -> None:
     name = "document.querySelector('li[data-testid=segment-1] .name')"
-    assert page.read(f"{name}.title") == page.read(f"{name}.querySelector('.text').textContent")
+    assert page.read(f"{name}.title") == page.read(
+        f"{name}.querySelector('.whole').textContent.trim()"
+    )

@@ -74,6 +74,29 @@ def test_all_are_hidden_shown_and_brought_back_at_once(page: Browser) -> None:
     assert page.complaints == []
 
 
+def test_a_name_has_the_room_that_it_needs_and_of_a_long_one_the_end_is_seen(page: Browser) -> None:
+    row = "document.querySelector('[data-testid=segment-201]')"
+    page.read(f"{row}.scrollIntoView()")
+    is_whole = "(({ scrollWidth, clientWidth }) => scrollWidth === clientWidth)"
+    assert page.read(f"{is_whole}({row}.querySelector('.name .one-line'))"), "its number tells it"
+
+    page.read(f"{row}.querySelector('.name').click()")
+    field = f"{row}.querySelector('input[type=text]')"
+    page.wait(f"{field} !== null")
+    page.read(f"{field}.value = 'common_carotid_artery_left'")
+    page.read(f"{field}.dispatchEvent(new Event('change', {{ bubbles: true }}))")
+    page.wait("window.palpate.segments[200].name === 'common_carotid_artery_left'")
+    long = f"{row}.querySelector('.name [role=img]')"
+    start, end = f"{long}.firstElementChild", f"{long}.lastElementChild"
+    page.wait(f"{end}.textContent === '_left'")
+    assert not page.read(f"{is_whole}({start})")
+    assert page.read(f"{end}.getBoundingClientRect().right <= {row}.getBoundingClientRect().right")
+    page.do("screenshot", path=str(OUTPUT / "many-segments-names.png"))
+    page.do("press", key="Control+z")
+    page.wait("window.palpate.segments[200].name === 'label 201'")
+    page.read(f"{row}.querySelector('.name').click()")
+
+
 def test_a_segment_that_is_opened_is_softened_by_the_next_click(page: Browser) -> None:
     soften = "document.querySelector('[data-testid=soften-200]')"
     # so many are not listed by themselves

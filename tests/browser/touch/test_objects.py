@@ -160,7 +160,9 @@ def test_all_segments_are_drawn_otherwise_hidden_and_found_at_once(page: Browser
     for left in (0, count):
         page.do("click", testid="all-visible")
         page.wait(f"{seen} === {left}")
-    name = page.read("document.querySelector('li[data-testid=segment-1] .text').textContent")
+    name = page.read(
+        "document.querySelector('li[data-testid=segment-1] .whole').textContent.trim()"
+    )
     page.do("fill", testid="find-segment", text=name.upper())
     page.wait(f"{rows} === 1")
     page.do("fill", testid="find-segment", text="")
