@@ -36,6 +36,7 @@ use pyo3::prelude::*;
 /// The engine of Palpate.
 #[pymodule]
 mod _core {
+    use numpy::PyArrayMethods;
     use pyo3::prelude::*;
 
     #[pymodule_export]
@@ -74,8 +75,21 @@ mod _core {
     #[pymodule_export]
     use super::volume::PyVolume;
 
-    /// A program that ends without stopping its sessions must not leave a force behind.
     #[pymodule_init]
+    fn begin(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        find_numpy(module.py())?;
+        stop_sessions_at_exit(module)
+    }
+
+    /// Looks up here what rust-numpy would look up at the first array: Ctrl-C that came before that, while an
+    /// engine's function ran, would be a panic there instead of a `KeyboardInterrupt`.
+    fn find_numpy(py: Python<'_>) -> PyResult<()> {
+        py.import("numpy")?;
+        numpy::PyArray1::<f32>::zeros(py, 0, false).try_readonly()?;
+        Ok(())
+    }
+
+    /// A program that ends without stopping its sessions must not leave a force behind.
     fn stop_sessions_at_exit(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let stop_all = wrap_pyfunction!(super::running::stop_all, module)?;
         let atexit = module.py().import("atexit")?;

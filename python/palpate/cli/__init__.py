@@ -28,6 +28,9 @@ def main() -> None:
         from palpate.cli.commands import run
 
     code = run(sys.argv[1:])
+    # Python ends itself by SIGINT where Ctrl-C once came while a string was executed, as for each
+    # dataclass, although it was handled; a string that ends well has it forgotten
+    exec("")  # noqa: S102
     # all goes with the process: it is not searched for garbage before, which takes long
     gc.freeze()
     sys.exit(code)

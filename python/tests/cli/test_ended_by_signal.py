@@ -149,3 +149,41 @@ def test_what_a_killed_process_left_goes_at_the_next_start_and_nothing_else(
         told, _ = alive.communicate(timeout=PATIENCE)
         assert alive.returncode == 0, told
     assert list(room.iterdir()) == [foreign]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals")
+def test_ctrl_c_that_came_while_a_string_was_executed_is_an_end_in_order(tmp_path: Path) -> None:
+    (tmp_path / "stopped.py").write_text(
+        "import palpate.cli.commands as commands\n"
+        "from palpate.cli import main\n"
+        "def stopped(_):\n"
+        "    try:\n"
+        # as the standard library makes each dataclass
+        "        exec('raise KeyboardInterrupt')\n"
+        "    except KeyboardInterrupt:\n"
+        "        return 130\n"
+        "commands.run = stopped\n"
+        "main()\n"
+    )
+    # only a module that is run as one ends so
+    ended = subprocess.run([sys.executable, "-m", "stopped"], cwd=tmp_path, check=False)
+    assert ended.returncode == 130
+
+
+def test_ctrl_c_before_the_first_array_of_the_engine_is_no_panic() -> None:
+    program = (
+        "import os, signal, threading\n"
+        "from palpate.volumes.phantom import phantom\n"
+        "import palpate.segmentation, palpate.volumes.volume\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        # while the engine works, which takes a second
+        "threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "try:\n"
+        "    phantom()\n"
+        "except KeyboardInterrupt:\n"
+        "    print('stopped')\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert ended.stdout == "stopped\n", ended.stderr
