@@ -5,6 +5,7 @@
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use palpate_engine::threads::priority::{self, share_cores};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -59,18 +60,5 @@ static BACKGROUND: Mutex<Option<(u32, &'static ThreadPool)>> = Mutex::new(None);
 
 /// Works without the GIL on threads that give way to a session's.
 pub fn in_background<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
-    py.detach(|| pool_of_process(&BACKGROUND, give_way).install(work))
+    py.detach(|| pool_of_process(&BACKGROUND, |_| share_cores(priority::BACKGROUND)).install(work))
 }
-
-/// Lowers the priority of this thread; where that is refused, pictures only take a little from a session.
-fn give_way(_: usize) {
-    #[cfg(target_os = "linux")]
-    // SAFETY: a system call on numbers; 0 is the calling thread
-    unsafe {
-        libc::setpriority(libc::PRIO_PROCESS, 0, NICE);
-    }
-}
-
-/// How much pictures give way: they get less than half of the time that a thread of a session or a browser gets.
-#[cfg(target_os = "linux")]
-const NICE: i32 = 4;

@@ -58,19 +58,20 @@ pub struct Share(i32);
 /// What a hand waits for: three quarters of a core beside another thread, so that a page gets its part of
 /// a single core too.
 pub const PREFERRED: Share = Share(-5);
-/// What nobody waits for: a tenth of a core beside another thread.
-pub const BACKGROUND: Share = Share(10);
+/// Pictures, and the fractions by which masks are smooth: less than half of the time of a thread beside it, and
+/// no less, since what a drill has just cut waits for them, too.
+pub const BACKGROUND: Share = Share(4);
 
 /// Has the calling thread share the cores so, as far as the system allows; a refusal is not told, since a
 /// system that refuses it refuses real-time priority, too.
-pub fn share_cores(share: Share) {
+pub fn share_cores(Share(niceness): Share) {
     #[cfg(target_os = "linux")]
     // SAFETY: a system call on numbers; 0 is the calling thread
     unsafe {
-        libc::setpriority(libc::PRIO_PROCESS, 0, share.0);
+        libc::setpriority(libc::PRIO_PROCESS, 0, niceness);
     }
     #[cfg(not(target_os = "linux"))]
-    let Share(_) = share;
+    let _ = niceness;
 }
 
 /// Makes the calling thread's sleeps end on time where it has no real-time priority: by default
